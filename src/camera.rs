@@ -1,0 +1,411 @@
+//! The stereo camera: pose, off-axis frusta, parallax and comfort. Geometry as DESIGN, section 2.
+
+use glam::{DVec3, Vec3};
+
+use crate::Error;
+
+/// Depth of a ray that hits nothing, in every buffer; WGSL has no infinity. Results turn it into `f32::INFINITY`.
+pub const FAR: f32 = 3.4e38;
+
+/// Distance between human eyes in metres, on average (thesis, eq. 12).
+pub const HUMAN_INTERAXIAL: f32 = 0.065;
+
+/// The rectangle on the screen plane, given by angle or by width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aperture {
+    VerticalFov(f32),
+    ScreenWidth(f32),
+}
+
+/// The distance between the eyes, in world units or in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Interaxial {
+    World(f32),
+    Pixels(f32),
+}
+
+/// Two eyes that look through one screen rectangle (off-axis projection).
+///
+/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`; they stand at
+/// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`, and what lies
+/// on it has zero parallax. Setters take any value; [`StereoCamera::pose`] and every render check them.
+///
+/// ```
+/// use stereotrace::{StereoCamera, glam::Vec3};
+///
+/// let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO)
+///     .size(640, 480)
+///     .vertical_fov_degrees(40.0)
+///     .screen_distance(5.0)
+///     .interaxial_pixels(10.0);
+/// assert_eq!(camera.pose()?.parallax_px(5.0), 0.0);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StereoCamera {
+    eye: Vec3,
+    target: Vec3,
+    up: Vec3,
+    aperture: Aperture,
+    screen_distance: f32,
+    interaxial: Interaxial,
+    width: u32,
+    height: u32,
+}
+
+/// A checked camera, in numbers that kernels and formulas use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Pose {
+    /// Midpoint between the eyes, world space.
+    pub eye: Vec3,
+    /// View direction `f`, unit length.
+    pub forward: Vec3,
+    /// The picture's right `r`, unit length.
+    pub right: Vec3,
+    /// The picture's up `u = r × f`, unit length.
+    pub up: Vec3,
+    /// Distance `d` from the plane of the eyes to the screen, world units.
+    pub screen_distance: f32,
+    /// Screen rectangle's width `W` and height `H`, world units.
+    pub screen_size: [f32; 2],
+    /// Distance between the eyes `e`, world units.
+    pub interaxial: f32,
+    /// `e_px = e w / W`: the parallax at infinity, pixels.
+    pub interaxial_px: f32,
+    /// Picture size `[w, h]`, pixels.
+    pub size: [u32; 2],
+}
+
+impl StereoCamera {
+    /// A camera at `eye` (the midpoint between the eyes) that looks at `target`: up is +y, 640 x 480 pixels, 45
+    /// degrees of vertical field of view, the screen at the target, and a thirtieth of that distance between the eyes.
+    pub fn look_at(eye: Vec3, target: Vec3) -> Self {
+        let distance = eye.distance(target);
+        Self {
+            eye,
+            target,
+            up: Vec3::Y,
+            aperture: Aperture::VerticalFov(45.0),
+            screen_distance: distance,
+            interaxial: Interaxial::World(distance / 30.0),
+            width: 640,
+            height: 480,
+        }
+    }
+
+    /// A camera for an object of unknown size: from the front (+z), a little to the right and above, so that the
+    /// sphere around `bounds` (low and high corner) fits the picture; the screen through its centre, and a
+    /// thirtieth of the nearest distance between the eyes.
+    pub fn fitting(bounds: (Vec3, Vec3), width: u32, height: u32) -> Self {
+        let (low, high) = bounds;
+        let center = low.midpoint(high);
+        let radius = match 0.5 * low.distance(high) {
+            radius if radius > 0.0 => radius,
+            _ => 1.0,
+        };
+        let vertical_fov = 35.0_f32;
+        let half_height = (0.5 * vertical_fov).to_radians().tan();
+        let half_width = half_height * width as f32 / height.max(1) as f32;
+        let narrower = half_height.min(half_width).max(1e-3).atan();
+        let distance = radius / narrower.sin();
+        let direction = Vec3::new(0.35, 0.25, 1.0).normalize();
+        Self::look_at(center + direction * distance, center)
+            .size(width, height)
+            .vertical_fov_degrees(vertical_fov)
+            .interaxial((distance - radius).max(0.1 * distance) / 30.0)
+    }
+
+    /// The direction that is up in the picture; it must not be parallel to the view direction.
+    pub fn up(mut self, up: Vec3) -> Self {
+        self.up = up;
+        self
+    }
+
+    /// Picture size in pixels.
+    pub fn size(mut self, width: u32, height: u32) -> Self {
+        (self.width, self.height) = (width, height);
+        self
+    }
+
+    /// Vertical field of view in degrees, between 0 and 180.
+    pub fn vertical_fov_degrees(mut self, degrees: f32) -> Self {
+        self.aperture = Aperture::VerticalFov(degrees);
+        self
+    }
+
+    /// Width `W` of the screen rectangle in world units, instead of the field of view.
+    pub fn screen_width(mut self, width: f32) -> Self {
+        self.aperture = Aperture::ScreenWidth(width);
+        self
+    }
+
+    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units.
+    pub fn screen_distance(mut self, distance: f32) -> Self {
+        self.screen_distance = distance;
+        self
+    }
+
+    /// Distance `e` between the eyes in world units.
+    pub fn interaxial(mut self, distance: f32) -> Self {
+        self.interaxial = Interaxial::World(distance);
+        self
+    }
+
+    /// Distance between the eyes in pixels of this picture: the parallax at infinity.
+    pub fn interaxial_pixels(mut self, pixels: f32) -> Self {
+        self.interaxial = Interaxial::Pixels(pixels);
+        self
+    }
+
+    /// Checks the camera and works out its axes and sizes.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], naming the field: a size of zero, `d` not above 0, a field of view outside 0 to 180
+    /// degrees, an interaxial that is negative or no number, or `up` parallel to the view.
+    pub fn pose(&self) -> Result<Pose, Error> {
+        let fault = |field, value: String, reason| Err(Error::Camera { field, value, reason });
+        let positive = |value: f32| value > 0.0 && value.is_finite();
+        if self.width == 0 || self.height == 0 {
+            return fault("size", format!("{}x{}", self.width, self.height), "width and height must be at least 1");
+        }
+        for (field, value) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
+            if !(value.abs().max_element() <= crate::scene::MAX_COORDINATE) {
+                return fault(field, value.to_string(), "its coordinates must be numbers within ±1e8");
+            }
+        }
+        if !positive(self.screen_distance) {
+            return fault("screen_distance", self.screen_distance.to_string(), "it must be above 0");
+        }
+        // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
+        let forward = (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or_zero();
+        if forward == DVec3::ZERO {
+            return fault("target", self.target.to_string(), "it must differ from the eye");
+        }
+        let side = forward.cross(self.up.as_dvec3().normalize_or_zero());
+        if !(side.length() > 1e-6) {
+            return fault("up", self.up.to_string(), "it must not be zero or parallel to the view direction");
+        }
+        let right = side.normalize();
+        let (width, height) = (self.width as f32, self.height as f32);
+        let screen_size = match self.aperture {
+            Aperture::VerticalFov(degrees) => {
+                if !(degrees > 0.0 && degrees < 180.0) {
+                    return fault("vertical_fov", degrees.to_string(), "it must lie between 0 and 180 degrees");
+                }
+                let screen_height = 2.0 * self.screen_distance * (0.5 * degrees).to_radians().tan();
+                [screen_height * width / height, screen_height]
+            }
+            Aperture::ScreenWidth(screen_width) => {
+                if !positive(screen_width) {
+                    return fault("screen_width", screen_width.to_string(), "it must be above 0");
+                }
+                [screen_width, screen_width * height / width]
+            }
+        };
+        let (interaxial, interaxial_px) = match self.interaxial {
+            Interaxial::World(world) => (world, world * width / screen_size[0]),
+            Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
+        };
+        if !(interaxial >= 0.0 && interaxial.is_finite() && interaxial_px.is_finite()) {
+            return fault("interaxial", interaxial.to_string(), "it must be a number of at least 0");
+        }
+        Ok(Pose {
+            eye: self.eye,
+            forward: forward.as_vec3(),
+            right: right.as_vec3(),
+            up: right.cross(forward).as_vec3(),
+            screen_distance: self.screen_distance,
+            screen_size,
+            interaxial,
+            interaxial_px,
+            size: [self.width, self.height],
+        })
+    }
+}
+
+impl Pose {
+    /// Parallax `x_r - x_l = e_px (1 - d/Z)` in pixels of a point at depth `z` (thesis, eq. 10, in pixels):
+    /// `e_px` at infinity, 0 on the screen, `-e_px` at `d/2`.
+    pub fn parallax_px(&self, z: f32) -> f32 {
+        self.interaxial_px * (1.0 - self.screen_distance / z)
+    }
+
+    /// World position of an eye: -1 left, +1 right, 0 the midpoint.
+    pub fn eye_position(&self, side: f32) -> Vec3 {
+        (self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial)).as_vec3()
+    }
+
+    /// Where a world point lands in an eye's picture: `[x, y, Z]`, x and y in pixels from the top left corner
+    /// (pixel centres at halves), `Z` its depth along the view direction.
+    pub fn project(&self, point: Vec3, side: f32) -> [f32; 3] {
+        let eye = self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial);
+        let to = point.as_dvec3() - eye;
+        let z = to.dot(self.forward.as_dvec3());
+        let (w, h) = (f64::from(self.size[0]), f64::from(self.size[1]));
+        let pixels = w / f64::from(self.screen_size[0]);
+        let d = f64::from(self.screen_distance);
+        // The screen is centred between the eyes, so an eye's own offset comes back in.
+        let on_screen = to.dot(self.right.as_dvec3()) * d / z + f64::from(0.5 * side * self.interaxial);
+        let y = to.dot(self.up.as_dvec3()) * d / z;
+        [(0.5 * w + on_screen * pixels) as f32, (0.5 * h - y * pixels) as f32, z as f32]
+    }
+
+    /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where
+    /// there is sky), on a display `display_width` metres wide.
+    pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
+        let width = self.size[0] as f32;
+        let positive_px = self.parallax_px(farthest).max(0.0);
+        let negative_px = self.parallax_px(nearest).min(0.0);
+        Comfort {
+            interaxial_ratio: self.interaxial_px / width,
+            interaxial_limit: HUMAN_INTERAXIAL / display_width,
+            nearest_ratio: nearest / self.screen_distance,
+            positive_parallax_px: positive_px,
+            negative_parallax_px: negative_px,
+            positive_parallax_percent: 100.0 * positive_px / width,
+            negative_parallax_percent: 100.0 * negative_px / width,
+            display_width,
+        }
+    }
+}
+
+/// How comfortable a stereo pair is to look at. It warns and never refuses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Comfort {
+    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side).
+    pub interaxial_ratio: f32,
+    /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
+    pub interaxial_limit: f32,
+    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2).
+    pub nearest_ratio: f32,
+    /// Largest parallax behind the screen, pixels, at least 0.
+    pub positive_parallax_px: f32,
+    /// Largest parallax before the screen, pixels, at most 0.
+    pub negative_parallax_px: f32,
+    /// The same in percent of the picture's width.
+    pub positive_parallax_percent: f32,
+    /// The same in percent of the picture's width.
+    pub negative_parallax_percent: f32,
+    /// Width of the display in metres that this holds for.
+    pub display_width: f32,
+}
+
+impl Comfort {
+    /// The eyes need not diverge (thesis, eq. 12).
+    pub fn converges(&self) -> bool {
+        self.interaxial_ratio < self.interaxial_limit
+    }
+
+    /// Nothing is nearer than half the screen's distance (thesis, section 2.3.2).
+    pub fn nothing_too_near(&self) -> bool {
+        self.nearest_ratio >= 0.5
+    }
+
+    /// What is uncomfortable, a sentence each; empty if all is well.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if !self.converges() {
+            warnings.push(format!(
+                "the interaxial is {:.2}% of the width, over the {:.2}% at which eyes diverge on a display {:.2} m wide",
+                100.0 * self.interaxial_ratio,
+                100.0 * self.interaxial_limit,
+                self.display_width
+            ));
+        }
+        if !self.nothing_too_near() {
+            warnings.push(format!(
+                "the nearest surface is at {:.2} of the screen's distance, nearer than one half",
+                self.nearest_ratio
+            ));
+        }
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> StereoCamera {
+        StereoCamera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO)
+            .size(200, 100)
+            .screen_width(4.0)
+            .screen_distance(5.0)
+            .interaxial(0.2)
+    }
+
+    #[test]
+    fn a_point_on_the_right_is_right_of_the_centre_and_moves_left_as_it_comes_near() {
+        let pose = camera().pose().unwrap();
+        let mut last = f32::INFINITY;
+        for z in [-10.0, 0.0, 2.0, 3.0] {
+            let point = Vec3::new(0.3, 0.0, z);
+            let ([left, ..], [right, _, depth]) = (pose.project(point, -1.0), pose.project(point, 1.0));
+            assert!(left > 100.0 && right > 100.0 - pose.interaxial_px);
+            assert!((right - left - pose.parallax_px(depth)).abs() < 1e-4, "{left} {right} {depth}");
+            assert!(right - left < last);
+            last = right - left;
+        }
+    }
+
+    #[test]
+    fn parallax_is_e_at_infinity_zero_on_the_screen_and_minus_e_at_half_of_it() {
+        let pose = camera().pose().unwrap();
+        assert_eq!(pose.interaxial_px, 10.0);
+        assert_eq!(pose.parallax_px(f32::INFINITY), 10.0);
+        assert_eq!(pose.parallax_px(FAR), 10.0);
+        assert_eq!(pose.parallax_px(5.0), 0.0);
+        assert_eq!(pose.parallax_px(2.5), -10.0);
+    }
+
+    #[test]
+    fn an_invalid_camera_names_its_field() {
+        let broken = [
+            (camera().size(0, 5), "size"),
+            (camera().screen_distance(0.0), "screen_distance"),
+            (camera().screen_distance(f32::NAN), "screen_distance"),
+            (camera().interaxial(-1.0), "interaxial"),
+            (camera().interaxial(f32::NAN), "interaxial"),
+            (camera().interaxial_pixels(f32::INFINITY), "interaxial"),
+            (camera().up(Vec3::Z), "up"),
+            (camera().up(Vec3::ZERO), "up"),
+            (camera().vertical_fov_degrees(180.0), "vertical_fov"),
+            (camera().screen_width(-1.0), "screen_width"),
+            (StereoCamera::look_at(Vec3::ONE, Vec3::ONE).screen_distance(1.0), "target"),
+            (StereoCamera::look_at(Vec3::NAN, Vec3::ONE), "eye"),
+        ];
+        for (camera, field) in broken {
+            let message = camera.pose().unwrap_err().to_string();
+            assert!(message.starts_with(&format!("invalid camera: {field} is ")), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_fitting_camera_sees_the_whole_box() {
+        for scale in [1e-3, 1.0, 1e6] {
+            for (width, height) in [(100, 100), (300, 100), (100, 300)] {
+                let (low, high) = (Vec3::new(1.0, 2.0, 3.0) * scale, Vec3::new(4.0, 9.0, 5.0) * scale);
+                let pose = StereoCamera::fitting((low, high), width, height).pose().unwrap();
+                for corner in 0..8 {
+                    let pick = |bit: usize, axis: usize| if corner >> bit & 1 == 0 { low[axis] } else { high[axis] };
+                    let [x, y, z] = pose.project(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)), 0.0);
+                    assert!(z > 0.0 && (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn comfort_follows_equation_12() {
+        let pose = camera().pose().unwrap();
+        let comfort = pose.comfort(2.6, f32::INFINITY, 0.5);
+        assert_eq!(comfort.interaxial_ratio, 0.05);
+        assert!(comfort.converges() && comfort.nothing_too_near() && comfort.warnings().is_empty());
+        assert_eq!(comfort.positive_parallax_percent, 5.0);
+        let cinema = pose.comfort(2.4, 10.0, 12.0);
+        assert!(!cinema.converges() && !cinema.nothing_too_near());
+        assert_eq!(cinema.warnings().len(), 2);
+    }
+}

@@ -1,0 +1,99 @@
+//! The one error type.
+
+use std::path::PathBuf;
+
+/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No graphics driver offers an adapter that fits.
+    #[error("no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one")]
+    NoAdapter {
+        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…`, or empty.
+        wanted: String,
+        /// What the driver loader said, or which adapters there are.
+        reason: String,
+    },
+    /// The device went away (driver reset, unplugged, or destroyed by the program).
+    #[error("the graphics device was lost: {0}; create a new Gpu and try again")]
+    DeviceLost(String),
+    /// The device has no memory left for this picture or scene.
+    #[error("the graphics device is out of memory: {0}; use a smaller picture or scene")]
+    OutOfMemory(String),
+    /// The driver refused something this library asked for: a defect here or there.
+    #[error("the graphics driver refused a request: {0}")]
+    Gpu(String),
+    /// Something is larger than this adapter allows.
+    #[error("{what} needs {needed} but this adapter's {limit} is {allowed}; {remedy}")]
+    Limit {
+        /// What is too large.
+        what: String,
+        /// How large it is, with its unit.
+        needed: String,
+        /// The name of the adapter's limit.
+        limit: &'static str,
+        /// The limit's value, with its unit.
+        allowed: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A camera that has no picture.
+    #[error("invalid camera: {field} is {value}; {reason}")]
+    Camera {
+        /// The field at fault.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What is expected of it.
+        reason: &'static str,
+    },
+    /// A scene with an element that cannot be rendered.
+    #[error("invalid scene: {element}: {reason}")]
+    Scene {
+        /// The element, as `mesh 'table', vertex 12`.
+        element: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A combination of method choices that does not exist.
+    #[error("no such method: {first} does not go with {second}; {remedy}")]
+    Method {
+        /// One of the two choices.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+        /// What does go together.
+        remedy: &'static str,
+    },
+    /// A file whose content is wrong.
+    #[error("{}{}: {reason}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1, where it is known.
+        line: Option<usize>,
+        /// What is wrong there.
+        reason: String,
+    },
+    /// A file that could not be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The progress callback asked to stop.
+    #[error("cancelled by the progress callback")]
+    Cancelled,
+}
+
+impl Error {
+    pub(crate) fn file(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {
+        Self::File { path: path.into(), line, reason: reason.into() }
+    }
+
+    pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::Io { path: path.into(), source }
+    }
+}

@@ -1,0 +1,166 @@
+//! What a render returns: two views, where each right pixel came from, and what it cost.
+
+use std::time::Duration;
+
+use crate::Pose;
+
+/// Primitive or object id where nothing was hit.
+pub const MISS: u32 = u32::MAX;
+
+/// What one eye sees. All lists are row-major, `[height][width]`, top row first.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct View {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The picture, sRGB-encoded, alpha 255.
+    pub rgba8: Vec<[u8; 4]>,
+    /// The picture, linear RGB in 0 to 1, alpha 1.
+    pub linear: Vec<[f32; 4]>,
+    /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` where nothing was hit.
+    pub depth: Vec<f32>,
+    /// Id of the primitive that was hit, or [`MISS`].
+    pub primitive: Vec<u32>,
+    /// Id of the object it belongs to, or [`MISS`].
+    pub object: Vec<u32>,
+}
+
+/// Where a right pixel's colour came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum PixelSource {
+    /// Taken over from the left view.
+    Reused = 0,
+    /// A left sample landed here, but something was found before it: traced.
+    Bad = 1,
+    /// No left sample landed here: traced.
+    Missed = 2,
+    /// Traced without looking at the left view (`Naive`).
+    Traced = 3,
+}
+
+/// Rays of one view by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Rays {
+    /// Closest-hit rays through pixels.
+    pub primary: u64,
+    /// Length-limited any-hit rays that check reused pixels.
+    pub verification: u64,
+    /// Any-hit rays towards lights.
+    pub shadow: u64,
+}
+
+impl Rays {
+    /// All kinds together.
+    pub fn total(&self) -> u64 {
+        self.primary + self.verification + self.shadow
+    }
+}
+
+/// What one view cost, in counts that no machine changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Work {
+    /// Rays by kind.
+    pub rays: Rays,
+    /// BVH nodes visited (a node holds the boxes of two children); 0 unless counting was asked for.
+    pub nodes: u64,
+    /// Primitives tested; 0 unless counting was asked for.
+    pub primitive_tests: u64,
+}
+
+impl Work {
+    /// The cost model of BRACKET's figures: box tests (two a node) plus primitive tests.
+    pub fn cost(&self) -> u64 {
+        2 * self.nodes + self.primitive_tests
+    }
+}
+
+/// Time of each pass on the device, from timestamp queries.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PassTimes(pub Vec<(&'static str, Duration)>);
+
+impl PassTimes {
+    /// All passes together.
+    pub fn total(&self) -> Duration {
+        self.0.iter().map(|(_, time)| *time).sum()
+    }
+}
+
+/// What a frame cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Statistics {
+    /// The left view's work.
+    pub left: Work,
+    /// The right view's work.
+    pub right: Work,
+    /// Right pixels taken over from the left view.
+    pub reused: u64,
+    /// Right pixels whose left sample was rejected; traced.
+    pub bad: u64,
+    /// Right pixels without a left sample; traced.
+    pub missed: u64,
+    /// `Buffer` only: candidates that found their slot taken (DESIGN, section 2).
+    pub lost_candidates: u64,
+    /// `Buffer` only: slots a right pixel.
+    pub buffer_depth: u32,
+    /// Time of each pass in order; `None` where the adapter has no timestamps.
+    pub times: Option<PassTimes>,
+    /// Device memory of the buffers between the passes in bytes, without the pair's own pictures.
+    pub intermediate_bytes: u64,
+}
+
+impl Statistics {
+    /// Share of the right pixels that were traced, 0 to 1.
+    pub fn retraced_share(&self) -> f64 {
+        let pixels = self.reused + self.bad + self.missed;
+        if pixels == 0 { 0.0 } else { (self.bad + self.missed) as f64 / pixels as f64 }
+    }
+
+    /// `m`, the right view's cost relative to the left view's, by counters (DESIGN, section 7). Needs counting.
+    pub fn second_eye(&self) -> f64 {
+        self.right.cost() as f64 / self.left.cost().max(1) as f64
+    }
+}
+
+/// A rendered stereo pair.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StereoPair {
+    /// What the left eye sees.
+    pub left: View,
+    /// What the right eye sees.
+    pub right: View,
+    /// Where each right pixel came from, row-major.
+    pub source: Vec<PixelSource>,
+    /// What it cost.
+    pub statistics: Statistics,
+    /// The camera it was rendered with.
+    pub pose: Pose,
+}
+
+impl View {
+    /// Nearest and farthest depth; the farthest is infinite where there is sky, both where there is nothing else.
+    pub fn depth_range(&self) -> (f32, f32) {
+        let fold = |(near, far): (f32, f32), &z: &f32| (near.min(z), far.max(z));
+        self.depth.iter().fold((f32::INFINITY, 0.0), fold)
+    }
+}
+
+impl StereoPair {
+    /// The re-trace map as a picture, as Adelson & Hodges 1993 show it: green = reused, red = bad, traced again;
+    /// missed pixels, which they leave red too, are yellow; grey = traced without reuse. sRGB, row-major.
+    pub fn retrace_map(&self) -> Vec<[u8; 4]> {
+        let color = |source: &PixelSource| match source {
+            PixelSource::Reused => [0, 128, 0, 255],
+            PixelSource::Bad => [224, 0, 0, 255],
+            PixelSource::Missed => [240, 200, 0, 255],
+            PixelSource::Traced => [128, 128, 128, 255],
+        };
+        self.source.iter().map(color).collect()
+    }
+}

@@ -1,0 +1,362 @@
+//! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
+
+pub mod builtin;
+#[cfg(feature = "obj")]
+mod obj;
+
+use glam::{DVec3, Vec3};
+
+use crate::{Error, StereoCamera};
+
+/// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
+pub const MAX_COORDINATE: f32 = 1e8;
+
+/// The share of the light that every surface gets when nothing else is said, see [`Scene::place_lights`].
+const DEFAULT_AMBIENT: f32 = 0.15;
+
+/// Index of a [`Material`] in its [`Scene`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// A diffuse (Lambertian) surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The material's name in its file, or empty.
+    pub name: String,
+    /// Diffuse reflectance, linear RGB, 0 to 1.
+    pub albedo: Vec3,
+}
+
+/// An omnidirectional point light without falloff (thesis, chapter 4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// World position.
+    pub position: Vec3,
+    /// Radiance it adds to a white surface that faces it, linear RGB.
+    pub intensity: Vec3,
+}
+
+/// What a ray sees that hits nothing, linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Sky {
+    /// One colour.
+    Constant(Vec3),
+    /// A blend along the world's y axis.
+    Gradient {
+        /// Colour straight down.
+        nadir: Vec3,
+        /// Colour straight up.
+        zenith: Vec3,
+    },
+}
+
+/// A sphere, given by its equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// World position of its centre.
+    pub center: Vec3,
+    /// Radius in world units, above 0.
+    pub radius: f32,
+    /// Its material.
+    pub material: MaterialId,
+}
+
+/// Indexed triangles that make one object.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// The object's name, or empty.
+    pub name: String,
+    /// World positions.
+    pub positions: Vec<Vec3>,
+    /// Corners of each triangle, indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// One material a triangle, or a single one for all.
+    pub materials: Vec<MaterialId>,
+    /// Three unit normals a triangle for smooth shading, or empty: the triangles are flat.
+    /// A triangle whose three normals are zero is flat too.
+    pub normals: Vec<[Vec3; 3]>,
+}
+
+/// A primitive's place in its scene: which object it belongs to, and where objects begin.
+#[derive(Clone, Debug)]
+pub(crate) struct Object {
+    pub(crate) name: String,
+    pub(crate) first_primitive: u32,
+}
+
+/// A triangle with everything a renderer asks of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Corners in world space.
+    pub corners: [Vec3; 3],
+    /// Shading normals at the corners; zero where the triangle is flat.
+    pub normals: [Vec3; 3],
+    /// Its material.
+    pub material: MaterialId,
+}
+
+impl Triangle {
+    /// No area (exactly, in f64), or a corner that is no number: it can't be hit.
+    pub fn is_degenerate(&self) -> bool {
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        let normal: DVec3 = (b - a).cross(c - a);
+        !(normal.length_squared() > 0.0)
+    }
+}
+
+/// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
+/// their number), then spheres.
+///
+/// ```
+/// use stereotrace::{Scene, Sphere, glam::Vec3};
+///
+/// let mut scene = Scene::new();
+/// let red = scene.add_material("red", Vec3::new(0.8, 0.1, 0.1));
+/// scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: red })?;
+/// assert_eq!(scene.primitive_count(), 1);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Point lights. Empty: only `ambient` lights the surfaces, see [`Scene::place_lights`].
+    pub lights: Vec<PointLight>,
+    /// Light that reaches every surface from everywhere, linear RGB.
+    pub ambient: Vec3,
+    /// What a ray sees that hits nothing.
+    pub sky: Sky,
+    materials: Vec<Material>,
+    triangles: Vec<Triangle>,
+    spheres: Vec<Sphere>,
+    mesh_objects: Vec<Object>,
+    has_normals: bool,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Scene {
+    /// An empty scene: black sky, white ambient light, one grey material (id 0).
+    pub fn new() -> Self {
+        Self {
+            lights: Vec::new(),
+            ambient: Vec3::ONE,
+            sky: Sky::Constant(Vec3::ZERO),
+            materials: vec![Material { name: String::new(), albedo: Vec3::splat(0.7) }],
+            triangles: Vec::new(),
+            spheres: Vec::new(),
+            mesh_objects: Vec::new(),
+            has_normals: false,
+        }
+    }
+
+    /// Adds a material and returns its id.
+    pub fn add_material(&mut self, name: impl Into<String>, albedo: Vec3) -> MaterialId {
+        self.materials.push(Material { name: name.into(), albedo });
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a mesh as one object.
+    ///
+    /// # Errors
+    /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
+    /// larger than [`MAX_COORDINATE`], lists whose lengths don't fit, or a material that is not there.
+    pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
+        let fault = |element: String, reason: String| Error::Scene {
+            element: format!("mesh '{}', {element}", mesh.name),
+            reason,
+        };
+        for (index, &position) in mesh.positions.iter().enumerate() {
+            check_coordinate(position).map_err(|reason| fault(format!("vertex {index}"), reason))?;
+        }
+        let count = mesh.triangles.len();
+        if mesh.materials.len() != 1 && mesh.materials.len() != count {
+            let reason = format!("{} for {count} triangles; give one for all or one each", mesh.materials.len());
+            return Err(fault("materials".into(), reason));
+        }
+        if !mesh.normals.is_empty() && mesh.normals.len() != count {
+            let reason = format!("{} for {count} triangles; give none or three each", mesh.normals.len());
+            return Err(fault("normals".into(), reason));
+        }
+        let mut triangles = Vec::with_capacity(count);
+        for (index, corners) in mesh.triangles.iter().enumerate() {
+            let at = || format!("triangle {index}");
+            if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
+                let reason = format!("corner {corner} of {} vertices", mesh.positions.len());
+                return Err(fault(at(), reason));
+            }
+            let material = mesh.materials[if mesh.materials.len() == 1 { 0 } else { index }];
+            self.check_material(material).map_err(|reason| fault(at(), reason))?;
+            let normals = mesh.normals.get(index).copied().unwrap_or_default();
+            if normals.iter().any(|normal| !normal.is_finite()) {
+                return Err(fault(at(), "a normal is not a finite number".into()));
+            }
+            let corners = corners.map(|corner| mesh.positions[corner as usize]);
+            triangles.push(Triangle { corners, normals, material });
+        }
+        self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: self.triangles.len() as u32 });
+        self.has_normals |= mesh.normals.iter().flatten().any(|normal| *normal != Vec3::ZERO);
+        self.triangles.extend(triangles);
+        Ok(())
+    }
+
+    /// Adds a sphere as an object of its own.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a centre or radius that is not finite or too large, a radius that is not above 0, or a
+    /// material that is not there.
+    pub fn add_sphere(&mut self, sphere: Sphere) -> Result<(), Error> {
+        let check = || {
+            check_coordinate(sphere.center)?;
+            check_coordinate(Vec3::splat(sphere.radius))?;
+            if sphere.radius <= 0.0 {
+                return Err(format!("radius {} is not above 0", sphere.radius));
+            }
+            self.check_material(sphere.material)
+        };
+        check().map_err(|reason| Error::Scene { element: format!("sphere {}", self.spheres.len()), reason })?;
+        self.spheres.push(sphere);
+        Ok(())
+    }
+
+    /// Reads a scene from an OBJ file and the MTL files it names. Polygons are fanned, missing normals make flat
+    /// triangles, a missing MTL is logged and gives grey. The scene has no lights yet: see [`Scene::place_lights`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if its content
+    /// is wrong: numbers that don't parse or are not finite, indices out of range, no faces at all.
+    #[cfg(feature = "obj")]
+    pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        obj::read(path.as_ref())
+    }
+
+    /// Places `count` lights by one rule, the same for every method and scene file (DESIGN, section 3), and sets
+    /// the ambient light to 0.15: light `k` stands beside and above the eyes, at
+    /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
+    /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
+    /// behind a wall. All lights together add up to 1.2.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] if the camera is invalid.
+    pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
+        let pose = camera.pose()?;
+        let inner = self.bounds().and_then(|(low, high)| {
+            let inset = (high - low) * 0.05;
+            let inside = pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all();
+            inside.then_some((low + inset, high - inset))
+        });
+        const GOLDEN_ANGLE: f32 = 2.399_963_2;
+        self.ambient = Vec3::splat(DEFAULT_AMBIENT);
+        self.lights = (0..count)
+            .map(|k| {
+                let (sin, cos) = (k as f32 * GOLDEN_ANGLE).sin_cos();
+                let reach = pose.screen_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
+                let position = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
+                let position = inner.map_or(position, |(low, high)| position.clamp(low, high));
+                PointLight { position, intensity: Vec3::splat(1.2 / count as f32) }
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// The axis-aligned box around all primitives that can be hit, or `None` if there are none.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
+        let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
+        triangles.chain(spheres).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
+            let (low, high) = bounds.unwrap_or((point, point));
+            Some((low.min(point), high.max(point)))
+        })
+    }
+
+    /// Number of primitive ids: triangles (dropped ones too), then spheres.
+    pub fn primitive_count(&self) -> usize {
+        self.triangles.len() + self.spheres.len()
+    }
+
+    /// Triangles without area, which are counted and not traced.
+    pub fn degenerate_count(&self) -> usize {
+        self.triangles.iter().filter(|triangle| triangle.is_degenerate()).count()
+    }
+
+    /// All triangles, degenerate ones too; index = primitive id.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// All spheres; index + number of triangles = primitive id.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// All materials; index = [`MaterialId`].
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Some triangle has normals for smooth shading.
+    pub fn has_normals(&self) -> bool {
+        self.has_normals
+    }
+
+    /// Number of objects: meshes, then spheres.
+    pub fn object_count(&self) -> usize {
+        self.mesh_objects.len() + self.spheres.len()
+    }
+
+    /// The object of a primitive: meshes count first, in the order they were added, then spheres.
+    pub fn object_of(&self, primitive: u32) -> u32 {
+        let triangles = self.triangles.len() as u32;
+        if primitive >= triangles {
+            return self.mesh_objects.len() as u32 + (primitive - triangles);
+        }
+        self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
+    }
+
+    /// The name of an object: its mesh's, empty for spheres and for numbers out of range.
+    pub fn object_name(&self, object: u32) -> &str {
+        self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
+    }
+
+    fn check_material(&self, material: MaterialId) -> Result<(), String> {
+        if (material.0 as usize) < self.materials.len() {
+            return Ok(());
+        }
+        Err(format!("material {} of {}", material.0, self.materials.len()))
+    }
+
+    /// The public fields hold any value until a scene is uploaded; here they are checked.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let finite = |element: String, values: &[Vec3]| {
+            if values.iter().all(|value| value.is_finite()) {
+                return Ok(());
+            }
+            Err(Error::Scene { element, reason: format!("{values:?} is not finite") })
+        };
+        finite("ambient".into(), &[self.ambient])?;
+        match self.sky {
+            Sky::Constant(color) => finite("sky".into(), &[color])?,
+            Sky::Gradient { nadir, zenith } => finite("sky".into(), &[nadir, zenith])?,
+        }
+        for (index, material) in self.materials.iter().enumerate() {
+            finite(format!("material {index} '{}'", material.name), &[material.albedo])?;
+        }
+        for (index, light) in self.lights.iter().enumerate() {
+            finite(format!("light {index}"), &[light.position, light.intensity])?;
+            check_coordinate(light.position)
+                .map_err(|reason| Error::Scene { element: format!("light {index}"), reason })?;
+        }
+        Ok(())
+    }
+}
+
+fn check_coordinate(point: Vec3) -> Result<(), String> {
+    match point.to_array().into_iter().find(|value| !(value.abs() <= MAX_COORDINATE)) {
+        None => Ok(()),
+        Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),
+        Some(value) => Err(format!("coordinate {value} is not a finite number")),
+    }
+}
