@@ -55,15 +55,13 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
-    /// A combination of method choices that does not exist.
-    #[error("no such method: {first} does not go with {second}; {remedy}")]
+    /// A method name that does not exist.
+    #[error("no such method: '{name}'; there are {known}")]
     Method {
-        /// One of the two choices.
-        first: &'static str,
-        /// The other.
-        second: &'static str,
-        /// What does go together.
-        remedy: &'static str,
+        /// The name that was asked for.
+        name: String,
+        /// The names that exist.
+        known: String,
     },
     /// A file whose content is wrong.
     #[error("{}{}: {reason}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]

@@ -1,1 +1,166 @@
-//! Output.
+//! What to do with a pair: anaglyphs, packings of both eyes into one picture, and files.
+//!
+//! [`anaglyph()`] and [`packed()`] take the two views by name, so exchanging the arguments exchanges the eyes;
+//! [`StereoPair`] has a method for each that passes its own eyes in their own order.
+
+mod anaglyph;
+mod file;
+mod packing;
+
+pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
+pub use file::{save_ids_pfm, save_pfm, write_whole};
+pub use packing::{Packing, packed};
+
+use crate::{StereoPair, View};
+
+/// A finished picture: sRGB with alpha, row-major, `[height][width]`, top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The pixels, sRGB-encoded; alpha is 255 in every picture this library makes.
+    pub rgba8: Vec<[u8; 4]>,
+}
+
+impl View {
+    /// The view as a picture.
+    pub fn picture(&self) -> Picture {
+        Picture { width: self.width, height: self.height, rgba8: self.rgba8.clone() }
+    }
+}
+
+impl StereoPair {
+    /// [`StereoPair::retrace_map`] as a picture, the size of the right view.
+    pub fn retrace_picture(&self) -> Picture {
+        Picture { width: self.right.width, height: self.right.height, rgba8: self.retrace_map() }
+    }
+
+    /// Both eyes in one picture for coloured glasses, mixed in linear light ([`anaglyph()`]).
+    pub fn anaglyph(&self, kind: Anaglyph) -> Picture {
+        anaglyph(&self.left, &self.right, kind)
+    }
+
+    /// Both eyes in one picture for coloured glasses, mixed as other programs do ([`anaglyph_encoded()`]).
+    pub fn anaglyph_encoded(&self, kind: Anaglyph) -> Picture {
+        anaglyph_encoded(&self.left, &self.right, kind)
+    }
+
+    /// Both eyes beside or below each other in one picture ([`packed()`]).
+    pub fn packed(&self, packing: Packing) -> Picture {
+        packed(&self.left, &self.right, packing)
+    }
+}
+
+/// A name that is none of those known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {what} '{name}'; use one of {known}")]
+#[non_exhaustive]
+pub struct UnknownName {
+    /// What it should name, as `anaglyph`.
+    pub what: &'static str,
+    /// The name as given.
+    pub name: String,
+    /// The names there are, separated by commas.
+    pub known: String,
+}
+
+impl UnknownName {
+    fn new<T: ToString>(what: &'static str, name: &str, all: &[T]) -> Self {
+        let known = all.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
+        Self { what, name: name.to_owned(), known }
+    }
+}
+
+/// The rows of a row-major list, top row first. A list with no columns has no rows.
+fn rows<T>(pixels: &[T], width: u32) -> impl Iterator<Item = &[T]> {
+    pixels.chunks_exact((width as usize).max(1))
+}
+
+/// A linear value, clipped to 0 to 1, as an sRGB byte (IEC 61966-2-1).
+fn encode(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    to_byte(encoded)
+}
+
+/// An encoded value, clipped to 0 to 1, as the nearest byte.
+fn to_byte(encoded: f32) -> u8 {
+    (encoded.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MISS, PixelSource, Statistics, StereoCamera, glam::Vec3};
+
+    /// The inverse of [`encode`], in f64 and from the standard's own constants.
+    pub(super) fn decode(byte: u8) -> f64 {
+        let encoded = f64::from(byte) / 255.0;
+        if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    }
+
+    /// A view that shows these bytes, `width` to a row; everything else about it is sky.
+    pub(super) fn view(width: u32, colors: &[[u8; 3]]) -> View {
+        View {
+            width,
+            height: colors.len() as u32 / width,
+            rgba8: colors.iter().map(|&[r, g, b]| [r, g, b, 255]).collect(),
+            linear: colors
+                .iter()
+                .map(|&[r, g, b]| [decode(r) as f32, decode(g) as f32, decode(b) as f32, 1.0])
+                .collect(),
+            depth: vec![f32::INFINITY; colors.len()],
+            primitive: vec![MISS; colors.len()],
+            object: vec![MISS; colors.len()],
+        }
+    }
+
+    pub(super) fn pair(left: View, right: View) -> StereoPair {
+        let pose = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(left.width, left.height).pose().unwrap();
+        let source = vec![PixelSource::Bad; right.rgba8.len()];
+        StereoPair { left, right, source, statistics: Statistics::default(), pose }
+    }
+
+    #[test]
+    fn encoding_meets_reference_values_and_undoes_decoding() {
+        // By the standard's formula, worked out by hand; values outside 0 to 1 clip.
+        let references = [
+            (-0.5, 0),
+            (0.0, 0),
+            (0.001, 3),
+            (0.003_130_8, 10),
+            (0.01, 25),
+            (0.18, 118),
+            (0.5, 188),
+            (0.9, 243),
+            (1.0, 255),
+            (7.0, 255),
+        ];
+        for (linear, byte) in references {
+            assert_eq!(encode(linear), byte, "{linear}");
+        }
+        for byte in 0..=255 {
+            assert_eq!(encode(decode(byte) as f32), byte);
+        }
+    }
+
+    #[test]
+    fn a_view_and_a_retrace_map_become_pictures_of_their_size() {
+        let colors = [[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 11, 12], [13, 14, 15], [16, 17, 18]];
+        let pair = pair(view(3, &colors), view(3, &colors));
+        let picture = pair.left.picture();
+        assert_eq!((picture.width, picture.height, picture.rgba8[5]), (3, 2, [16, 17, 18, 255]));
+        let map = pair.retrace_picture();
+        assert_eq!((map.width, map.height, &map.rgba8), (3, 2, &pair.retrace_map()));
+    }
+
+    #[test]
+    fn an_unknown_name_lists_the_known_ones() {
+        let message = "sepia".parse::<Anaglyph>().unwrap_err().to_string();
+        assert!(message.starts_with("unknown anaglyph 'sepia'; use one of dubois, dubois-lcd, "), "{message}");
+        let message = "diagonal".parse::<Packing>().unwrap_err().to_string();
+        assert!(message.starts_with("unknown packing 'diagonal'; use one of side-by-side, "), "{message}");
+    }
+}

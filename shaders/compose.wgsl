@@ -1,0 +1,33 @@
+// Pass 4 of 4: encode both views as 8-bit sRGB. Anaglyphs, packings and maps are made of the pair on the host
+// (src/output/): a user tries several kinds on one pair, and none is worth a second render.
+//
+// launch  one thread per pixel
+// reads   left_color, right_color  [height * width]      linear RGB in 0..1
+// writes  pictures                 [2 * height * width]  RGBA8, red in the low byte; left view, then right
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> left_color: array<vec4f>;
+@group(1) @binding(2) var<storage, read> right_color: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> pictures: array<u32>;
+
+override WG_X: u32 = 8u;
+override WG_Y: u32 = 8u;
+
+fn srgb(linear: vec3f) -> vec3f {
+    let high = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;
+    return select(high, 12.92 * linear, linear <= vec3f(0.0031308));
+}
+
+fn pack(color: vec4f) -> u32 {
+    let c = vec3u(floor(srgb(color.xyz) * 255.0 + 0.5));
+    return c.x | (c.y << 8u) | (c.z << 16u) | 0xff000000u;
+}
+
+@compute @workgroup_size(WG_X, WG_Y)
+fn compose(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    let index = pixel_index(pixel);
+    pictures[index] = pack(left_color[index]);
+    pictures[right_index(pixel)] = pack(right_color[index]);
+}

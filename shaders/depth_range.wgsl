@@ -1,0 +1,27 @@
+// The left view's nearest and farthest depth in each row, for a 3D buffer of Lemma 1's size (DESIGN, section 2).
+//
+// launch  one thread per row
+// reads   hits      [2 * height * width]  left half
+// writes  counters  [height * COUNTERS]   NEAREST_DEPTH and FARTHEST_DEPTH, as bits of f32
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
+@group(1) @binding(2) var<storage, read_write> counters: array<u32>;
+
+override WG_X: u32 = 8u;
+override WG_Y: u32 = 8u;
+
+@compute @workgroup_size(WG_X, WG_Y)
+fn depth_range(@builtin(global_invocation_id) id: vec3u) {
+    let row = id.y * WG_X + id.x;
+    if id.x >= WG_X || row >= frame.image_size.y { return; }
+    var nearest = FAR;
+    var farthest = 0.0;
+    for (var column = 0u; column < frame.image_size.x; column += 1u) {
+        let depth = hits[pixel_index(vec2u(column, row))].depth;
+        nearest = min(nearest, depth);
+        farthest = max(farthest, depth);
+    }
+    counters[row * COUNTERS + NEAREST_DEPTH] = bitcast<u32>(nearest);
+    counters[row * COUNTERS + FARTHEST_DEPTH] = bitcast<u32>(farthest);
+}

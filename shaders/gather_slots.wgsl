@@ -1,0 +1,24 @@
+// Pass 2 of 4 of `Buffer`, second half: search each right pixel's slots for the largest left column, the nearest.
+//
+// launch  one thread per right pixel of a band of rows
+// reads   slots         [rows * width * depth]  left column + 1, or EMPTY
+// writes  right_source  [height * width]        left column + 1, or EMPTY
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> slots: array<u32>;
+@group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
+
+override WG_X: u32 = 8u;
+override WG_Y: u32 = 8u;
+
+@compute @workgroup_size(WG_X, WG_Y)
+fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    let cell = (pixel.y - frame.row_begin) * frame.image_size.x + pixel.x;
+    var nearest = 0u;
+    for (var slot = 0u; slot < frame.buffer_depth; slot += 1u) {
+        nearest = max(nearest, slots[cell * frame.buffer_depth + slot]);
+    }
+    right_source[pixel_index(pixel)] = nearest;
+}

@@ -1,0 +1,14 @@
+// Where a left sample lands in the right view (DESIGN, section 2).
+
+// x_r - x_l in pixels of a point at depth z: e_px (1 - d/z), thesis eq. 10. FAR gives e_px.
+fn parallax(z: f32) -> f32 {
+    return frame.interaxial_px * (1.0 - frame.screen_distance / z);
+}
+
+// The right column floor(X) of left sample `column`, or -1 outside the picture. X is compared before it is converted:
+// near z = 0 it does not fit an integer.
+fn right_column(column: u32, z: f32) -> i32 {
+    let x = f32(column) + 0.5 + parallax(z);
+    if !(x >= 0.0 && x < f32(frame.image_size.x)) { return -1; }
+    return i32(floor(x));
+}

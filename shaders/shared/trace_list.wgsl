@@ -1,0 +1,16 @@
+// The list of right pixels to trace; its first three words are an indirect dispatch.
+
+struct TraceList {
+    workgroups_x: atomic<u32>,
+    workgroups_y: u32,
+    workgroups_z: u32,
+    count: atomic<u32>,
+    pixels: array<u32>,
+}
+
+const LIST_WORKGROUP: u32 = 64u;
+
+// Marks of right_source: nothing landed here, checked and rejected, traced for want of a left sample.
+const EMPTY: u32 = 0u;
+const BAD: u32 = 0x40000000u;
+const MISSED: u32 = 0x80000000u;

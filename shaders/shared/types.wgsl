@@ -1,0 +1,74 @@
+// Structs and sentinels that every kernel shares; the structs stand in src/layout.rs too, and a test compares them.
+
+// Depth of a ray that hits nothing; WGSL has no infinity.
+const FAR: f32 = 3.4e38;
+// Primitive id of a ray that hits nothing.
+const MISS: u32 = 0xffffffffu;
+
+// The stereo camera and the rows at work. Directions have length 1 along the view axis, so that a ray's t is the
+// depth Z of the point it reaches (DESIGN, section 2).
+struct Frame {
+    left_eye: vec3f,         // world position
+    interaxial_px: f32,      // e_px = e w / W: the parallax at infinity, pixels
+    right_eye: vec3f,
+    screen_distance: f32,    // d, world units
+    left_corner: vec3f,      // direction from the left eye through the picture's top left corner
+    interaxial: f32,         // e, world units
+    right_corner: vec3f,
+    eye: u32,                // which eye trace_left traces: LEFT, or RIGHT for Naive
+    step_x: vec3f,           // direction from a pixel to its right neighbour
+    buffer_depth: u32,       // slots a right pixel in the 3D buffer
+    step_y: vec3f,           // direction from a pixel to the one below
+    row_begin: u32,          // rows of this dispatch: [row_begin, row_end)
+    right_axis: vec3f,       // r, the image's right
+    row_end: u32,
+    image_size: vec2u,       // width, height
+    _pad: vec2u,
+}
+
+const LEFT: u32 = 0u;
+const RIGHT: u32 = 1u;
+
+// What a pixel saw: depth along the view axis (FAR: nothing) and primitive id (MISS: nothing).
+struct PixelHit {
+    depth: f32,
+    primitive: u32,
+}
+
+// Direction from an eye through the centre of a pixel.
+fn pixel_direction(corner: vec3f, pixel: vec2u) -> vec3f {
+    return corner + frame.step_x * (f32(pixel.x) + 0.5) + frame.step_y * (f32(pixel.y) + 0.5);
+}
+
+// The pixel of a thread: columns from the left, rows from the first one of this dispatch.
+fn thread_pixel(id: vec3u) -> vec2u {
+    return vec2u(id.x, id.y + frame.row_begin);
+}
+
+// A thread past the right edge or past the last row of this dispatch has no pixel.
+fn outside(pixel: vec2u) -> bool {
+    return pixel.x >= frame.image_size.x || pixel.y >= frame.row_end;
+}
+
+// Index of a pixel in a row-major list of one view.
+fn pixel_index(pixel: vec2u) -> u32 {
+    return pixel.y * frame.image_size.x + pixel.x;
+}
+
+// Index of a pixel of the right view in `hits`, which holds both views.
+fn right_index(pixel: vec2u) -> u32 {
+    return frame.image_size.x * frame.image_size.y + pixel_index(pixel);
+}
+
+// Words of `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
+const COUNTERS: u32 = 12u;
+// Offset of an eye's words: LEFT * VIEW_WORDS, RIGHT * VIEW_WORDS.
+const VIEW_WORDS: u32 = 3u;
+const SHADOW_RAYS: u32 = 0u;
+const NODES_VISITED: u32 = 1u;
+const PRIMITIVES_TESTED: u32 = 2u;
+const BAD_PIXELS: u32 = 6u;
+const MISSED_PIXELS: u32 = 7u;
+const LOST_CANDIDATES: u32 = 8u;
+const NEAREST_DEPTH: u32 = 9u;
+const FARTHEST_DEPTH: u32 = 10u;

@@ -1,0 +1,340 @@
+//! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
+
+use glam::{DVec3, Vec3};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
+
+use crate::{Error, Scene, layout};
+
+/// Four words: what one texture load or one storage-buffer load brings.
+pub(crate) type Texel = [u32; 4];
+
+/// Set in the link of a leaf: the other bits are (count - 1) in bits 28 to 30 and the first slot.
+const LEAF: u32 = 0x8000_0000;
+const MAX_LEAF: u32 = 8;
+const MAX_SLOTS: usize = (1 << 28) - 8;
+/// `w` of a primitive's second texel, see shaders/shared/triangle.wgsl.
+const KIND_SPHERE: u32 = 1;
+/// Steps of the grid that boxes are stored on.
+const GRID: f64 = 65535.0;
+/// Deeper trees are refused: every level is a word of private memory a thread.
+const MAX_STACK: u32 = 256;
+
+/// A scene's geometry, ready to upload.
+pub(crate) struct PackedBvh {
+    pub(crate) uniform: layout::Bvh,
+    /// Two texels a pair of child boxes.
+    pub(crate) nodes: Vec<Texel>,
+    /// Three texels a primitive in leaf order, four if the scene has vertex normals.
+    pub(crate) primitives: Vec<Texel>,
+    /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
+    pub(crate) stack_size: u32,
+}
+
+/// Ids of the primitives that are traced, and their boxes.
+fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
+    let triangles = scene.triangles().iter().map(|triangle| {
+        let [a, b, c] = triangle.corners;
+        let aabb = Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into());
+        (!triangle.is_degenerate()).then_some(aabb)
+    });
+    let spheres = scene.spheres().iter().map(|sphere| {
+        Some(Aabb::new((sphere.center - sphere.radius).into(), (sphere.center + sphere.radius).into()))
+    });
+    triangles.chain(spheres).enumerate().filter_map(|(id, aabb)| Some((id as u32, aabb?))).unzip()
+}
+
+/// Builds the tree of a scene's primitives; degenerate triangles are left out.
+///
+/// # Errors
+/// [`Error::Scene`] if there are more primitives than links can name, or the tree is too deep.
+pub(crate) fn build(scene: &Scene) -> Result<PackedBvh, Error> {
+    let (ids, boxes) = traced(scene);
+    let fault = |reason: String| Error::Scene { element: "geometry".into(), reason };
+    if ids.len() > MAX_SLOTS {
+        return Err(fault(format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len())));
+    }
+    if ids.is_empty() {
+        // Textures and buffers need a texel; no kernel of an empty scene reads it.
+        let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
+        return Ok(PackedBvh { uniform: layout::Bvh::default(), nodes, primitives, stack_size: 8 });
+    }
+    let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..BvhBuildParams::medium_build() };
+    let tree = build_bvh2(&boxes, params, &mut std::time::Duration::default());
+    let grid = Grid::around(&tree);
+    let mut packer = Packer { scene, tree: &tree, ids: &ids, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
+    let depth = packer.pack_nodes();
+    let stack_size = (depth + 1).next_multiple_of(8);
+    if stack_size > MAX_STACK {
+        return Err(fault(format!(
+            "its tree is {depth} levels deep, over the {} that kernels provide for; its primitives differ too much in size",
+            MAX_STACK - 1
+        )));
+    }
+    Ok(PackedBvh { uniform: packer.grid.uniform(), nodes: packer.nodes, primitives: packer.primitives, stack_size })
+}
+
+/// A grid of 65535 steps a side over the scene's box; boxes are rounded outwards to it.
+#[derive(Clone, Copy)]
+struct Grid {
+    origin: Vec3,
+    cell: Vec3,
+    extent: f32,
+}
+
+impl Grid {
+    fn around(tree: &Bvh2) -> Self {
+        let (low, high) = (tree.nodes[0].min, tree.nodes[0].max);
+        let sides = high.as_dvec3() - low.as_dvec3();
+        let extent = sides.max_element() as f32;
+        // A flat side still needs a cell; rounded up, so that the last step reaches the far corner.
+        let least = f64::from(extent.max(f32::MIN_POSITIVE * 1e6)) * 1e-9;
+        let cell = (sides / GRID).max(DVec3::splat(least)).as_vec3();
+        let cell = Vec3::from_array(cell.to_array().map(|side| side.next_up().next_up()));
+        Self { origin: low, cell, extent }
+    }
+
+    fn uniform(&self) -> layout::Bvh {
+        layout::Bvh {
+            grid_origin: self.origin.to_array(),
+            extent: self.extent,
+            grid_cell: self.cell.to_array(),
+            _pad: 0,
+        }
+    }
+
+    /// Three words: low x, y, z and high x, y, z of 16 bits each.
+    fn pack(&self, low: Vec3, high: Vec3) -> [u32; 3] {
+        let steps = |corner: Vec3| (corner.as_dvec3() - self.origin.as_dvec3()) / self.cell.as_dvec3();
+        let low = steps(low).floor().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
+        let high = steps(high).ceil().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
+        [low.x | low.y << 16, low.z | high.x << 16, high.y | high.z << 16]
+    }
+}
+
+struct Packer<'a> {
+    scene: &'a Scene,
+    tree: &'a Bvh2,
+    ids: &'a [u32],
+    grid: Grid,
+    nodes: Vec<Texel>,
+    primitives: Vec<Texel>,
+    slots: u32,
+}
+
+impl Packer<'_> {
+    /// Packs pairs in depth-first order and returns how many pairs the deepest path has: a traversal leaves at most
+    /// one link a pair on its stack.
+    fn pack_nodes(&mut self) -> u32 {
+        let root = &self.tree.nodes[0];
+        if root.is_leaf() {
+            self.pack_single_leaf();
+            return 1;
+        }
+        let mut deepest = 0;
+        // (first of two obvhs nodes, where the link to their pair goes, levels above)
+        let mut pending = vec![(root.first_index as usize, None, 1)];
+        while let Some((first, link, depth)) = pending.pop() {
+            let pair = self.nodes.len() / 2;
+            if let Some(link) = link {
+                self.nodes[link as usize][3] = pair as u32;
+            }
+            deepest = deepest.max(depth);
+            for child in [first, first + 1] {
+                let node = self.tree.nodes[child];
+                let [x, y, z] = self.grid.pack(node.min, node.max);
+                let link = if node.is_leaf() { self.pack_leaf(node.first_index, node.prim_count) } else { 0 };
+                self.nodes.push([x, y, z, link]);
+            }
+            for (child, texel) in [(first + 1, 2 * pair + 1), (first, 2 * pair)] {
+                let node = self.tree.nodes[child];
+                if !node.is_leaf() {
+                    pending.push((node.first_index as usize, Some(texel), depth + 1));
+                }
+            }
+        }
+        deepest
+    }
+
+    /// The root must be a pair. A tree of one leaf becomes its two halves; a single primitive is tested twice, which
+    /// changes no hit.
+    fn pack_single_leaf(&mut self) {
+        let root = self.tree.nodes[0];
+        let [x, y, z] = self.grid.pack(root.min, root.max);
+        let half = root.prim_count / 2;
+        let second = self.pack_leaf(root.first_index + half, root.prim_count - half);
+        let first = if half > 0 { self.pack_leaf(root.first_index, half) } else { second };
+        self.nodes.extend([[x, y, z, first], [x, y, z, second]]);
+    }
+
+    fn pack_leaf(&mut self, first: u32, count: u32) -> u32 {
+        let link = LEAF | (count - 1) << 28 | self.slots;
+        for index in first..first + count {
+            self.pack_primitive(self.ids[self.tree.primitive_indices[index as usize] as usize]);
+        }
+        self.slots += count;
+        link
+    }
+
+    fn pack_primitive(&mut self, id: u32) {
+        let scene = self.scene;
+        let words = |v: Vec3| v.to_array().map(f32::to_bits);
+        let texel = |[x, y, z]: [u32; 3], w: u32| [x, y, z, w];
+        let mut normals = [0; 4];
+        match scene.triangles().get(id as usize) {
+            Some(triangle) => {
+                let [a, b, c] = triangle.corners.map(words);
+                self.primitives.extend([texel(a, id), texel(b, 0), texel(c, triangle.material.0)]);
+                if triangle.normals.iter().all(|normal| *normal != Vec3::ZERO) {
+                    normals = texel(triangle.normals.map(pack_normal), 1);
+                }
+            }
+            None => {
+                let sphere = scene.spheres()[id as usize - scene.triangles().len()];
+                let radius = [sphere.radius.to_bits(), 0, 0];
+                let material = sphere.material.0;
+                self.primitives.extend([
+                    texel(words(sphere.center), id),
+                    texel(radius, KIND_SPHERE),
+                    [0, 0, 0, material],
+                ]);
+            }
+        }
+        if scene.has_normals() {
+            self.primitives.push(normals);
+        }
+    }
+}
+
+/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by shaders/shared/normal_smooth.wgsl.
+fn pack_normal(normal: Vec3) -> u32 {
+    let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
+    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
+    let (x, y) = if n.z >= 0.0 {
+        (n.x, n.y)
+    } else {
+        ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y))
+    };
+    let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
+    u32::from(snorm(x)) | u32::from(snorm(y)) << 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MaterialId, Mesh};
+
+    fn scene_of(corners: Vec<Vec3>) -> Scene {
+        let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let mut scene = Scene::new();
+        let mesh = Mesh { positions: corners, triangles, materials: vec![MaterialId(0)], ..Mesh::default() };
+        scene.add_mesh(&mesh).unwrap();
+        scene
+    }
+
+    fn random(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((*seed >> ((*seed >> 28) + 4)) ^ *seed).wrapping_mul(277_803_737);
+        ((word >> 22) ^ word) as f32 / u32::MAX as f32
+    }
+
+    /// Decodes as the kernel does, but in f64, and walks the whole tree.
+    fn check_boxes(packed: &PackedBvh, stride: usize) -> (usize, u32) {
+        let bvh = &packed.uniform;
+        let decode = |q: [u32; 3]| -> DVec3 {
+            let axis = |k: usize| f64::from(bvh.grid_origin[k]) + f64::from(q[k]) * f64::from(bvh.grid_cell[k]);
+            DVec3::new(axis(0), axis(1), axis(2))
+        };
+        let (mut found, mut deepest) = (0, 0);
+        let mut pending = vec![(0_u32, 1, vec![])];
+        while let Some((pair, depth, above)) = pending.pop() {
+            deepest = deepest.max(depth);
+            for child in 0..2 {
+                let [x, y, z, link] = packed.nodes[(2 * pair + child) as usize];
+                let mut boxes: Vec<(DVec3, DVec3)> = above.clone();
+                boxes.push((
+                    decode([x & 0xffff, x >> 16, y & 0xffff]),
+                    decode([y >> 16, z & 0xffff, z >> 16]),
+                ));
+                if link & LEAF == 0 {
+                    pending.push((link, depth + 1, boxes));
+                    continue;
+                }
+                for slot in 0..(link >> 28 & 7) + 1 {
+                    found += 1;
+                    let texel = ((link & 0x0fff_ffff) + slot) as usize * stride;
+                    for corner in &packed.primitives[texel..texel + 3] {
+                        let point = Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(corner[k]))).as_dvec3();
+                        for (low, high) in &boxes {
+                            assert!(point.cmpge(*low).all() && point.cmple(*high).all(), "{point} {low} {high}");
+                        }
+                    }
+                }
+            }
+        }
+        (found, deepest)
+    }
+
+    #[test]
+    fn grid_boxes_hold_their_primitives_at_every_scale_and_place() {
+        let mut seed = 1;
+        for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e5), (1e-3, 10.0), (1e7, 5e7)] {
+            let mut point = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed) * 0.01);
+            let corners: Vec<Vec3> = (0..600)
+                .flat_map(|_| {
+                    let at = point();
+                    [at, at + 0.1 * point(), at + 0.1 * point()]
+                })
+                .map(|p| p * scale + Vec3::splat(offset))
+                .collect();
+            let scene = scene_of(corners);
+            let packed = build(&scene).unwrap();
+            let (found, depth) = check_boxes(&packed, 3);
+            assert_eq!(found, scene.primitive_count() - scene.degenerate_count());
+            assert!(depth < packed.stack_size, "{depth} {}", packed.stack_size);
+        }
+    }
+
+    #[test]
+    fn small_and_flat_scenes_have_a_pair_at_the_root() {
+        for count in 1..20 {
+            let corners = (0..count)
+                .flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::X * i as f32))
+                .collect();
+            let packed = build(&scene_of(corners)).unwrap();
+            let (found, _) = check_boxes(&packed, 3);
+            assert_eq!(found, if count == 1 { 2 } else { count }, "a single primitive stands in both children");
+        }
+        assert_eq!(build(&Scene::new()).unwrap().nodes.len(), 1);
+    }
+
+    #[test]
+    fn a_tree_too_deep_for_the_stack_is_refused_and_a_deep_one_gets_its_stack() {
+        // Each triangle is larger than all before it together: every tree over them is a chain.
+        let chain = |factor: f32, count: i32| {
+            let corners = (0..count)
+                .flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i)))
+                .collect();
+            build(&scene_of(corners))
+        };
+        let deep = chain(2.0, 120).unwrap();
+        let (_, depth) = check_boxes(&deep, 3);
+        assert!(depth < deep.stack_size && deep.stack_size <= MAX_STACK, "{depth} {}", deep.stack_size);
+    }
+
+    #[test]
+    fn normals_survive_packing_within_a_16_bit_step() {
+        let mut seed = 7;
+        for _ in 0..1000 {
+            let mut signed = || 2.0 * random(&mut seed) - 1.0;
+            let normal = Vec3::new(signed(), signed(), signed()).normalize();
+            let word = pack_normal(normal);
+            let part = |bits: u32| f32::from(bits as u16 as i16) / 32767.0;
+            let (x, y) = (part(word & 0xffff), part(word >> 16));
+            let z = 1.0 - x.abs() - y.abs();
+            let fold = (-z).max(0.0);
+            let unfold = |v: f32| v + if v >= 0.0 { -fold } else { fold };
+            let back = Vec3::new(unfold(x), unfold(y), z).normalize();
+            assert!(back.distance(normal) < 1e-4, "{normal} {back}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Reads cameras from JSON files.
+
+use std::{fs, path::Path};
+
+use glam::Vec3;
+use serde_json::{Map, Value};
+
+use crate::{Error, StereoCamera};
+
+impl StereoCamera {
+    /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
+    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` and
+    /// `eye_separation` (world units). Other fields are ignored. The picture is `width` x `height` pixels.
+    ///
+    /// ```no_run
+    /// let camera = stereotrace::StereoCamera::from_json("cameras.json", "sponza", 1280, 720)?;
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line or the camera and its field, if
+    /// it is no JSON, has no such camera, or the camera is invalid; [`Error::Camera`] for a size of zero.
+    pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = fs::read(path).map_err(|source| Error::io(path, source))?;
+        let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+        let cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
+            let line = Some(error.line()).filter(|&line| line > 0);
+            Error::file(path, line, format!("no JSON object of cameras: {error}"))
+        })?;
+        let fault = |reason: String| Error::file(path, None, format!("camera '{name}': {reason}"));
+        let entry = cameras.get(name).ok_or_else(|| {
+            let names: Vec<&str> = cameras.keys().map(String::as_str).collect();
+            fault(format!("not in this file, which has: {}", names.join(", ")))
+        })?;
+        let entry = entry.as_object().ok_or_else(|| fault(format!("{entry} is not an object of fields")))?;
+        let camera = Self::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
+            .up(vector(entry, "up").map_err(fault)?)
+            .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
+            .screen_distance(number(entry, "screen_distance").map_err(fault)?)
+            .interaxial(number(entry, "eye_separation").map_err(fault)?)
+            .size(width, height);
+        match camera.pose() {
+            Ok(_) => Ok(camera),
+            // The file is not to blame for the size; for the rest, the error takes the file's word for the field.
+            Err(Error::Camera { field, value, reason }) if field != "size" => {
+                let field = match field {
+                    "vertical_fov" => "vfov_deg",
+                    "interaxial" => "eye_separation",
+                    other => other,
+                };
+                Err(fault(format!("{field} is {value}; {reason}")))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn field<'a>(entry: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
+    entry.get(name).ok_or_else(|| format!("{name} is missing"))
+}
+
+fn number(entry: &Map<String, Value>, name: &str) -> Result<f32, String> {
+    let value = field(entry, name)?;
+    value.as_f64().map(|number| number as f32).ok_or_else(|| format!("{name} is {value}; it must be a number"))
+}
+
+fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
+    let value = field(entry, name)?;
+    let numbers: Option<Vec<f32>> =
+        value.as_array().and_then(|list| list.iter().map(|item| item.as_f64().map(|number| number as f32)).collect());
+    let numbers = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    numbers.map(Vec3::from_array).ok_or_else(|| format!("{name} is {value}; it must be three numbers"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HALL: &str = r#"{ "eye": [-13.5, 2.2, -0.3], "target": [10, 3.2, 0.2], "up": [0, 1, 0], "vfov_deg": 60,
+        "screen_distance": 6, "eye_separation": 0.065, "note": "ignored" }"#;
+
+    /// Writes `text` to a file of its own and reads the camera `name` from it.
+    fn read(test: &str, text: impl AsRef<[u8]>, name: &str) -> Result<StereoCamera, Error> {
+        let path = std::env::temp_dir().join(format!("stereotrace_{}_{test}.json", std::process::id()));
+        fs::write(&path, text).unwrap();
+        let camera = StereoCamera::from_json(&path, name, 640, 480);
+        fs::remove_file(&path).unwrap();
+        camera
+    }
+
+    fn message(test: &str, text: impl AsRef<[u8]>, name: &str) -> String {
+        let error = read(test, text, name).unwrap_err();
+        assert!(matches!(error, Error::File { .. }), "{error:?}");
+        let message = error.to_string();
+        assert!(message.contains(&format!("{test}.json")), "{message}");
+        message
+    }
+
+    #[test]
+    fn every_field_of_the_file_reaches_the_camera() {
+        let expected = StereoCamera::look_at(Vec3::new(-13.5, 2.2, -0.3), Vec3::new(10.0, 3.2, 0.2))
+            .up(Vec3::Y)
+            .vertical_fov_degrees(60.0)
+            .screen_distance(6.0)
+            .interaxial(0.065)
+            .size(640, 480);
+        let text = format!(r#"{{ "other": {{}}, "hall": {HALL} }}"#);
+        assert_eq!(read("fields", &text, "hall").unwrap(), expected);
+        assert_eq!(read("mark", format!("\u{feff}{text}"), "hall").unwrap(), expected);
+        let tilted = text.replace(r#""up": [0, 1, 0]"#, r#""up": [0, 1, 1]"#);
+        assert_eq!(read("tilted", tilted, "hall").unwrap(), expected.up(Vec3::new(0.0, 1.0, 1.0)));
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_the_names_there_are() {
+        let message = message("unknown", format!(r#"{{ "hall": {HALL}, "garden": {HALL} }}"#), "cellar");
+        for part in ["camera 'cellar'", "garden, hall"] {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_bad_field_is_named_with_its_value() {
+        let broken = [
+            (r#""vfov_deg": 60"#, r#""fov": 60"#, "vfov_deg is missing"),
+            (r#""vfov_deg": 60"#, r#""vfov_deg": "60""#, r#"vfov_deg is "60"; it must be a number"#),
+            (r#""vfov_deg": 60"#, r#""vfov_deg": 180"#, "vfov_deg is 180; it must lie between"),
+            ("[10, 3.2, 0.2]", "[10, 3.2]", "target is [10,3.2]; it must be three numbers"),
+            ("[10, 3.2, 0.2]", "[10, 3.2, null]", "target is [10,3.2,null]; it must be three numbers"),
+            ("[-13.5, 2.2, -0.3]", "[1e300, 2.2, -0.3]", "eye is [inf, 2.2, -0.3]; its coordinates"),
+            ("[0, 1, 0]", "[0, 0, 0]", "up is [0, 0, 0]; it must not be zero"),
+            (r#""screen_distance": 6"#, r#""screen_distance": 0"#, "screen_distance is 0; it must be above 0"),
+            ("0.065", "-1", "eye_separation is -1; it must be"),
+        ];
+        for (index, (from, to, expected)) in broken.into_iter().enumerate() {
+            let entry = HALL.replace(from, to);
+            assert_ne!(entry, HALL);
+            let message = message(&format!("field{index}"), format!(r#"{{ "hall": {entry} }}"#), "hall");
+            assert!(message.contains(&format!("camera 'hall': {expected}")), "{message}");
+        }
+    }
+
+    #[test]
+    fn broken_json_is_an_error_on_its_line() {
+        let broken: [(&[u8], usize); 4] =
+            [(b"{\n\"hall\": {\n\"eye\": [1,,2]", 3), (b"", 1), (b"[]", 1), (b"{\n\"\xff\": 1}", 2)];
+        for (index, (text, line)) in broken.into_iter().enumerate() {
+            let message = message(&format!("syntax{index}"), text, "hall");
+            assert!(message.contains(&format!("syntax{index}.json:{line}: no JSON object of cameras")), "{message}");
+        }
+        let message = message("shape", r#"{ "hall": 3 }"#, "hall");
+        assert!(message.contains("camera 'hall': 3 is not an object"), "{message}");
+    }
+
+    #[test]
+    fn a_missing_file_and_a_size_of_zero_are_no_fault_of_the_content() {
+        assert!(matches!(StereoCamera::from_json("no/such/file.json", "hall", 1, 1), Err(Error::Io { .. })));
+        let path = std::env::temp_dir().join(format!("stereotrace_{}_size.json", std::process::id()));
+        fs::write(&path, format!(r#"{{ "hall": {HALL} }}"#)).unwrap();
+        let camera = StereoCamera::from_json(&path, "hall", 0, 480);
+        fs::remove_file(&path).unwrap();
+        assert!(matches!(camera, Err(Error::Camera { field: "size", .. })), "{camera:?}");
+    }
+}

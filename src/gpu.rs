@@ -1,0 +1,568 @@
+//! Device, buffers, dispatches, read-back and timestamps. Knows nothing of stereo.
+
+use std::{
+    collections::HashMap,
+    future::Future,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    task::{Poll, Waker},
+};
+
+use wgpu::util::DeviceExt;
+
+use crate::{
+    Error,
+    bvh::Texel,
+    kernels::{Access, Fetch, Kernel, Specialisation, Touches},
+};
+
+/// The variable that chooses the adapter: `software`, or a part of its name.
+pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
+
+/// Width of the textures that hold a scene (shaders/shared/fetch_texture.wgsl).
+const TEXTURE_WIDTH: u32 = 8192;
+
+/// A graphics device and what is known of it. Cloning is cheap and shares the device.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    info: wgpu::AdapterInfo,
+    pub(crate) limits: wgpu::Limits,
+    pub(crate) timestamps: bool,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+/// A lock that another thread's panic poisoned still guards whole values here.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Gpu {
+    /// Opens a device, blocking. See [`Gpu::new_async`].
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] if there is none, or none that `STEREOTRACE_ADAPTER` asks for.
+    pub fn new() -> Result<Self, Error> {
+        pollster::block_on(Self::new_async())
+    }
+
+    /// Opens a device of its own: the one that the environment variable `STEREOTRACE_ADAPTER` chooses (`software`, or
+    /// a part of an adapter's name), else the fastest kind there is: discrete, integrated, virtual, software.
+    /// `WGPU_BACKEND` narrows the choice to a backend (`vulkan`, `gl`, …).
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`], saying what there is, or [`Error::Gpu`] if the driver refuses to open it.
+    pub async fn new_async() -> Result<Self, Error> {
+        Self::choose(std::env::var(ADAPTER_VARIABLE).ok().as_deref()).await
+    }
+
+    async fn choose(wanted: Option<&str>) -> Result<Self, Error> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+        // Stable: among equals the driver's own order stands.
+        adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+        let names: Vec<_> = adapters.iter().map(|adapter| describe(&adapter.get_info())).collect();
+        let adapter = adapters.into_iter().find(|adapter| {
+            let info = adapter.get_info();
+            match wanted {
+                None => true,
+                Some("software") => info.device_type == wgpu::DeviceType::Cpu,
+                Some(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
+            }
+        });
+        let adapter = adapter.ok_or_else(|| Error::NoAdapter {
+            wanted: wanted.map(|name| format!(" for {ADAPTER_VARIABLE}={name}")).unwrap_or_default(),
+            reason: match names.as_slice() {
+                [] => "no Vulkan, Metal, DirectX 12 or OpenGL driver offers one".into(),
+                names => format!("there are: {}", names.join(", ")),
+            },
+        })?;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("stereotrace"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) =
+            adapter.request_device(&descriptor).await.map_err(|error| Error::Gpu(error.to_string()))?;
+        let gpu = Self::from_device(device, queue);
+        let lost = gpu.lost.clone();
+        gpu.device.set_device_lost_callback(move |reason, message| {
+            log::warn!("device lost ({reason:?}): {message}");
+            *lock(&lost) = Some(format!("{reason:?} {message}").trim().to_owned());
+        });
+        let name = gpu.adapter_name();
+        gpu.device.on_uncaptured_error(Arc::new(move |error| log::error!("{name}: {error}")));
+        log::info!("adapter: {}", gpu.adapter_name());
+        Ok(gpu)
+    }
+
+    /// Uses a device of the caller's. It keeps its own handlers for errors and loss. Timestamps need the feature
+    /// `TIMESTAMP_QUERY`; limits are those that the device was opened with.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        Self {
+            info: device.adapter_info(),
+            limits: device.limits(),
+            timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+            lost: Arc::default(),
+            device,
+            queue,
+        }
+    }
+
+    /// The adapter's name, kind and backend.
+    pub fn adapter_name(&self) -> String {
+        describe(&self.info)
+    }
+
+    /// The driver's name and version.
+    pub fn driver(&self) -> String {
+        format!("{} {}", self.info.driver, self.info.driver_info).trim().to_owned()
+    }
+
+    /// What wgpu knows of the adapter.
+    pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
+        &self.info
+    }
+
+    /// The device, shared.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue, shared.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// How this adapter reads a scene fastest, by measurement (docs/TRAVERSAL.md).
+    pub(crate) fn fetch(&self) -> Fetch {
+        match self.info.device_type {
+            wgpu::DeviceType::Cpu => Fetch::Texture,
+            _ => Fetch::Buffer,
+        }
+    }
+
+    /// Largest storage buffer that a kernel can bind, in bytes.
+    pub(crate) fn binding_limit(&self) -> u64 {
+        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
+    }
+
+    /// Runs `work`, which must not wait for the device, and returns its result once the driver has said whether
+    /// something in it failed.
+    pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> impl Future<Output = Result<T, Error>> {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        // Scopes are a stack.
+        let [memory, internal, validation] = scopes;
+        let validation = validation.pop();
+        let internal = internal.pop();
+        let memory = memory.pop();
+        let lost = self.lost.clone();
+        async move {
+            let errors = [memory.await, internal.await, validation.await];
+            if let Some(reason) = lock(&lost).clone() {
+                return Err(Error::DeviceLost(reason));
+            }
+            match errors.into_iter().flatten().next() {
+                Some(error) => Err(classify(&error)),
+                None => result,
+            }
+        }
+    }
+
+    /// Blocks until all submitted work is done, or until a submission is. In a browser it returns at once.
+    pub(crate) fn wait(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<(), Error> {
+        let wait = wgpu::PollType::Wait { submission_index: submission, timeout: None };
+        match self.device.poll(wait) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(Error::DeviceLost(self.loss_or(error.to_string()))),
+        }
+    }
+
+    fn loss_or(&self, otherwise: String) -> String {
+        lock(&self.lost).clone().unwrap_or(otherwise)
+    }
+
+    pub(crate) fn storage_buffer(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(16),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    /// Uploads texels as a texture or a storage buffer.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if they don't fit one texture or binding.
+    pub(crate) fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
+        match fetch {
+            Fetch::Texture => self.upload_texture(label, texels),
+            Fetch::Buffer => {
+                let contents: &[u8] = bytemuck::cast_slice(texels);
+                check_bytes(&format!("the scene's {label} buffer"), contents.len() as u64, self.binding_limit())?;
+                let usage = wgpu::BufferUsages::STORAGE;
+                let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+                Ok(Texels::Buffer(self.device.create_buffer_init(&descriptor)))
+            }
+        }
+    }
+
+    fn upload_texture(&self, label: &'static str, texels: &[Texel]) -> Result<Texels, Error> {
+        let rows = texels.len().div_ceil(TEXTURE_WIDTH as usize).max(1);
+        if rows > self.limits.max_texture_dimension_2d as usize {
+            return Err(Error::Limit {
+                what: format!("the scene's {label} texture"),
+                needed: format!("{rows} rows of {TEXTURE_WIDTH} texels"),
+                limit: "max_texture_dimension_2d",
+                allowed: self.limits.max_texture_dimension_2d.to_string(),
+                remedy: "use fewer primitives",
+            });
+        }
+        let width = if rows == 1 { texels.len().max(1) as u32 } else { TEXTURE_WIDTH };
+        let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let full = texels.len() / width as usize;
+        let write = |first_row: usize, texels: &[Texel], width: u32, rows: usize| {
+            let target = wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: first_row as u32, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            };
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 16), rows_per_image: None };
+            let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
+            self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
+        };
+        let (whole, rest) = texels.split_at(full * width as usize);
+        if !whole.is_empty() {
+            write(0, whole, width, full);
+        }
+        if !rest.is_empty() {
+            write(full, rest, rest.len() as u32, 1);
+        }
+        Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+    }
+
+    /// Copies a buffer back to the host.
+    pub(crate) async fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, Error> {
+        let bytes = (count * size_of::<T>()) as u64;
+        let (sender, receiver) = oneshot();
+        let staging = self
+            .checked(|| {
+                let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("read-back"),
+                    size: bytes.max(4),
+                    usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                });
+                let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+                self.queue.submit([encoder.finish()]);
+                staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
+                Ok(staging)
+            })
+            .await?;
+        self.wait(None)?;
+        let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss_or(error.to_string()));
+        receiver.await.map_err(|error| lost(&error))?;
+        let range = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
+        Ok(bytemuck::pod_collect_to_vec(&range[..bytes as usize]))
+    }
+}
+
+/// [`Error::Limit`] if a binding of `bytes` is more than `allowed`.
+pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64) -> Result<(), Error> {
+    if bytes <= allowed {
+        return Ok(());
+    }
+    let mib = |bytes: u64| format!("{} MiB", bytes.div_ceil(1 << 20));
+    Err(Error::Limit {
+        what: what.into(),
+        needed: mib(bytes),
+        limit: "max_storage_buffer_binding_size",
+        allowed: mib(allowed),
+        remedy: "use fewer primitives or a smaller picture",
+    })
+}
+
+/// A part of a scene on the device.
+#[derive(Debug)]
+pub(crate) enum Texels {
+    Texture(wgpu::TextureView),
+    Buffer(wgpu::Buffer),
+}
+
+impl Texels {
+    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Self::Texture(view) => wgpu::BindingResource::TextureView(view),
+            Self::Buffer(buffer) => buffer.as_entire_binding(),
+        }
+    }
+}
+
+fn describe(info: &wgpu::AdapterInfo) -> String {
+    format!("{} ({:?}, {:?})", info.name, info.device_type, info.backend)
+}
+
+fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (kind, u32::from(info.backend == wgpu::Backend::Gl))
+}
+
+fn classify(error: &wgpu::Error) -> Error {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory(error.to_string()),
+        // wgpu reports use of a destroyed or lost device as a validation error.
+        other => match other.to_string() {
+            message if message.contains("lost") || message.contains("destroyed") => Error::DeviceLost(message),
+            message => Error::Gpu(message),
+        },
+    }
+}
+
+/// A compute pipeline and the layout of its own bindings.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) own: wgpu::BindGroupLayout,
+}
+
+/// Layouts of the scene's two bind groups, and the pipelines built so far: each when it is first used.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) geometry: wgpu::BindGroupLayout,
+    pub(crate) shading: wgpu::BindGroupLayout,
+    pub(crate) fetch: Fetch,
+    built: Mutex<HashMap<(&'static str, Specialisation), Arc<Pipeline>>>,
+}
+
+fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+}
+
+fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+impl Pipelines {
+    pub(crate) fn new(gpu: &Gpu, fetch: Fetch) -> Self {
+        let texels = match fetch {
+            Fetch::Texture => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            Fetch::Buffer => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }),
+        };
+        let layout = |label, texel_bindings: u32| {
+            let mut entries = vec![entry(0, buffer_type(wgpu::BufferBindingType::Uniform))];
+            entries.extend((1..=texel_bindings).map(|binding| entry(binding, texels)));
+            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &entries,
+            })
+        };
+        Self { geometry: layout("geometry", 2), shading: layout("shading", 1), fetch, built: Mutex::default() }
+    }
+
+    /// The pipeline of a kernel, built if this is its first use.
+    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Specialisation) -> Arc<Pipeline> {
+        // A kernel that doesn't touch the scene is the same for every scene.
+        let with = match kernel.touches {
+            Touches::Pixels => Specialisation::PIXELS,
+            _ => with,
+        };
+        lock(&self.built).entry((kernel.name, with)).or_insert_with(|| Arc::new(self.build(gpu, kernel, with))).clone()
+    }
+
+    fn build(&self, gpu: &Gpu, kernel: &Kernel, with: Specialisation) -> Pipeline {
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(kernel.name),
+            source: wgpu::ShaderSource::Wgsl(kernel.text(&with).into()),
+        });
+        let mut entries = vec![entry(0, buffer_type(wgpu::BufferBindingType::Uniform))];
+        for (index, access) in kernel.storage.iter().enumerate() {
+            let read_only = *access == Access::Read;
+            entries.push(entry(index as u32 + 1, buffer_type(wgpu::BufferBindingType::Storage { read_only })));
+        }
+        let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(kernel.name),
+            entries: &entries,
+        });
+        let geometry = (kernel.touches != Touches::Pixels).then_some(&self.geometry);
+        let shading = (kernel.touches == Touches::Shading).then_some(&self.shading);
+        let groups = [geometry, Some(&own), shading];
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(kernel.name),
+            bind_group_layouts: &groups[..if shading.is_some() { 3 } else { 2 }],
+            immediate_size: 0,
+        });
+        let count = [("COUNT", f64::from(u8::from(with.count)))];
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.name),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(kernel.name),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: if kernel.touches == Touches::Pixels { &[] } else { &count },
+                ..Default::default()
+            },
+            cache: None,
+        });
+        Pipeline { pipeline, own }
+    }
+}
+
+/// Timestamps of the compute passes of one frame, a pair each.
+#[derive(Debug)]
+pub(crate) struct Timestamps {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    /// The name of each pair's pass.
+    names: Vec<&'static str>,
+}
+
+/// WebGPU's own bound on a query set.
+const MAX_QUERIES: u32 = wgpu::QUERY_SET_MAX_QUERIES;
+
+impl Timestamps {
+    /// `None` where the adapter has no timestamps.
+    pub(crate) fn new(gpu: &Gpu) -> Option<Self> {
+        gpu.timestamps.then(|| Self {
+            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count: MAX_QUERIES,
+            }),
+            resolved: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: u64::from(MAX_QUERIES) * 8,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            names: Vec::new(),
+        })
+    }
+
+    /// Forgets the last frame's.
+    pub(crate) fn restart(&mut self) {
+        self.names.clear();
+    }
+
+    /// The next pair, for a pass of this name; `None` when all are used up.
+    pub(crate) fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let first = 2 * self.names.len() as u32;
+        if first + 2 > MAX_QUERIES {
+            return None;
+        }
+        self.names.push(name);
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        })
+    }
+
+    pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.resolve_query_set(&self.queries, 0..2 * self.names.len() as u32, &self.resolved, 0);
+    }
+
+    /// Sums by name, in order of first use.
+    pub(crate) async fn read(&self, gpu: &Gpu) -> Result<crate::PassTimes, Error> {
+        let ticks: Vec<u64> = gpu.read(&self.resolved, 2 * self.names.len()).await?;
+        let period = f64::from(gpu.queue.get_timestamp_period());
+        let mut times = crate::PassTimes::default();
+        for (name, pair) in self.names.iter().zip(ticks.chunks_exact(2)) {
+            let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * period;
+            let time = std::time::Duration::from_nanos(nanoseconds as u64);
+            match times.0.iter_mut().find(|(known, _)| known == name) {
+                Some((_, sum)) => *sum += time,
+                None => times.0.push((name, time)),
+            }
+        }
+        Ok(times)
+    }
+}
+
+/// One value that a callback hands to a future.
+#[derive(Debug)]
+struct Slot<T> {
+    value: Option<T>,
+    waker: Option<Waker>,
+}
+
+struct Sender<T>(Arc<Mutex<Slot<T>>>);
+
+impl<T> Sender<T> {
+    fn send(self, value: T) {
+        let mut slot = lock(&self.0);
+        slot.value = Some(value);
+        if let Some(waker) = slot.waker.take() {
+            waker.wake();
+        }
+    }
+}
+
+fn oneshot<T>() -> (Sender<T>, impl Future<Output = T>) {
+    let slot = Arc::new(Mutex::new(Slot { value: None, waker: None }));
+    let receiver = slot.clone();
+    let future = std::future::poll_fn(move |context| {
+        let mut slot = lock(&receiver);
+        match slot.value.take() {
+            Some(value) => Poll::Ready(value),
+            None => {
+                slot.waker = Some(context.waker().clone());
+                Poll::Pending
+            }
+        }
+    });
+    (Sender(slot), future)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_adapter_that_is_not_there_is_an_error_that_names_those_that_are() {
+        let error = pollster::block_on(Gpu::choose(Some("no such adapter"))).unwrap_err();
+        let message = error.to_string();
+        assert!(matches!(error, Error::NoAdapter { .. }), "{message}");
+        assert!(message.contains("STEREOTRACE_ADAPTER=no such adapter") && message.contains("there are: "), "{message}");
+    }
+
+    #[test]
+    fn a_binding_over_the_limit_names_sizes_and_limit() {
+        assert!(check_bytes("the nodes", 128 << 20, 128 << 20).is_ok());
+        let message = check_bytes("the nodes", (190 << 20) + 1, 128 << 20).unwrap_err().to_string();
+        assert!(message.starts_with("the nodes needs 191 MiB but this adapter's max_storage_buffer_binding_size is 128"));
+    }
+}

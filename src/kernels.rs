@@ -1,0 +1,418 @@
+//! The table of kernels: which WGSL parts each is made of, its bindings, and what it is specialised to.
+//!
+//! A kernel's text is its parts one after the other. What a scene does not have (spheres, vertex normals, lights, a
+//! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
+
+use crate::{Scene, Sky, method::Verify};
+
+/// A WGSL file: its name below `shaders/` and its text.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) file: &'static str,
+    pub(crate) text: &'static str,
+}
+
+macro_rules! part {
+    ($file:literal) => {
+        Part { file: $file, text: include_str!(concat!("../shaders/", $file)) }
+    };
+}
+
+/// How a kernel uses a storage buffer of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Access {
+    Read,
+    Write,
+}
+
+/// What of the scene a kernel touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Touches {
+    Pixels,
+    Geometry,
+    Shading,
+}
+
+/// A compute kernel. Its entry point has the kernel's name; group 1 has the frame at binding 0 and then `storage`.
+pub(crate) struct Kernel {
+    pub(crate) name: &'static str,
+    pub(crate) touches: Touches,
+    pub(crate) storage: &'static [Access],
+    extra: &'static [Part],
+    main: Part,
+}
+
+/// How the scene is read: what is measured to be faster on the adapter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Fetch {
+    Texture,
+    Buffer,
+}
+
+/// What a pipeline is specialised to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Specialisation {
+    pub(crate) fetch: Fetch,
+    pub(crate) triangles: bool,
+    pub(crate) spheres: bool,
+    pub(crate) normals: bool,
+    pub(crate) lights: bool,
+    pub(crate) gradient: bool,
+    /// Words of a traversal's stack.
+    pub(crate) stack_size: u32,
+    pub(crate) verify: Verify,
+    /// Count nodes and primitive tests.
+    pub(crate) count: bool,
+}
+
+impl Specialisation {
+    /// What a kernel that doesn't touch the scene is specialised to: nothing.
+    pub(crate) const PIXELS: Self = Self {
+        fetch: Fetch::Texture,
+        triangles: false,
+        spheres: false,
+        normals: false,
+        lights: false,
+        gradient: false,
+        stack_size: 0,
+        verify: Verify::None,
+        count: false,
+    };
+
+    /// What a scene needs; verification and counting are the frame's to choose.
+    pub(crate) fn of(scene: &Scene, fetch: Fetch, stack_size: u32) -> Self {
+        Self {
+            fetch,
+            triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
+            spheres: !scene.spheres().is_empty(),
+            normals: scene.has_normals(),
+            lights: !scene.lights.is_empty(),
+            gradient: matches!(scene.sky, Sky::Gradient { .. }),
+            stack_size,
+            verify: Verify::All,
+            count: false,
+        }
+    }
+}
+
+use Access::{Read, Write};
+
+const COUNT: Part = part!("shared/count.wgsl");
+const PARALLAX: Part = part!("shared/parallax.wgsl");
+const TRACE_LIST: Part = part!("shared/trace_list.wgsl");
+
+pub(crate) const TRACE_LEFT: Kernel = Kernel {
+    name: "trace_left",
+    touches: Touches::Shading,
+    storage: &[Write, Write, Write],
+    extra: &[COUNT],
+    main: part!("trace_left.wgsl"),
+};
+pub(crate) const REPROJECT: Kernel = Kernel {
+    name: "reproject",
+    touches: Touches::Pixels,
+    storage: &[Read, Write],
+    extra: &[PARALLAX],
+    main: part!("reproject.wgsl"),
+};
+pub(crate) const REPROJECT_SLOTS: Kernel = Kernel {
+    name: "reproject_slots",
+    touches: Touches::Pixels,
+    storage: &[Read, Write, Write],
+    extra: &[PARALLAX],
+    main: part!("reproject_slots.wgsl"),
+};
+pub(crate) const GATHER_SLOTS: Kernel = Kernel {
+    name: "gather_slots",
+    touches: Touches::Pixels,
+    storage: &[Read, Write],
+    extra: &[],
+    main: part!("gather_slots.wgsl"),
+};
+pub(crate) const DEPTH_RANGE: Kernel = Kernel {
+    name: "depth_range",
+    touches: Touches::Pixels,
+    storage: &[Read, Write],
+    extra: &[],
+    main: part!("depth_range.wgsl"),
+};
+pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
+    name: "resolve_right",
+    touches: Touches::Geometry,
+    storage: &[Read, Write, Write, Write, Write, Write],
+    extra: &[COUNT, TRACE_LIST],
+    main: part!("resolve_right.wgsl"),
+};
+pub(crate) const TRACE_LISTED: Kernel = Kernel {
+    name: "trace_listed",
+    touches: Touches::Shading,
+    storage: &[Write, Write, Write, Write],
+    extra: &[COUNT, TRACE_LIST],
+    main: part!("trace_listed.wgsl"),
+};
+pub(crate) const COPY_LEFT: Kernel = Kernel {
+    name: "copy_left",
+    touches: Touches::Pixels,
+    storage: &[Read, Write, Write],
+    extra: &[],
+    main: part!("copy_left.wgsl"),
+};
+pub(crate) const COMPOSE: Kernel = Kernel {
+    name: "compose",
+    touches: Touches::Pixels,
+    storage: &[Read, Read, Write],
+    extra: &[],
+    main: part!("compose.wgsl"),
+};
+
+impl Kernel {
+    /// The files a kernel is made of, in order.
+    pub(crate) fn parts(&self, with: &Specialisation) -> Vec<Part> {
+        let mut parts = vec![part!("shared/types.wgsl")];
+        if self.touches != Touches::Pixels {
+            parts.push(match with.fetch {
+                Fetch::Texture => part!("shared/fetch_texture.wgsl"),
+                Fetch::Buffer => part!("shared/fetch_buffer.wgsl"),
+            });
+            // The fetch part declares the shading bindings too, so their struct comes along; a kernel that does not
+            // use them has no binding for them.
+            parts.push(part!("shared/shade_types.wgsl"));
+            parts.extend(geometry_parts(with));
+        }
+        if self.touches == Touches::Geometry {
+            parts.push(match with.verify {
+                Verify::All => part!("shared/verify_all.wgsl"),
+                Verify::None => part!("shared/verify_none.wgsl"),
+            });
+        }
+        if self.touches == Touches::Shading {
+            parts.push(match with.gradient {
+                true => part!("shared/sky_gradient.wgsl"),
+                false => part!("shared/sky_constant.wgsl"),
+            });
+            parts.push(match with.lights {
+                true => part!("shared/lights.wgsl"),
+                false => part!("shared/lights_none.wgsl"),
+            });
+            parts.push(part!("shared/shade.wgsl"));
+        }
+        parts.extend(self.extra);
+        parts.push(self.main);
+        parts
+    }
+
+    /// The text that the driver gets.
+    pub(crate) fn text(&self, with: &Specialisation) -> String {
+        let mut text = format!("const STACK_SIZE: u32 = {}u;\n", with.stack_size);
+        for part in self.parts(with) {
+            text += part.text;
+        }
+        text
+    }
+}
+
+fn geometry_parts(with: &Specialisation) -> Vec<Part> {
+    if !with.triangles && !with.spheres {
+        return vec![part!("shared/bvh_empty.wgsl")];
+    }
+    let mut parts = vec![part!("shared/bvh.wgsl")];
+    if with.triangles {
+        parts.push(part!("shared/triangle.wgsl"));
+        parts.push(match with.normals {
+            true => part!("shared/normal_smooth.wgsl"),
+            false => part!("shared/normal_flat.wgsl"),
+        });
+    }
+    if with.spheres {
+        parts.push(part!("shared/sphere.wgsl"));
+    }
+    parts.push(match (with.triangles, with.spheres) {
+        (true, true) => part!("shared/primitives_mixed.wgsl"),
+        (true, false) => part!("shared/primitives_triangles.wgsl"),
+        _ => part!("shared/primitives_spheres.wgsl"),
+    });
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+    use crate::layout;
+
+    const ALL: [&Kernel; 9] = [
+        &TRACE_LEFT,
+        &REPROJECT,
+        &REPROJECT_SLOTS,
+        &GATHER_SLOTS,
+        &DEPTH_RANGE,
+        &RESOLVE_RIGHT,
+        &TRACE_LISTED,
+        &COPY_LEFT,
+        &COMPOSE,
+    ];
+
+    fn specialisations() -> Vec<Specialisation> {
+        let mut all = Vec::new();
+        for bits in 0..128_u32 {
+            let bit = |n: u32| bits >> n & 1 == 1;
+            all.push(Specialisation {
+                fetch: if bit(0) { Fetch::Texture } else { Fetch::Buffer },
+                triangles: bit(1),
+                spheres: bit(2),
+                normals: bit(3),
+                lights: bit(4),
+                gradient: bit(5),
+                stack_size: 40,
+                verify: if bit(6) { Verify::All } else { Verify::None },
+                count: false,
+            });
+        }
+        // Normals belong to triangles: a scene of spheres has none.
+        all.retain(|with| with.triangles || !with.normals);
+        all
+    }
+
+    fn parse(kernel: &Kernel, with: &Specialisation) -> naga::Module {
+        let text = kernel.text(with);
+        naga::front::wgsl::parse_str(&text)
+            .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)))
+    }
+
+    #[test]
+    fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buffers() {
+        let mut validated = BTreeSet::new();
+        for kernel in ALL {
+            for with in specialisations() {
+                let text = kernel.text(&with);
+                if !validated.insert(text.clone()) {
+                    continue;
+                }
+                let module = parse(kernel, &with);
+                let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+                    .validate(&module)
+                    .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
+                assert_eq!(module.entry_points.len(), 1);
+                assert_eq!(module.entry_points[0].name, kernel.name);
+                let used = module.global_variables.iter().filter(|(handle, variable)| {
+                    !info.get_entry_point(0)[*handle].is_empty()
+                        && matches!(variable.space, naga::AddressSpace::Storage { .. })
+                });
+                assert!(used.count() <= 8, "{} {with:?}", kernel.name);
+            }
+        }
+        assert!(validated.len() > 100, "{}", validated.len());
+    }
+
+    #[test]
+    fn bindings_of_group_1_are_as_the_table_says() {
+        for kernel in ALL {
+            let module = parse(kernel, &specialisations()[2]);
+            let mut found: Vec<_> = module
+                .global_variables
+                .iter()
+                .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
+                .filter(|(binding, _)| binding.group == 1 && binding.binding > 0)
+                .map(|(binding, space)| match space {
+                    naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+                        (binding.binding, Write)
+                    }
+                    _ => (binding.binding, Read),
+                })
+                .collect();
+            found.sort_by_key(|(binding, _)| *binding);
+            let stated: Vec<_> = kernel.storage.iter().enumerate().map(|(i, access)| (i as u32 + 1, *access)).collect();
+            assert_eq!(found, stated, "{}", kernel.name);
+        }
+    }
+
+    #[test]
+    fn every_wgsl_file_is_part_of_a_kernel() {
+        let mut used = BTreeSet::new();
+        for kernel in ALL {
+            for with in specialisations() {
+                used.extend(kernel.parts(&with).iter().map(|part| part.file.to_owned()));
+            }
+        }
+        let mut there = BTreeSet::new();
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
+        for folder in ["", "shared/"] {
+            for entry in std::fs::read_dir(format!("{root}/{folder}")).unwrap() {
+                let name = entry.unwrap().file_name().into_string().unwrap();
+                if name.ends_with(".wgsl") {
+                    there.insert(format!("{folder}{name}"));
+                }
+            }
+        }
+        assert_eq!(used, there);
+    }
+
+    macro_rules! assert_layout {
+        ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
+            let host = layout::$name::default();
+            let base = &raw const host as usize;
+            let stated = vec![$((stringify!($field), &raw const host.$field as usize - base)),*];
+            assert_struct($module, stringify!($name), &stated, size_of::<layout::$name>());
+        }};
+    }
+
+    fn assert_struct(module: &naga::Module, name: &str, stated: &[(&str, usize)], size: usize) {
+        let found = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+            naga::TypeInner::Struct { members, span } if kind.name.as_deref() == Some(name) => Some((members, span)),
+            _ => None,
+        });
+        let (members, span) = found.unwrap_or_else(|| panic!("WGSL has no struct {name}"));
+        let members: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+        assert_eq!(members, stated, "{name}");
+        assert_eq!(*span as usize, size, "size of {name}");
+    }
+
+    #[test]
+    fn host_and_wgsl_structs_have_the_same_layout() {
+        let with = Specialisation { spheres: true, triangles: true, ..specialisations()[0] };
+        let module = &parse(&TRACE_LEFT, &with);
+        assert_layout!(module, Frame {
+            left_eye, interaxial_px, right_eye, screen_distance, left_corner, interaxial, right_corner, eye,
+            step_x, buffer_depth, step_y, row_begin, right_axis, row_end, image_size, _pad,
+        });
+        assert_layout!(module, Bvh { grid_origin, extent, grid_cell, _pad });
+        assert_layout!(module, Shading { ambient, light_count, sky_nadir, _pad0, sky_zenith, _pad1 });
+        assert_layout!(module, PixelHit { depth, primitive });
+        let listed = parse(&TRACE_LISTED, &with);
+        let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
+            naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("TraceList") => {
+                Some(members[4].offset)
+            }
+            _ => None,
+        });
+        assert_eq!(header.map(u64::from), Some(layout::TRACE_LIST_HEADER));
+    }
+
+    #[test]
+    fn counters_and_marks_have_the_same_numbers_in_both_languages() {
+        let types = format!("{}{}", part!("shared/types.wgsl").text, TRACE_LIST.text);
+        for (name, value) in [
+            ("COUNTERS", layout::COUNTERS as u32),
+            ("VIEW_WORDS", layout::VIEW_WORDS as u32),
+            ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
+            ("NODES_VISITED", layout::NODES_VISITED as u32),
+            ("PRIMITIVES_TESTED", layout::PRIMITIVES_TESTED as u32),
+            ("BAD_PIXELS", layout::BAD_PIXELS as u32),
+            ("MISSED_PIXELS", layout::MISSED_PIXELS as u32),
+            ("LOST_CANDIDATES", layout::LOST_CANDIDATES as u32),
+            ("NEAREST_DEPTH", layout::NEAREST_DEPTH as u32),
+            ("FARTHEST_DEPTH", layout::FARTHEST_DEPTH as u32),
+            ("BAD", layout::BAD),
+            ("MISSED", layout::MISSED),
+        ] {
+            let decimal = format!("const {name}: u32 = {value}u;");
+            let hex = format!("const {name}: u32 = {value:#010x}u;");
+            assert!(types.contains(&decimal) || types.contains(&hex), "{name}");
+        }
+        assert!(types.contains("const FAR: f32 = 3.4e38;") && crate::FAR == 3.4e38);
+        assert!(types.contains("const MISS: u32 = 0xffffffffu;") && crate::MISS == u32::MAX);
+    }
+}

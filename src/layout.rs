@@ -1,0 +1,74 @@
+//! Every struct that WGSL reads, with the same names; a test compares them by reflection.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `Frame` of shaders/shared/types.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Frame {
+    pub(crate) left_eye: [f32; 3],
+    pub(crate) interaxial_px: f32,
+    pub(crate) right_eye: [f32; 3],
+    pub(crate) screen_distance: f32,
+    pub(crate) left_corner: [f32; 3],
+    pub(crate) interaxial: f32,
+    pub(crate) right_corner: [f32; 3],
+    pub(crate) eye: u32,
+    pub(crate) step_x: [f32; 3],
+    pub(crate) buffer_depth: u32,
+    pub(crate) step_y: [f32; 3],
+    pub(crate) row_begin: u32,
+    pub(crate) right_axis: [f32; 3],
+    pub(crate) row_end: u32,
+    pub(crate) image_size: [u32; 2],
+    pub(crate) _pad: [u32; 2],
+}
+
+/// `Bvh` of shaders/shared/bvh.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Bvh {
+    pub(crate) grid_origin: [f32; 3],
+    pub(crate) extent: f32,
+    pub(crate) grid_cell: [f32; 3],
+    pub(crate) _pad: u32,
+}
+
+/// `Shading` of shaders/shared/shade.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Shading {
+    pub(crate) ambient: [f32; 3],
+    pub(crate) light_count: u32,
+    pub(crate) sky_nadir: [f32; 3],
+    pub(crate) _pad0: u32,
+    pub(crate) sky_zenith: [f32; 3],
+    pub(crate) _pad1: u32,
+}
+
+/// `PixelHit` of shaders/shared/types.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct PixelHit {
+    pub(crate) depth: f32,
+    pub(crate) primitive: u32,
+}
+
+/// Bytes of `TraceList` before its pixels (shaders/shared/trace_list.wgsl): an indirect dispatch and a count.
+pub(crate) const TRACE_LIST_HEADER: u64 = 16;
+
+/// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
+pub(crate) const COUNTERS: usize = 12;
+pub(crate) const VIEW_WORDS: usize = 3;
+pub(crate) const SHADOW_RAYS: usize = 0;
+pub(crate) const NODES_VISITED: usize = 1;
+pub(crate) const PRIMITIVES_TESTED: usize = 2;
+pub(crate) const BAD_PIXELS: usize = 6;
+pub(crate) const MISSED_PIXELS: usize = 7;
+pub(crate) const LOST_CANDIDATES: usize = 8;
+pub(crate) const NEAREST_DEPTH: usize = 9;
+pub(crate) const FARTHEST_DEPTH: usize = 10;
+
+/// Marks of `right_source` after `resolve_right` (shaders/shared/trace_list.wgsl).
+pub(crate) const BAD: u32 = 0x4000_0000;
+pub(crate) const MISSED: u32 = 0x8000_0000;

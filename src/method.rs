@@ -1,0 +1,141 @@
+//! How the right view is made: the four named methods and the choices they are made of (DESIGN, section 4).
+
+use std::{fmt, str::FromStr};
+
+use crate::{Error, Pose};
+
+/// How the right view is made of the left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Method {
+    /// Both views are traced: the baseline and the ground truth.
+    Naive,
+    /// The left view is copied: the bound on what reuse can save, and wrong wherever there is parallax.
+    Ideal,
+    /// Left pixels are carried over where they are found to fit, the rest is traced.
+    Reuse {
+        /// Which left samples a right pixel looks at.
+        overlap: Overlap,
+        /// Which reused pixels are checked by a ray.
+        verify: Verify,
+    },
+}
+
+/// Which left samples a right pixel looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Overlap {
+    /// The nearest one, kept by atomicMax (thesis, 3.1.2.2).
+    Atomic,
+    /// All of them in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
+    Buffer(BufferDepth),
+}
+
+/// Slots a right pixel of the 3D buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum BufferDepth {
+    /// As many as said, at least 1.
+    Fixed(u32),
+    /// `2 e_px`, rounded up: the thesis's choice. One slot short from nearest depth d/2 on (DESIGN, section 2).
+    TwiceInteraxial,
+    /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
+    Adaptive,
+}
+
+/// Which reused pixels are checked by a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Verify {
+    /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
+    All,
+    /// None: what landed is trusted.
+    None,
+}
+
+impl Method {
+    /// The thesis's atomic-based method: overlap atomic, all reused pixels checked.
+    pub const ATOMIC: Self = Self::Reuse { overlap: Overlap::Atomic, verify: Verify::All };
+    /// The thesis's buffer-based method with a 3D buffer that loses nothing.
+    pub const BUFFER: Self = Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::All };
+    /// The methods by name, in the order in which tables show them.
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("naive", Self::Naive),
+        ("ideal", Self::Ideal),
+        ("atomic", Self::ATOMIC),
+        ("buffer", Self::BUFFER),
+        ("buffer-2e", Self::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All }),
+    ];
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((name, _)) = Self::ALL.iter().find(|(_, method)| method == self) {
+            return f.write_str(name);
+        }
+        match self {
+            Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All } => {
+                write!(f, "buffer-{depth}")
+            }
+            other => write!(f, "{other:?}"),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = Error;
+
+    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots.
+    fn from_str(name: &str) -> Result<Self, Error> {
+        if let Some((_, method)) = Self::ALL.iter().find(|(known, _)| *known == name) {
+            return Ok(*method);
+        }
+        match name.strip_prefix("buffer-").and_then(|depth| depth.parse().ok()) {
+            Some(depth) if depth > 0 => Ok(Self::Reuse {
+                overlap: Overlap::Buffer(BufferDepth::Fixed(depth)),
+                verify: Verify::All,
+            }),
+            _ => {
+                let names: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
+                Err(Error::Method { name: name.into(), known: names.join(", ") + ", buffer-N for N slots" })
+            }
+        }
+    }
+}
+
+impl BufferDepth {
+    /// Slots a right pixel for a left view with depths in `[nearest, farthest]`, at least 1 and at most the width.
+    pub(crate) fn slots(self, pose: &Pose, (nearest, farthest): (f32, f32)) -> u32 {
+        let depth = match self {
+            Self::Fixed(depth) => f64::from(depth),
+            Self::TwiceInteraxial => f64::from(2.0 * pose.interaxial_px).ceil(),
+            Self::Adaptive => lemma1(pose, nearest, farthest).floor() + 2.0,
+        };
+        depth.clamp(1.0, f64::from(pose.size[0])) as u32
+    }
+}
+
+/// `B = e_px d (1/Z_near - 1/Z_far)`: two left samples in one right column are fewer than `B + 1` columns apart
+/// (thesis, Lemma 1, with rounding as in DESIGN, section 2). A farthest depth of infinity counts as 1/Z = 0.
+pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
+    let reach = f64::from(pose.interaxial_px) * f64::from(pose.screen_distance);
+    reach * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_reads_back_as_its_method() {
+        for (name, method) in Method::ALL {
+            assert_eq!(name.parse::<Method>().unwrap(), method);
+            assert_eq!(method.to_string(), name);
+        }
+        assert_eq!("buffer-8".parse::<Method>().unwrap().to_string(), "buffer-8");
+        for wrong in ["", "Naive2", "buffer-0", "buffer-x"] {
+            let message = wrong.parse::<Method>().unwrap_err().to_string();
+            assert!(message.contains("naive, ideal, atomic, buffer"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Files, written whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+#[cfg(feature = "png")]
+use super::Picture;
+use crate::{Error, MISS, View};
+
+/// Whole numbers up to here are exact as f32.
+const LARGEST_EXACT_ID: u32 = 1 << 24;
+
+/// Writes a file whole or not at all: under a temporary name in the same folder first, which then takes the place of
+/// `path`. An existing file keeps its permissions, a link still points to its file, and what is no file to replace
+/// (a pipe, a device) is written to directly.
+///
+/// # Errors
+/// [`Error::Io`], naming `path`; the file is as it was before, and the temporary one gone.
+pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+    write_whole_with(path.as_ref(), |file| file.write_all(bytes))
+}
+
+fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
+    let replace = || {
+        let old = fs::metadata(path).ok();
+        if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+            return write(&mut OpenOptions::new().write(true).open(path)?);
+        }
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        let (temporary, file) = create_beside(&target)?;
+        let filled = fill(file, write, old.map(|old| old.permissions()));
+        filled.and_then(|()| fs::rename(&temporary, &target)).inspect_err(|_| {
+            // The first error is the one to tell; this one would only follow from it.
+            let _ = fs::remove_file(&temporary);
+        })
+    };
+    replace().map_err(|source| Error::io(path, source))
+}
+
+/// A new file in the folder of `target`. Its name does not contain the target's, which may be as long as names get.
+fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let folder = target.parent().unwrap_or(Path::new(""));
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let temporary = folder.join(format!(".stereotrace-{}-{count}.tmp", std::process::id()));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            // Left by a process of the same id that was killed: take the next name.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (temporary, file)),
+        }
+    }
+}
+
+/// Writes, waits for the disk, and closes: Windows renames no open file.
+fn fill(
+    mut file: File,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+    permissions: Option<fs::Permissions>,
+) -> io::Result<()> {
+    write(&mut file)?;
+    if let Some(permissions) = permissions {
+        file.set_permissions(permissions)?;
+    }
+    file.sync_all()
+}
+
+/// Writes one number a pixel as a grey PFM picture: `values` are row-major, `[height][width]`, top row first; the file
+/// holds little-endian f32, bottom row first. Unknown values are `f32::INFINITY`.
+///
+/// # Errors
+/// [`Error::File`] if there are not `width * height` values, [`Error::Io`] if the file cannot be written.
+pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32]) -> Result<(), Error> {
+    let path = path.as_ref();
+    check_count(path, width, height, values.len())?;
+    let mut bytes = format!("Pf\n{width} {height}\n-1.0\n").into_bytes();
+    bytes.reserve(4 * values.len());
+    for row in values.chunks_exact((width as usize).max(1)).rev() {
+        bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
+    }
+    write_whole(path, &bytes)
+}
+
+/// Writes one id a pixel as [`save_pfm`] does; [`MISS`] becomes -1.
+///
+/// # Errors
+/// Those of [`save_pfm`], and [`Error::File`] naming an id over 2^24: from there on f32 skips whole numbers.
+pub fn save_ids_pfm(path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
+    let number = |&id: &u32| match id {
+        MISS => Ok(-1.0),
+        0..=LARGEST_EXACT_ID => Ok(id as f32),
+        _ => Err(Error::file(
+            path.as_ref(),
+            None,
+            format!("id {id} is over {LARGEST_EXACT_ID}, the largest that a PFM file's f32 holds exactly"),
+        )),
+    };
+    let values = ids.iter().map(number).collect::<Result<Vec<_>, _>>()?;
+    save_pfm(path, width, height, &values)
+}
+
+fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(), Error> {
+    if u64::from(width) * u64::from(height) == count as u64 {
+        return Ok(());
+    }
+    Err(Error::file(path, None, format!("a picture of {width}x{height} cannot be written from {count} pixels")))
+}
+
+impl View {
+    /// Writes [`View::primitive`] as a PFM picture, -1 where nothing was hit ([`save_ids_pfm`]).
+    ///
+    /// # Errors
+    /// Those of [`save_ids_pfm`].
+    pub fn save_primitive_ids(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        save_ids_pfm(path, self.width, self.height, &self.primitive)
+    }
+
+    /// Writes [`View::object`] as a PFM picture, -1 where nothing was hit ([`save_ids_pfm`]).
+    ///
+    /// # Errors
+    /// Those of [`save_ids_pfm`].
+    pub fn save_object_ids(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        save_ids_pfm(path, self.width, self.height, &self.object)
+    }
+
+    /// Writes [`View::depth`] in world units as a PFM picture, infinity where nothing was hit ([`save_pfm`]).
+    ///
+    /// # Errors
+    /// Those of [`save_pfm`].
+    pub fn save_depth(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        save_pfm(path, self.width, self.height, &self.depth)
+    }
+}
+
+#[cfg(feature = "png")]
+impl Picture {
+    /// Writes the picture as a PNG file with 8 bits a channel.
+    ///
+    /// # Errors
+    /// [`Error::File`] if there are not `width * height` pixels or none at all, [`Error::Io`] if the file cannot be
+    /// written.
+    pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+
+        let path = path.as_ref();
+        check_count(path, self.width, self.height, self.rgba8.len())?;
+        let mut bytes = Vec::new();
+        PngEncoder::new(&mut bytes)
+            .write_image(self.rgba8.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8)
+            .map_err(|error| Error::file(path, None, error.to_string()))?;
+        write_whole(path, &bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::view;
+    use super::*;
+
+    /// A folder of its own for one test, gone with it.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(test: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("stereotrace-{test}-{}", std::process::id()));
+            fs::create_dir_all(&folder).unwrap();
+            Self(folder)
+        }
+
+        fn path(&self, name: &str) -> PathBuf {
+            self.0.join(name)
+        }
+
+        fn names(&self) -> Vec<String> {
+            let name = |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+            let mut names: Vec<_> = fs::read_dir(&self.0).unwrap().map(name).collect();
+            names.sort();
+            names
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    /// Reads a grey PFM as its definition says: size, and rows turned to top row first.
+    fn read_pfm(path: &Path) -> (usize, usize, Vec<f32>) {
+        let bytes = fs::read(path).unwrap();
+        let mut lines = bytes.splitn(4, |&byte| byte == b'\n');
+        let mut line = || lines.next().unwrap();
+        assert_eq!(line(), b"Pf");
+        let size = String::from_utf8(line().to_vec()).unwrap();
+        let (width, height) = size.split_once(' ').unwrap();
+        let (width, height): (usize, usize) = (width.parse().unwrap(), height.parse().unwrap());
+        let scale: f32 = String::from_utf8(line().to_vec()).unwrap().parse().unwrap();
+        assert!(scale < 0.0, "little-endian");
+        let data = line();
+        assert_eq!(data.len(), 4 * width * height);
+        let at = |index: usize| f32::from_le_bytes(std::array::from_fn(|byte| data[4 * index + byte]));
+        let turned = (0..height).flat_map(|y| (0..width).map(move |x| (height - 1 - y) * width + x));
+        (width, height, turned.map(at).collect())
+    }
+
+    #[test]
+    fn a_pfm_reads_back_and_its_bytes_are_as_specified() {
+        let folder = Folder::new("pfm");
+        let values = [1.5, -2.0, f32::INFINITY, 0.0, 1e-30, 6.25];
+        let path = folder.path("a.pfm");
+        save_pfm(&path, 3, 2, &values).unwrap();
+        assert_eq!(read_pfm(&path), (3, 2, values.to_vec()));
+        // Upside down would read back too if the reader were wrong as well: the bottom row comes first.
+        let mut expected = b"Pf\n3 2\n-1.0\n".to_vec();
+        expected.extend([0.0_f32, 1e-30, 6.25, 1.5, -2.0, f32::INFINITY].iter().flat_map(|v| v.to_le_bytes()));
+        assert_eq!(fs::read(&path).unwrap(), expected);
+        assert_eq!(folder.names(), ["a.pfm"]);
+    }
+
+    #[test]
+    fn a_wrong_number_of_values_is_an_error_and_writes_nothing() {
+        let folder = Folder::new("count");
+        let message = save_pfm(folder.path("a.pfm"), 2, 2, &[0.0; 3]).unwrap_err().to_string();
+        assert!(message.contains("a.pfm: a picture of 2x2 cannot be written from 3 pixels"), "{message}");
+        assert!(save_pfm(folder.path("a.pfm"), u32::MAX, u32::MAX, &[0.0]).is_err());
+        assert!(folder.names().is_empty());
+    }
+
+    #[test]
+    fn ids_are_exact_or_refused() {
+        let folder = Folder::new("ids");
+        let mut view = view(1, &[[0; 3]; 3]);
+        view.primitive = vec![0, MISS, 1 << 24];
+        view.object = vec![4, MISS, (1 << 24) + 1];
+        let path = folder.path("ids.pfm");
+        view.save_primitive_ids(&path).unwrap();
+        assert_eq!(read_pfm(&path), (1, 3, vec![0.0, -1.0, 16_777_216.0]));
+        let message = view.save_object_ids(folder.path("objects.pfm")).unwrap_err().to_string();
+        assert!(message.contains("objects.pfm: id 16777217 is over 16777216"), "{message}");
+        view.save_depth(&path).unwrap();
+        assert_eq!(read_pfm(&path), (1, 3, vec![f32::INFINITY; 3]));
+        assert_eq!(folder.names(), ["ids.pfm"]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_temporary() {
+        let folder = Folder::new("failed");
+        let path = folder.path("a.bin");
+        write_whole(&path, b"old").unwrap();
+        let result = write_whole_with(&path, |file| {
+            file.write_all(b"half of the n")?;
+            Err(io::Error::other("disk full"))
+        });
+        let message = result.unwrap_err().to_string();
+        assert!(message.ends_with("a.bin: disk full"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(folder.names(), ["a.bin"]);
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(folder.names(), ["a.bin"]);
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced_and_a_missing_one_is_named() {
+        let folder = Folder::new("folder");
+        let inner = folder.path("inner");
+        fs::create_dir(&inner).unwrap();
+        assert!(write_whole(&inner, b"x").unwrap_err().to_string().contains("inner: "));
+        let message = write_whole(folder.path("none").join("a.bin"), b"x").unwrap_err().to_string();
+        assert!(message.contains("a.bin: "), "{message}");
+        assert!(write_whole("", b"x").is_err());
+        assert_eq!(folder.names(), ["inner"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_permissions_and_sockets_survive() {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+        use std::os::unix::net::UnixListener;
+
+        let folder = Folder::new("unix");
+        let (file, link) = (folder.path("file"), folder.path("link"));
+        fs::write(&file, b"old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink(&file, &link).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        let long = "n".repeat(255);
+        write_whole(folder.path(&long), b"x").unwrap();
+        let socket = folder.path("socket");
+        let _listener = UnixListener::bind(&socket).unwrap();
+        assert!(write_whole(&socket, b"x").is_err());
+        assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
+        assert_eq!(folder.names(), ["file", "link", &long, "socket"]);
+    }
+
+    #[cfg(feature = "png")]
+    #[test]
+    fn a_png_reads_back_as_it_was() {
+        let folder = Folder::new("png");
+        let rgba8: Vec<_> = (0..6).map(|i| [40 * i, 255 - i, i, 255]).collect();
+        let path = folder.path("a.png");
+        Picture { width: 3, height: 2, rgba8: rgba8.clone() }.save_png(&path).unwrap();
+        let read = image::open(&path).unwrap().into_rgba8();
+        assert_eq!((read.width(), read.height()), (3, 2));
+        assert_eq!(read.as_raw(), rgba8.as_flattened());
+        assert_eq!(folder.names(), ["a.png"]);
+    }
+
+    #[cfg(feature = "png")]
+    #[test]
+    fn a_picture_of_no_size_or_the_wrong_one_is_an_error() {
+        let folder = Folder::new("empty");
+        let path = folder.path("a.png");
+        assert!(Picture { width: 0, height: 0, rgba8: vec![] }.save_png(&path).is_err());
+        assert!(Picture { width: 2, height: 2, rgba8: vec![[0; 4]; 3] }.save_png(&path).is_err());
+        assert!(folder.names().is_empty());
+    }
+}

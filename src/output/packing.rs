@@ -1,0 +1,190 @@
+//! Packings: both eyes beside or below each other in one picture, for 3D displays and for free viewing.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::{Picture, UnknownName, encode, rows};
+use crate::View;
+
+/// Where the eyes stand in one picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Packing {
+    /// Left eye on the left, right eye on the right: twice as wide as a view. Parallel viewing.
+    #[default]
+    SideBySide,
+    /// The same, squeezed to the width of one view.
+    HalfSideBySide,
+    /// Right eye on the left, left eye on the right: twice as wide as a view. For crossed eyes.
+    CrossEyed,
+    /// Left eye above the right eye: twice as high as a view.
+    TopBottom,
+    /// The same, squeezed to the height of one view.
+    HalfTopBottom,
+}
+
+impl Packing {
+    /// Every packing, the default first.
+    pub const ALL: &'static [Self] =
+        &[Self::SideBySide, Self::HalfSideBySide, Self::CrossEyed, Self::TopBottom, Self::HalfTopBottom];
+
+    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SideBySide => "side-by-side",
+            Self::HalfSideBySide => "half-side-by-side",
+            Self::CrossEyed => "cross-eyed",
+            Self::TopBottom => "top-bottom",
+            Self::HalfTopBottom => "half-top-bottom",
+        }
+    }
+}
+
+impl fmt::Display for Packing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Packing {
+    type Err = UnknownName;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().copied().find(|packing| packing.name() == name);
+        found.ok_or_else(|| UnknownName::new("packing", name, Self::ALL))
+    }
+}
+
+/// Puts two views into one picture. The half packings average two pixels in linear light; where their number is odd,
+/// the last one stands alone, so that the picture is one pixel larger than a view. Of views of different sizes, what
+/// both have is kept: the rows beside each other, the columns below each other.
+pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
+    match packing {
+        Packing::SideBySide => beside(&left.picture(), &right.picture()),
+        Packing::CrossEyed => beside(&right.picture(), &left.picture()),
+        Packing::HalfSideBySide => beside(&half_width(left), &half_width(right)),
+        Packing::TopBottom => stacked(&left.picture(), &right.picture()),
+        Packing::HalfTopBottom => stacked(&half_height(left), &half_height(right)),
+    }
+}
+
+fn beside(first: &Picture, second: &Picture) -> Picture {
+    let both = rows(&first.rgba8, first.width).zip(rows(&second.rgba8, second.width));
+    Picture {
+        width: first.width + second.width,
+        height: first.height.min(second.height),
+        rgba8: both.flat_map(|(a, b)| a.iter().chain(b)).copied().collect(),
+    }
+}
+
+fn stacked(first: &Picture, second: &Picture) -> Picture {
+    let width = first.width.min(second.width);
+    let both = rows(&first.rgba8, first.width).chain(rows(&second.rgba8, second.width));
+    Picture {
+        width,
+        height: first.height + second.height,
+        rgba8: both.flat_map(|row| row.iter().take(width as usize)).copied().collect(),
+    }
+}
+
+fn half_width(view: &View) -> Picture {
+    let halved = |row: &[[f32; 4]]| {
+        let pairs = row.chunks(2).map(|two| average(&two[0], two.last().unwrap_or(&two[0])));
+        pairs.collect::<Vec<_>>()
+    };
+    Picture {
+        width: view.width.div_ceil(2),
+        height: view.height,
+        rgba8: rows(&view.linear, view.width).flat_map(halved).collect(),
+    }
+}
+
+fn half_height(view: &View) -> Picture {
+    let width = (view.width as usize).max(1);
+    let halved = |two: &[[f32; 4]]| {
+        // Of a single last row, both are the same.
+        let (upper, lower) = (&two[..width.min(two.len())], &two[two.len().saturating_sub(width)..]);
+        upper.iter().zip(lower).map(|(a, b)| average(a, b)).collect::<Vec<_>>()
+    };
+    Picture {
+        width: view.width,
+        height: view.height.div_ceil(2),
+        rgba8: view.linear.chunks(2 * width).flat_map(halved).collect(),
+    }
+}
+
+/// The mean of two linear pixels, encoded.
+fn average(a: &[f32; 4], b: &[f32; 4]) -> [u8; 4] {
+    let [red, green, blue] = [0, 1, 2].map(|channel| encode(0.5 * (a[channel] + b[channel])));
+    [red, green, blue, 255]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{pair, view};
+    use super::*;
+
+    /// Pictures of one grey value a pixel, row by row.
+    fn grey(width: u32, values: &[u8]) -> View {
+        view(width, &values.iter().map(|&value| [value; 3]).collect::<Vec<_>>())
+    }
+
+    fn assert_shows(picture: &Picture, size: (u32, u32), values: &[u8]) {
+        assert_eq!((picture.width, picture.height), size);
+        assert_eq!(picture.rgba8, values.iter().map(|&value| [value, value, value, 255]).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn full_packings_keep_every_pixel() {
+        let pair = pair(grey(2, &[1, 2, 3, 4]), grey(2, &[11, 12, 13, 14]));
+        assert_shows(&pair.packed(Packing::SideBySide), (4, 2), &[1, 2, 11, 12, 3, 4, 13, 14]);
+        assert_shows(&pair.packed(Packing::CrossEyed), (4, 2), &[11, 12, 1, 2, 13, 14, 3, 4]);
+        assert_shows(&pair.packed(Packing::TopBottom), (2, 4), &[1, 2, 3, 4, 11, 12, 13, 14]);
+        let crossed = packed(&pair.right, &pair.left, Packing::SideBySide);
+        assert_eq!(crossed, pair.packed(Packing::CrossEyed));
+    }
+
+    #[test]
+    fn half_packings_average_light_and_not_bytes() {
+        // Half the light of white is 188, not 128.
+        let left = grey(4, &[0, 255, 7, 7, 0, 255, 9, 9]);
+        let right = grey(4, &[255, 255, 0, 0, 255, 255, 0, 0]);
+        let pair = pair(left, right);
+        assert_shows(&pair.packed(Packing::HalfSideBySide), (4, 2), &[188, 7, 255, 0, 188, 9, 255, 0]);
+        let below = pair.packed(Packing::HalfTopBottom);
+        assert_shows(&below, (4, 2), &[0, 255, 7 + 1, 7 + 1, 255, 255, 0, 0]);
+    }
+
+    #[test]
+    fn the_last_of_an_odd_number_stands_alone() {
+        let odd = grey(3, &[5, 5, 80, 6, 6, 90, 255, 255, 100]);
+        let squeezed = [5, 80, 5, 80, 6, 90, 6, 90, 255, 100, 255, 100];
+        assert_shows(&packed(&odd, &odd, Packing::HalfSideBySide), (4, 3), &squeezed);
+        let flat = grey(1, &[3, 3, 200]);
+        assert_shows(&packed(&flat, &flat, Packing::HalfTopBottom), (1, 4), &[3, 200, 3, 200]);
+        let one = grey(1, &[77]);
+        assert_shows(&packed(&one, &one, Packing::HalfSideBySide), (2, 1), &[77, 77]);
+        assert_shows(&packed(&one, &one, Packing::HalfTopBottom), (1, 2), &[77, 77]);
+    }
+
+    #[test]
+    fn different_and_empty_sizes_pack_what_both_have() {
+        let (large, small) = (grey(2, &[1, 2, 3, 4]), grey(1, &[9]));
+        assert_shows(&packed(&large, &small, Packing::SideBySide), (3, 1), &[1, 2, 9]);
+        assert_shows(&packed(&large, &small, Packing::TopBottom), (1, 3), &[1, 3, 9]);
+        let mut empty = grey(1, &[]);
+        for width in [0, 1] {
+            empty.width = width;
+            for &packing in Packing::ALL {
+                assert!(packed(&empty, &empty, packing).rgba8.is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        for &packing in Packing::ALL {
+            assert_eq!(packing.to_string().parse(), Ok(packing));
+        }
+    }
+}

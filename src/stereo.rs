@@ -1,0 +1,681 @@
+//! The renderer: the passes of one frame, in order.
+
+use std::{ops::ControlFlow, sync::Arc};
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work, bvh,
+    gpu::{Gpu, Pipelines, Texels, Timestamps, check_bytes},
+    kernels::{self, Kernel, Specialisation, Touches},
+    layout,
+    method::{Overlap, Verify},
+};
+
+/// Pixels of one dispatch at most: with 5 lights some 1.5 million rays, a tenth of a second on a slow GPU, so that no
+/// watchdog trips whatever the picture's size.
+const BAND_PIXELS: u32 = 1 << 18;
+/// Bands of a picture at most, so that the timestamps of all passes fit one query set.
+const MAX_BANDS: u32 = 512;
+/// Threads of a workgroup in x and y (the kernels' default).
+const WORKGROUP: u32 = 8;
+
+/// What to render with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Options {
+    /// How the right view is made.
+    pub method: Method,
+    /// Count BVH nodes and primitive tests (slower).
+    pub count: bool,
+}
+
+impl Options {
+    /// The given method, nothing counted.
+    pub fn new(method: Method) -> Self {
+        Self { method, count: false }
+    }
+
+    /// Counts BVH nodes and primitive tests too.
+    pub fn counting(mut self) -> Self {
+        self.count = true;
+        self
+    }
+}
+
+impl Default for Options {
+    /// [`Method::ATOMIC`], nothing counted.
+    fn default() -> Self {
+        Self::new(Method::ATOMIC)
+    }
+}
+
+/// How far a frame is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// The pass at work.
+    pub pass: &'static str,
+    /// Share of the frame's rows done, all passes together, 0 to 1.
+    pub done: f32,
+}
+
+/// A scene on a device, to be rendered from any number of cameras.
+#[derive(Debug)]
+pub struct UploadedScene {
+    geometry: wgpu::BindGroup,
+    shading: wgpu::BindGroup,
+    specialisation: Specialisation,
+    objects: Vec<u32>,
+}
+
+/// Renders stereo pairs; keeps pipelines and buffers from frame to frame.
+///
+/// ```no_run
+/// use stereotrace::{Gpu, Method, Options, Renderer, Scene, StereoCamera};
+///
+/// let scene = Scene::from_obj("bunny.obj")?;
+/// let camera = StereoCamera::fitting(scene.bounds().expect("the file has triangles"), 800, 600);
+/// let mut renderer = Renderer::new(Gpu::new()?);
+/// let uploaded = renderer.upload(&scene)?;
+/// for method in [Method::Naive, Method::ATOMIC] {
+///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).counting())?;
+///     println!("{method}: second eye {:.2} of the first", pair.statistics.second_eye());
+/// }
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    pipelines: Pipelines,
+    picture: Option<Arc<Picture>>,
+    slots: Option<Arc<wgpu::Buffer>>,
+    timestamps: Option<Timestamps>,
+}
+
+/// The buffers of one picture size.
+#[derive(Debug)]
+struct Picture {
+    size: [u32; 2],
+    frame: wgpu::Buffer,
+    left_color: wgpu::Buffer,
+    right_color: wgpu::Buffer,
+    hits: wgpu::Buffer,
+    right_source: wgpu::Buffer,
+    to_trace: wgpu::Buffer,
+    indirect: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    pictures: wgpu::Buffer,
+}
+
+impl Picture {
+    fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, Error> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let allowed = gpu.binding_limit();
+        check_bytes(&format!("a {}x{} picture", size[0], size[1]), pixels * 16, allowed)?;
+        let storage = |label, bytes| gpu.storage_buffer(label, bytes);
+        let band = u64::from(size[0]) * u64::from(band_rows(size));
+        Ok(Self {
+            size,
+            frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
+            left_color: storage("left_color", pixels * 16),
+            right_color: storage("right_color", pixels * 16),
+            hits: storage("hits", pixels * 16),
+            right_source: storage("right_source", pixels * 4),
+            to_trace: storage("to_trace", layout::TRACE_LIST_HEADER + band * 4),
+            indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("indirect"),
+                size: 12,
+                usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            counters: storage("counters", u64::from(size[1]) * layout::COUNTERS as u64 * 4),
+            pictures: storage("pictures", pixels * 8),
+        })
+    }
+
+    /// Bytes between the passes, without the pair's own pictures.
+    fn intermediate_bytes(&self) -> u64 {
+        [&self.hits, &self.right_source, &self.to_trace, &self.counters].map(wgpu::Buffer::size).iter().sum()
+    }
+}
+
+/// Rows of a dispatch: whole workgroups of them.
+fn band_rows([width, height]: [u32; 2]) -> u32 {
+    let rows = (BAND_PIXELS / width).max(height.div_ceil(MAX_BANDS));
+    rows.next_multiple_of(WORKGROUP).min(height.next_multiple_of(WORKGROUP))
+}
+
+impl Renderer {
+    /// A renderer on a device.
+    pub fn new(gpu: Gpu) -> Self {
+        let pipelines = Pipelines::new(&gpu, gpu.fetch());
+        let timestamps = Timestamps::new(&gpu);
+        Self { gpu, pipelines, picture: None, slots: None, timestamps }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Builds a scene's BVH and uploads it, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::upload_async`].
+    pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
+        pollster::block_on(self.upload_async(scene))
+    }
+
+    /// Builds a scene's BVH and uploads it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
+    /// takes, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub async fn upload_async(&self, scene: &Scene) -> Result<UploadedScene, Error> {
+        scene.check()?;
+        let packed = bvh::build(scene)?;
+        let fetch = self.pipelines.fetch;
+        let gpu = &self.gpu;
+        let upload = || {
+            let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
+            let primitives = gpu.upload("primitives", &packed.primitives, fetch)?;
+            let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
+            let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
+            let shading = gpu.uniform_buffer("shading", bytemuck::bytes_of(&shading_uniform(scene)));
+            let bind = |label, layout, uniform: &wgpu::Buffer, texels: &[&Texels]| {
+                let resources = std::iter::once(uniform.as_entire_binding()).chain(texels.iter().map(|t| t.binding()));
+                bind_group(gpu, label, layout, resources)
+            };
+            Ok(UploadedScene {
+                geometry: bind("geometry", &self.pipelines.geometry, &bvh, &[&nodes, &primitives]),
+                shading: bind("shading", &self.pipelines.shading, &shading, &[&table]),
+                specialisation: Specialisation::of(scene, fetch, packed.stack_size),
+                objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
+            })
+        };
+        gpu.checked(upload).await
+    }
+
+    /// Renders a pair, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<StereoPair, Error> {
+        pollster::block_on(self.render_async(scene, camera, options, &mut |_| ControlFlow::Continue(())))
+    }
+
+    /// Renders a pair; `progress` is called after every band of rows of every pass, and may stop the frame.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Cancelled`] if `progress` breaks, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    pub async fn render_async(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<StereoPair, Error> {
+        let statistics = self.trace_async(scene, camera, options, progress).await?;
+        let picture = self.picture.clone().ok_or_else(|| Error::Gpu("no picture was rendered".into()))?;
+        self.read_pair(scene, camera.pose()?, options, &picture, statistics).await
+    }
+
+    /// Runs the passes of a frame without reading the pictures back: for benchmarks.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn trace(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<Statistics, Error> {
+        pollster::block_on(self.trace_async(scene, camera, options, &mut |_| ControlFlow::Continue(())))
+    }
+
+    async fn trace_async(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<Statistics, Error> {
+        let pose = camera.pose()?;
+        let picture = self.picture_of(pose.size).await?;
+        if let Some(timestamps) = &mut self.timestamps {
+            timestamps.restart();
+        }
+        let method = if pose.interaxial == 0.0 && options.method != Method::Naive {
+            Method::Ideal
+        } else {
+            options.method
+        };
+        let mut passes = Passes {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            scene,
+            specialisation: Specialisation { count: options.count, ..scene.specialisation },
+            picture: &picture,
+            slots: &mut self.slots,
+            frame: frame_uniform(&pose),
+            timestamps: self.timestamps.as_mut(),
+            rows_done: 0,
+            rows_total: pose.size[1] * 4,
+            progress,
+        };
+        let buffer_depth = passes.frame(&pose, method).await?;
+        passes.finish().await?;
+        let mut statistics = self.statistics(&picture, method).await?;
+        statistics.buffer_depth = buffer_depth;
+        if let (Some(slots), true) = (&self.slots, buffer_depth > 0) {
+            statistics.intermediate_bytes += slots.size();
+        }
+        if let Some(timestamps) = &self.timestamps {
+            statistics.times = Some(timestamps.read(&self.gpu).await?);
+        }
+        Ok(statistics)
+    }
+
+    async fn picture_of(&mut self, size: [u32; 2]) -> Result<Arc<Picture>, Error> {
+        if let Some(picture) = self.picture.as_ref().filter(|picture| picture.size == size) {
+            return Ok(picture.clone());
+        }
+        self.picture = None; // the old one's memory first
+        let picture = Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size)).await?);
+        self.picture = Some(picture.clone());
+        Ok(picture)
+    }
+
+    async fn statistics(&self, picture: &Picture, method: Method) -> Result<Statistics, Error> {
+        let [width, height] = picture.size;
+        let words: Vec<u32> = self.gpu.read(&picture.counters, height as usize * layout::COUNTERS).await?;
+        let sum = |word: usize| words.iter().skip(word).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum::<u64>();
+        let pixels = u64::from(width) * u64::from(height);
+        let work = |eye: usize, primary, verification| Work {
+            rays: Rays { primary, verification, shadow: sum(eye * layout::VIEW_WORDS + layout::SHADOW_RAYS) },
+            nodes: sum(eye * layout::VIEW_WORDS + layout::NODES_VISITED),
+            primitive_tests: sum(eye * layout::VIEW_WORDS + layout::PRIMITIVES_TESTED),
+        };
+        let (bad, missed) = (sum(layout::BAD_PIXELS), sum(layout::MISSED_PIXELS));
+        let (primary, verification, reused) = match method {
+            Method::Naive => (pixels, 0, 0),
+            Method::Ideal => (0, 0, pixels),
+            Method::Reuse { verify, .. } => {
+                let landed = pixels - missed;
+                (bad + missed, if verify == Verify::All { landed } else { 0 }, landed - bad)
+            }
+        };
+        Ok(Statistics {
+            left: work(0, pixels, 0),
+            right: work(1, primary, verification),
+            reused,
+            bad,
+            missed,
+            lost_candidates: sum(layout::LOST_CANDIDATES),
+            intermediate_bytes: picture.intermediate_bytes(),
+            ..Statistics::default()
+        })
+    }
+
+    async fn read_pair(
+        &self,
+        scene: &UploadedScene,
+        pose: Pose,
+        options: &Options,
+        picture: &Picture,
+        statistics: Statistics,
+    ) -> Result<StereoPair, Error> {
+        let pixels = picture.size[0] as usize * picture.size[1] as usize;
+        let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
+        let rgba8: Vec<[u8; 4]> = self.gpu.read(&picture.pictures, 2 * pixels).await?;
+        let view = |eye: usize, linear| {
+            let hits = &hits[eye * pixels..(eye + 1) * pixels];
+            let depth = |hit: &layout::PixelHit| if hit.primitive == crate::MISS { f32::INFINITY } else { hit.depth };
+            let object = |hit: &layout::PixelHit| scene.objects.get(hit.primitive as usize).copied();
+            View {
+                width: picture.size[0],
+                height: picture.size[1],
+                rgba8: rgba8[eye * pixels..(eye + 1) * pixels].to_vec(),
+                linear,
+                depth: hits.iter().map(depth).collect(),
+                primitive: hits.iter().map(|hit| hit.primitive).collect(),
+                object: hits.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
+            }
+        };
+        let left = view(0, self.gpu.read(&picture.left_color, pixels).await?);
+        let right = view(1, self.gpu.read(&picture.right_color, pixels).await?);
+        let source = match options.method {
+            Method::Naive => vec![PixelSource::Traced; pixels],
+            _ if statistics.reused == pixels as u64 => vec![PixelSource::Reused; pixels],
+            _ => {
+                let marks: Vec<u32> = self.gpu.read(&picture.right_source, pixels).await?;
+                marks.into_iter().map(pixel_source).collect()
+            }
+        };
+        Ok(StereoPair { left, right, source, statistics, pose })
+    }
+}
+
+fn pixel_source(mark: u32) -> PixelSource {
+    match mark {
+        mark if mark & layout::MISSED != 0 => PixelSource::Missed,
+        mark if mark & layout::BAD != 0 => PixelSource::Bad,
+        _ => PixelSource::Reused,
+    }
+}
+
+/// One frame at work.
+struct Passes<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'a Pipelines,
+    scene: &'a UploadedScene,
+    specialisation: Specialisation,
+    picture: &'a Picture,
+    slots: &'a mut Option<Arc<wgpu::Buffer>>,
+    frame: layout::Frame,
+    timestamps: Option<&'a mut Timestamps>,
+    rows_done: u32,
+    rows_total: u32,
+    progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+}
+
+impl Passes<'_> {
+    /// The four passes. Returns the slots a right pixel of the 3D buffer, 0 without one.
+    async fn frame(&mut self, pose: &Pose, method: Method) -> Result<u32, Error> {
+        let p = self.picture;
+        let mut buffer_depth = 0;
+        self.clear(&[&p.counters, &p.right_source]).await?;
+        self.pass(&kernels::TRACE_LEFT, &[&p.left_color, &p.hits, &p.counters]).await?;
+        match method {
+            Method::Naive => {
+                self.frame.eye = 1;
+                self.pass(&kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await?;
+            }
+            Method::Ideal => self.pass(&kernels::COPY_LEFT, &[&p.left_color, &p.hits, &p.right_color]).await?,
+            Method::Reuse { overlap, verify } => {
+                self.specialisation.verify = verify;
+                match overlap {
+                    Overlap::Atomic => self.pass(&kernels::REPROJECT, &[&p.hits, &p.right_source]).await?,
+                    Overlap::Buffer(depth) => {
+                        buffer_depth = depth.slots(pose, self.depth_range().await?);
+                        self.reproject_by_slots(buffer_depth).await?;
+                    }
+                }
+                self.resolve_right().await?;
+            }
+        }
+        self.pass(&kernels::COMPOSE, &[&p.left_color, &p.right_color, &p.pictures]).await?;
+        Ok(buffer_depth)
+    }
+
+    /// Pass 3: check and take over, then trace what is left, band by band.
+    async fn resolve_right(&mut self) -> Result<(), Error> {
+        let p = self.picture;
+        let resolve: &[_] = &[&p.left_color, &p.hits, &p.right_source, &p.right_color, &p.counters, &p.to_trace];
+        let trace: &[_] = &[&p.to_trace, &p.hits, &p.right_color, &p.counters];
+        let empty_list: [u32; 4] = [0, 1, 1, 0];
+        self.bands(band_rows(p.size), kernels::RESOLVE_RIGHT.name, |this, encoder| {
+            this.gpu.queue.write_buffer(&p.to_trace, 0, bytemuck::cast_slice(&empty_list));
+            this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
+            encoder.copy_buffer_to_buffer(&p.to_trace, 0, &p.indirect, 0, Some(12));
+            this.dispatch(encoder, &kernels::TRACE_LISTED, trace, Launch::Indirect);
+        })
+        .await
+    }
+
+    /// Pass 2 of `Buffer`, in bands of rows whose slots fit one binding.
+    async fn reproject_by_slots(&mut self, depth: u32) -> Result<(), Error> {
+        let p = self.picture;
+        let [width, height] = p.size;
+        let row_bytes = u64::from(width) * u64::from(depth) * 4;
+        let allowed = self.gpu.binding_limit();
+        check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed)?;
+        let rows = (allowed / row_bytes).min(u64::from(height.min(band_rows(p.size)))) as u32;
+        let bytes = u64::from(rows) * row_bytes;
+        if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
+            *self.slots = None; // the old one's memory first
+            let create = || Ok(Arc::new(self.gpu.storage_buffer("slots", bytes)));
+            let slots = self.gpu.checked(create).await?;
+            *self.slots = Some(slots);
+        }
+        let Some(slots) = self.slots.clone() else { return Ok(()) };
+        self.frame.buffer_depth = depth;
+        self.bands(rows, kernels::REPROJECT.name, |this, encoder| {
+            encoder.clear_buffer(&slots, 0, Some(bytes));
+            this.dispatch(encoder, &kernels::REPROJECT_SLOTS, &[&p.hits, &slots, &p.counters], Launch::Pixels);
+            this.dispatch(encoder, &kernels::GATHER_SLOTS, &[&slots, &p.right_source], Launch::Pixels);
+        })
+        .await
+    }
+
+    /// Nearest and farthest depth of the left view; the farthest is infinite as soon as one pixel is sky.
+    async fn depth_range(&mut self) -> Result<(f32, f32), Error> {
+        let p = self.picture;
+        let height = p.size[1];
+        self.bands(height, kernels::DEPTH_RANGE.name, |this, encoder| {
+            let workgroups = height.div_ceil(WORKGROUP * WORKGROUP);
+            this.dispatch(encoder, &kernels::DEPTH_RANGE, &[&p.hits, &p.counters], Launch::Rows(workgroups));
+        })
+        .await?;
+        let words: Vec<u32> = self.gpu.read(&p.counters, height as usize * layout::COUNTERS).await?;
+        let rows = words.chunks_exact(layout::COUNTERS);
+        Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
+            let far = match f32::from_bits(row[layout::FARTHEST_DEPTH]) {
+                far if far >= crate::FAR => f32::INFINITY,
+                far => far,
+            };
+            (nearest.min(f32::from_bits(row[layout::NEAREST_DEPTH])), farthest.max(far))
+        }))
+    }
+
+    async fn clear(&self, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
+        let clear = || {
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for buffer in buffers {
+                encoder.clear_buffer(buffer, 0, None);
+            }
+            self.gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        };
+        self.gpu.checked(clear).await
+    }
+
+    /// One kernel over all pixels.
+    async fn pass(&mut self, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
+        self.bands(band_rows(self.picture.size), kernel.name, |this, encoder| {
+            this.dispatch(encoder, kernel, buffers, Launch::Pixels);
+        })
+        .await
+    }
+
+    /// Encodes and submits a pass band by band. At most two bands are in flight, so that progress means something and
+    /// a callback can stop the frame.
+    async fn bands(
+        &mut self,
+        rows: u32,
+        name: &'static str,
+        mut encode: impl FnMut(&mut Self, &mut wgpu::CommandEncoder),
+    ) -> Result<(), Error> {
+        let gpu = self.gpu;
+        let submit_all = || {
+            let height = self.picture.size[1];
+            let mut before = None;
+            for begin in (0..height).step_by(rows as usize) {
+                (self.frame.row_begin, self.frame.row_end) = (begin, height.min(begin + rows));
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                encode(self, &mut encoder);
+                gpu.queue.write_buffer(&self.picture.frame, 0, bytemuck::bytes_of(&self.frame));
+                let submission = gpu.queue.submit([encoder.finish()]);
+                if let Some(before) = before.replace(submission) {
+                    gpu.wait(Some(before))?;
+                }
+                self.rows_done += self.frame.row_end - begin;
+                let done = (self.rows_done as f32 / self.rows_total as f32).min(1.0);
+                if (self.progress)(Progress { pass: name, done }).is_break() {
+                    return Err(Error::Cancelled);
+                }
+            }
+            Ok(())
+        };
+        gpu.checked(submit_all).await
+    }
+
+    fn dispatch(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        kernel: &Kernel,
+        buffers: &[&wgpu::Buffer],
+        launch: Launch,
+    ) {
+        let pipeline = self.pipelines.get(self.gpu, kernel, self.specialisation);
+        let resources = std::iter::once(&self.picture.frame).chain(buffers.iter().copied());
+        let own = bind_group(self.gpu, kernel.name, &pipeline.own, resources.map(wgpu::Buffer::as_entire_binding));
+        let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&pipeline.pipeline);
+        if kernel.touches != Touches::Pixels {
+            pass.set_bind_group(0, &self.scene.geometry, &[]);
+        }
+        pass.set_bind_group(1, &own, &[]);
+        if kernel.touches == Touches::Shading {
+            pass.set_bind_group(2, &self.scene.shading, &[]);
+        }
+        match launch {
+            Launch::Pixels => {
+                let rows = self.frame.row_end - self.frame.row_begin;
+                pass.dispatch_workgroups(self.picture.size[0].div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), 1);
+            }
+            Launch::Rows(workgroups) => pass.dispatch_workgroups(1, workgroups, 1),
+            Launch::Indirect => pass.dispatch_workgroups_indirect(&self.picture.indirect, 0),
+        }
+    }
+
+    /// Waits for the last band and lets the timestamps be read.
+    async fn finish(&mut self) -> Result<(), Error> {
+        let gpu = self.gpu;
+        let resolve = || {
+            if let Some(timestamps) = &self.timestamps {
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                timestamps.resolve(&mut encoder);
+                gpu.queue.submit([encoder.finish()]);
+            }
+            gpu.wait(None)
+        };
+        gpu.checked(resolve).await
+    }
+}
+
+/// How a kernel is launched over a band.
+enum Launch {
+    /// A thread a pixel of the band.
+    Pixels,
+    /// A thread a row of the picture, in this many workgroups.
+    Rows(u32),
+    /// By the list that `resolve_right` filled.
+    Indirect,
+}
+
+fn bind_group<'a>(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .enumerate()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
+        .collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// The camera as kernels read it. Directions have length 1 along the view axis: a ray's t is the depth Z.
+pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
+    let [w, h] = pose.size.map(f64::from);
+    let [screen_width, screen_height] = pose.screen_size.map(f64::from);
+    let (d, e) = (f64::from(pose.screen_distance), f64::from(pose.interaxial));
+    let [forward, right, up] = [pose.forward, pose.right, pose.up].map(Vec3::as_dvec3);
+    let corner = |side: f64| {
+        let x = -0.5 * screen_width - 0.5 * side * e;
+        (forward + right * (x / d) + up * (0.5 * screen_height / d)).as_vec3().to_array()
+    };
+    let array = |v: DVec3| v.as_vec3().to_array();
+    layout::Frame {
+        left_eye: pose.eye_position(-1.0).to_array(),
+        right_eye: pose.eye_position(1.0).to_array(),
+        left_corner: corner(-1.0),
+        right_corner: corner(1.0),
+        step_x: array(right * (screen_width / w / d)),
+        step_y: array(up * (-screen_height / h / d)),
+        right_axis: pose.right.to_array(),
+        interaxial: pose.interaxial,
+        interaxial_px: pose.interaxial_px,
+        screen_distance: pose.screen_distance,
+        image_size: pose.size,
+        row_end: pose.size[1],
+        ..layout::Frame::default()
+    }
+}
+
+/// Lights (position, intensity), then albedos, a texel each.
+fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
+    let texel = |v: Vec3| v.extend(0.0).to_array().map(f32::to_bits);
+    let lights = scene.lights.iter().flat_map(|light| [texel(light.position), texel(light.intensity)]);
+    lights.chain(scene.materials().iter().map(|material| texel(material.albedo))).collect()
+}
+
+fn shading_uniform(scene: &Scene) -> layout::Shading {
+    let (nadir, zenith) = match scene.sky {
+        Sky::Constant(color) => (color, color),
+        Sky::Gradient { nadir, zenith } => (nadir, zenith),
+    };
+    layout::Shading {
+        ambient: scene.ambient.to_array(),
+        light_count: scene.lights.len() as u32,
+        sky_nadir: nadir.to_array(),
+        sky_zenith: zenith.to_array(),
+        ..layout::Shading::default()
+    }
+}
+
+/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::ATOMIC`]. For
+/// more than one picture keep a [`Renderer`].
+///
+/// # Errors
+/// As [`Gpu::new`], [`Renderer::upload`] and [`Renderer::render`].
+pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let uploaded = renderer.upload(scene)?;
+    renderer.render(&uploaded, camera, &Options::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
+        for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
+            let rows = band_rows(size);
+            assert_eq!(rows % WORKGROUP, 0);
+            assert!(size[1].div_ceil(rows) <= MAX_BANDS, "{size:?} {rows}");
+        }
+        assert_eq!(band_rows([3840, 2160]), 72);
+    }
+
+    #[test]
+    fn renderer_and_scene_may_cross_threads() {
+        fn check<T: Send + Sync>() {}
+        check::<Renderer>();
+        check::<UploadedScene>();
+        check::<Gpu>();
+        check::<Error>();
+    }
+}
