@@ -116,6 +116,18 @@ impl StereoCamera {
             .interaxial((distance - radius).max(0.1 * distance) / 30.0)
     }
 
+    /// The midpoint between the eyes; the screen's distance and the interaxial stay.
+    pub fn eye(mut self, eye: Vec3) -> Self {
+        self.eye = eye;
+        self
+    }
+
+    /// A point to look at; the screen's distance stays.
+    pub fn target(mut self, target: Vec3) -> Self {
+        self.target = target;
+        self
+    }
+
     /// The direction that is up in the picture; it must not be parallel to the view direction.
     pub fn up(mut self, up: Vec3) -> Self {
         self.up = up;
@@ -395,6 +407,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_moved_camera_keeps_its_screen_and_interaxial() {
+        let (eye, target) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 0.0));
+        let (moved, before) = (camera().eye(eye).target(target).pose().unwrap(), camera().pose().unwrap());
+        let direction = StereoCamera::look_at(eye, target).pose().unwrap().forward;
+        assert_eq!((moved.eye, moved.forward), (eye, direction));
+        assert_eq!((moved.screen_distance, moved.interaxial), (before.screen_distance, before.interaxial));
     }
 
     #[test]

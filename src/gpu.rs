@@ -7,8 +7,6 @@ use std::{
     task::{Poll, Waker},
 };
 
-use wgpu::util::DeviceExt;
-
 use crate::{
     Error,
     bvh::Texel,
@@ -56,27 +54,41 @@ impl Gpu {
         Self::choose(std::env::var(ADAPTER_VARIABLE).ok().as_deref()).await
     }
 
+    /// Opens an adapter by name, blocking: `software`, or a part of its name.
+    ///
+    /// # Errors
+    /// As [`Gpu::new_async`].
+    pub fn open(adapter: &str) -> Result<Self, Error> {
+        pollster::block_on(Self::choose(Some(adapter)))
+    }
+
     async fn choose(wanted: Option<&str>) -> Result<Self, Error> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
-        // Stable: among equals the driver's own order stands.
-        adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
-        let names: Vec<_> = adapters.iter().map(|adapter| describe(&adapter.get_info())).collect();
-        let adapter = adapters.into_iter().find(|adapter| {
-            let info = adapter.get_info();
-            match wanted {
-                None => true,
-                Some("software") => info.device_type == wgpu::DeviceType::Cpu,
-                Some(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
+        // OpenGL last, and only if nothing else fits: the same hardware shows up there a second time, with fewer
+        // features, and looking for it can make the driver print to the terminal.
+        let chosen = wgpu::Backends::from_env();
+        let tries = chosen.map_or_else(|| vec![wgpu::Backends::PRIMARY, wgpu::Backends::GL], |backends| vec![backends]);
+        let mut names = Vec::new();
+        for backends in tries {
+            let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+            descriptor.backends = backends;
+            let mut adapters = wgpu::Instance::new(descriptor).enumerate_adapters(backends).await;
+            // Stable: among equals the driver's own order stands.
+            adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+            names.extend(adapters.iter().map(|adapter| describe(&adapter.get_info())));
+            if let Some(adapter) = adapters.into_iter().find(|adapter| is_wanted(&adapter.get_info(), wanted)) {
+                return Self::request(&adapter).await;
             }
-        });
-        let adapter = adapter.ok_or_else(|| Error::NoAdapter {
+        }
+        Err(Error::NoAdapter {
             wanted: wanted.map(|name| format!(" for {ADAPTER_VARIABLE}={name}")).unwrap_or_default(),
             reason: match names.as_slice() {
                 [] => "no Vulkan, Metal, DirectX 12 or OpenGL driver offers one".into(),
                 names => format!("there are: {}", names.join(", ")),
             },
-        })?;
+        })
+    }
+
+    async fn request(adapter: &wgpu::Adapter) -> Result<Self, Error> {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("stereotrace"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
@@ -196,8 +208,19 @@ impl Gpu {
     }
 
     pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        self.filled_buffer(label, contents, wgpu::BufferUsages::UNIFORM)
+    }
+
+    /// Not mapped at creation: on a lost device that panics.
+    fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: contents.len() as u64,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
     }
 
     /// Uploads texels as a texture or a storage buffer.
@@ -210,9 +233,7 @@ impl Gpu {
             Fetch::Buffer => {
                 let contents: &[u8] = bytemuck::cast_slice(texels);
                 check_bytes(&format!("the scene's {label} buffer"), contents.len() as u64, self.binding_limit())?;
-                let usage = wgpu::BufferUsages::STORAGE;
-                let descriptor = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
-                Ok(Texels::Buffer(self.device.create_buffer_init(&descriptor)))
+                Ok(Texels::Buffer(self.filled_buffer(label, contents, wgpu::BufferUsages::STORAGE)))
             }
         }
     }
@@ -325,23 +346,33 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({:?}, {:?})", info.name, info.device_type, info.backend)
 }
 
-fn rank(info: &wgpu::AdapterInfo) -> (u32, u32) {
-    let kind = match info.device_type {
+fn is_wanted(info: &wgpu::AdapterInfo, wanted: Option<&str>) -> bool {
+    match wanted {
+        None => true,
+        Some("software") => info.device_type == wgpu::DeviceType::Cpu,
+        Some(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
+    }
+}
+
+fn rank(info: &wgpu::AdapterInfo) -> u32 {
+    match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    };
-    (kind, u32::from(info.backend == wgpu::Backend::Gl))
+    }
 }
 
 fn classify(error: &wgpu::Error) -> Error {
     match error {
         wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory(error.to_string()),
-        // wgpu reports use of a destroyed or lost device as a validation error.
+        // A lost device makes invalid objects without a word, and wgpu reports their use as a validation error. Any
+        // other failure to make an object has been reported itself, and stands first.
         other => match other.to_string() {
-            message if message.contains("lost") || message.contains("destroyed") => Error::DeviceLost(message),
+            message if ["lost", "destroyed", "label is invalid"].iter().any(|sign| message.contains(sign)) => {
+                Error::DeviceLost(message)
+            }
             message => Error::Gpu(message),
         },
     }

@@ -7,6 +7,7 @@ mod bvh;
 pub mod camera;
 #[cfg(feature = "json")]
 mod camera_file;
+pub mod cpu;
 mod error;
 pub mod gpu;
 mod kernels;

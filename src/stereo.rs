@@ -9,7 +9,7 @@ use crate::{
     gpu::{Gpu, Pipelines, Texels, Timestamps, check_bytes},
     kernels::{self, Kernel, Specialisation, Touches},
     layout,
-    method::{Overlap, Verify},
+    method::{BufferDepth, Overlap, Verify},
 };
 
 /// Pixels of one dispatch at most: with 5 lights some 1.5 million rays, a tenth of a second on a slow GPU, so that no
@@ -91,12 +91,14 @@ pub struct Renderer {
     picture: Option<Arc<Picture>>,
     slots: Option<Arc<wgpu::Buffer>>,
     timestamps: Option<Timestamps>,
+    band_pixels: u32,
 }
 
 /// The buffers of one picture size.
 #[derive(Debug)]
 struct Picture {
     size: [u32; 2],
+    band_rows: u32,
     frame: wgpu::Buffer,
     left_color: wgpu::Buffer,
     right_color: wgpu::Buffer,
@@ -109,14 +111,16 @@ struct Picture {
 }
 
 impl Picture {
-    fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, Error> {
+    fn new(gpu: &Gpu, size: [u32; 2], band_pixels: u32) -> Result<Self, Error> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let allowed = gpu.binding_limit();
         check_bytes(&format!("a {}x{} picture", size[0], size[1]), pixels * 16, allowed)?;
         let storage = |label, bytes| gpu.storage_buffer(label, bytes);
-        let band = u64::from(size[0]) * u64::from(band_rows(size));
+        let band_rows = band_rows(size, band_pixels);
+        let band = u64::from(size[0]) * u64::from(band_rows);
         Ok(Self {
             size,
+            band_rows,
             frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
             left_color: storage("left_color", pixels * 16),
             right_color: storage("right_color", pixels * 16),
@@ -141,8 +145,8 @@ impl Picture {
 }
 
 /// Rows of a dispatch: whole workgroups of them.
-fn band_rows([width, height]: [u32; 2]) -> u32 {
-    let rows = (BAND_PIXELS / width).max(height.div_ceil(MAX_BANDS));
+fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
+    let rows = (band_pixels / width).max(height.div_ceil(MAX_BANDS));
     rows.next_multiple_of(WORKGROUP).min(height.next_multiple_of(WORKGROUP))
 }
 
@@ -151,7 +155,7 @@ impl Renderer {
     pub fn new(gpu: Gpu) -> Self {
         let pipelines = Pipelines::new(&gpu, gpu.fetch());
         let timestamps = Timestamps::new(&gpu);
-        Self { gpu, pipelines, picture: None, slots: None, timestamps }
+        Self { gpu, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS }
     }
 
     /// The device.
@@ -207,7 +211,21 @@ impl Renderer {
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<StereoPair, Error> {
-        pollster::block_on(self.render_async(scene, camera, options, &mut |_| ControlFlow::Continue(())))
+        self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Renders a pair, blocking, with a callback for progress.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render_with(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<StereoPair, Error> {
+        pollster::block_on(self.render_async(scene, camera, options, progress))
     }
 
     /// Renders a pair; `progress` is called after every band of rows of every pass, and may stop the frame.
@@ -288,7 +306,7 @@ impl Renderer {
             return Ok(picture.clone());
         }
         self.picture = None; // the old one's memory first
-        let picture = Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size)).await?);
+        let picture = Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size, self.band_pixels)).await?);
         self.picture = Some(picture.clone());
         Ok(picture)
     }
@@ -401,18 +419,32 @@ impl Passes<'_> {
             Method::Ideal => self.pass(&kernels::COPY_LEFT, &[&p.left_color, &p.hits, &p.right_color]).await?,
             Method::Reuse { overlap, verify } => {
                 self.specialisation.verify = verify;
-                match overlap {
-                    Overlap::Atomic => self.pass(&kernels::REPROJECT, &[&p.hits, &p.right_source]).await?,
-                    Overlap::Buffer(depth) => {
-                        buffer_depth = depth.slots(pose, self.depth_range().await?);
-                        self.reproject_by_slots(buffer_depth).await?;
-                    }
-                }
+                buffer_depth = self.reproject(pose, overlap).await?;
                 self.resolve_right().await?;
             }
         }
         self.pass(&kernels::COMPOSE, &[&p.left_color, &p.right_color, &p.pictures]).await?;
         Ok(buffer_depth)
+    }
+
+    /// Pass 2: which left sample each right pixel gets. Returns the slots a right pixel of the 3D buffer.
+    async fn reproject(&mut self, pose: &Pose, overlap: Overlap) -> Result<u32, Error> {
+        let p = self.picture;
+        match overlap {
+            Overlap::Atomic => {
+                self.pass(&kernels::REPROJECT, &[&p.hits, &p.right_source]).await?;
+                Ok(0)
+            }
+            Overlap::Buffer(depth) => {
+                let range = match depth {
+                    BufferDepth::Adaptive => self.depth_range().await?,
+                    _ => (f32::INFINITY, f32::INFINITY),
+                };
+                let slots = depth.slots(pose, range);
+                self.reproject_by_slots(slots).await?;
+                Ok(slots)
+            }
+        }
     }
 
     /// Pass 3: check and take over, then trace what is left, band by band.
@@ -421,7 +453,7 @@ impl Passes<'_> {
         let resolve: &[_] = &[&p.left_color, &p.hits, &p.right_source, &p.right_color, &p.counters, &p.to_trace];
         let trace: &[_] = &[&p.to_trace, &p.hits, &p.right_color, &p.counters];
         let empty_list: [u32; 4] = [0, 1, 1, 0];
-        self.bands(band_rows(p.size), kernels::RESOLVE_RIGHT.name, |this, encoder| {
+        self.bands(p.band_rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
             this.gpu.queue.write_buffer(&p.to_trace, 0, bytemuck::cast_slice(&empty_list));
             this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
             encoder.copy_buffer_to_buffer(&p.to_trace, 0, &p.indirect, 0, Some(12));
@@ -437,7 +469,7 @@ impl Passes<'_> {
         let row_bytes = u64::from(width) * u64::from(depth) * 4;
         let allowed = self.gpu.binding_limit();
         check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed)?;
-        let rows = (allowed / row_bytes).min(u64::from(height.min(band_rows(p.size)))) as u32;
+        let rows = (allowed / row_bytes).min(u64::from(height.min(p.band_rows))) as u32;
         let bytes = u64::from(rows) * row_bytes;
         if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
             *self.slots = None; // the old one's memory first
@@ -489,7 +521,7 @@ impl Passes<'_> {
 
     /// One kernel over all pixels.
     async fn pass(&mut self, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
-        self.bands(band_rows(self.picture.size), kernel.name, |this, encoder| {
+        self.bands(self.picture.band_rows, kernel.name, |this, encoder| {
             this.dispatch(encoder, kernel, buffers, Launch::Pixels);
         })
         .await
@@ -663,11 +695,140 @@ mod tests {
     #[test]
     fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
         for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
-            let rows = band_rows(size);
+            let rows = band_rows(size, BAND_PIXELS);
             assert_eq!(rows % WORKGROUP, 0);
             assert!(size[1].div_ceil(rows) <= MAX_BANDS, "{size:?} {rows}");
         }
-        assert_eq!(band_rows([3840, 2160]), 72);
+        assert_eq!(band_rows([3840, 2160], BAND_PIXELS), 72);
+    }
+
+    fn renderer(band_pixels: u32) -> Renderer {
+        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+        let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+        renderer.band_pixels = band_pixels;
+        renderer
+    }
+
+    #[test]
+    fn bands_change_nothing_but_the_number_of_dispatches() {
+        let builtin = crate::scene::builtin::Builtin::Hall;
+        let camera = builtin.camera(130, 71);
+        for method in [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER] {
+            let options = Options::new(method).counting();
+            let [whole, banded] = [BAND_PIXELS, 130 * 16].map(|band_pixels| {
+                let mut renderer = renderer(band_pixels);
+                let uploaded = renderer.upload(&builtin.scene()).unwrap();
+                let mut calls = 0;
+                let mut count = |_| {
+                    calls += 1;
+                    ControlFlow::Continue(())
+                };
+                let mut pair = renderer.render_with(&uploaded, &camera, &options, &mut count).unwrap();
+                pair.statistics.times = None;
+                pair.statistics.intermediate_bytes = 0;
+                (pair, calls)
+            });
+            assert_eq!(whole.0, banded.0, "{method}");
+            assert!(banded.1 >= 4 * whole.1 - 4, "{method}: {} {}", whole.1, banded.1);
+        }
+    }
+
+    /// Runs reprojection alone on given left depths.
+    fn reproject(pose: &Pose, depths: &[f32], overlap: Overlap) -> (Vec<u32>, u64) {
+        let mut renderer = renderer(64 * 16);
+        let scene = renderer.upload(&Scene::new()).unwrap();
+        let run = async {
+            let picture = renderer.picture_of(pose.size).await?;
+            let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
+            renderer.gpu.queue.write_buffer(&picture.hits, 0, bytemuck::cast_slice(&hits));
+            let mut passes = Passes {
+                gpu: &renderer.gpu,
+                pipelines: &renderer.pipelines,
+                scene: &scene,
+                specialisation: scene.specialisation,
+                picture: &picture,
+                slots: &mut renderer.slots,
+                frame: frame_uniform(pose),
+                timestamps: None,
+                rows_done: 0,
+                rows_total: 1,
+                progress: &mut |_| ControlFlow::Continue(()),
+            };
+            passes.clear(&[&picture.counters, &picture.right_source]).await?;
+            passes.reproject(pose, overlap).await?;
+            let lost = renderer.statistics(&picture, Method::Naive).await?.lost_candidates;
+            Ok::<_, Error>((renderer.gpu.read(&picture.right_source, depths.len()).await?, lost))
+        };
+        pollster::block_on(run).unwrap()
+    }
+
+    fn pose(size: [u32; 2], interaxial_px: f32) -> Pose {
+        let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
+        camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap()
+    }
+
+    #[test]
+    fn the_index_buffer_equals_a_sequential_computation() {
+        let size = [131, 37];
+        let mut seed = 9_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / (1 << 24) as f32
+        };
+        for interaxial_px in [0.5, 7.0, 40.0] {
+            let pose = pose(size, interaxial_px);
+            let depths: Vec<f32> = (0..size[0] * size[1])
+                .map(|index| match index % 7 {
+                    0 => crate::FAR,
+                    1 => pose.screen_distance,
+                    2 => 0.5 * pose.screen_distance,
+                    3 => 1e-6 * random(),
+                    _ => 1.0 + 9.0 * random(),
+                })
+                .collect();
+            let expected = crate::cpu::reproject::reproject(&crate::cpu::Frame::new(&pose), &depths);
+            assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
+            for overlap in [Overlap::Atomic, Overlap::Buffer(BufferDepth::Adaptive)] {
+                assert_eq!(reproject(&pose, &depths, overlap).0, expected, "{overlap:?} {interaxial_px}");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_land_where_the_closed_form_says_ties_included() {
+        // e_px = 8 and d = 4: parallax 8 (1 - 4/z).
+        let pose = pose([40, 1], 8.0);
+        let land = |column: usize, z: f32| {
+            let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
+            depths[column] = z;
+            let source = reproject(&pose, &depths, Overlap::Atomic).0;
+            source.iter().position(|&source| source == column as u32 + 1)
+        };
+        assert_eq!(land(20, 4.0), Some(20), "on the screen");
+        assert_eq!(land(20, 2.0), Some(12), "at d/2: e to the left");
+        assert_eq!(land(20, crate::FAR), Some(28), "sky: e to the right");
+        assert_eq!(land(20, 8.0), Some(24), "at 2d: half of e");
+        // 8 (1 - 4/z) = 0.5 exactly at z = 64/15, which f32 rounds up: X = 21.0 or just above lands in 21.
+        assert_eq!(land(20, 64.0 / 15.0), Some(21), "a tie goes to the right");
+        // Parallax -0.5 exactly: X = 20.0 stays in 20.
+        assert_eq!(land(20, 64.0 / 17.0), Some(20));
+        assert_eq!(land(35, crate::FAR), None, "past the right edge");
+        assert_eq!(land(7, 2.0), None, "past the left edge");
+        assert_eq!(land(8, 2.0), Some(0), "X = 0.5");
+        assert_eq!(land(8, 32.0 / 16.5), Some(0), "X = 0 exactly is inside");
+    }
+
+    #[test]
+    fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
+        // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e; columns 2e apart meet, and slot i mod 2e is the same.
+        let pose = pose([40, 1], 8.0);
+        let mut depths = vec![1e-9; 40];
+        (depths[10], depths[26]) = (crate::FAR, 2.0);
+        let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::TwiceInteraxial));
+        assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
+        // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
+        let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::Fixed(18)));
+        assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
     }
 
     #[test]

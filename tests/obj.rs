@@ -307,6 +307,12 @@ fn line_ends_marks_and_layout_make_no_difference() {
 }
 
 #[test]
+fn a_comment_that_ends_in_a_backslash_hides_nothing() {
+    let folder = Folder::new("backslash");
+    assert_eq!(corners(&folder.scene(format!("# C:\\models\\\n{SIX}f 1 2 3\n"))), [[1, 2, 3]]);
+}
+
+#[test]
 fn a_byte_order_mark_does_not_hide_the_first_vertex() {
     let folder = Folder::new("mark");
     assert_eq!(corners(&folder.scene(format!("\u{feff}{SIX}f 1 2 3\n"))), [[1, 2, 3]]);
@@ -451,9 +457,9 @@ fn no_damaged_file_panics() {
         bytes
     };
     let mut read = [0, 0];
-    for _ in 0..3000 {
+    for _ in 0..1000 {
         folder.write("m.mtl", damage(mtl));
         read[usize::from(folder.read(damage(&obj)).is_ok())] += 1;
     }
-    assert!(read[0] > 300 && read[1] > 300, "the damage is one-sided: {read:?}");
+    assert!(read[0] > 100 && read[1] > 100, "the damage is one-sided: {read:?}");
 }

@@ -1,0 +1,418 @@
+//! Built-in scenes, so that nothing has to be downloaded: two to look at, and four that are hard on stereo methods.
+
+mod hall;
+mod shapes;
+mod stage;
+
+use std::{fmt, str::FromStr};
+
+use glam::Vec3;
+
+use self::shapes::Shape;
+use super::{MaterialId, PointLight, Scene, Sky, Sphere};
+use crate::{Error, StereoCamera};
+
+/// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
+const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
+
+/// A scene that comes with the library, with lights, sky and a camera.
+///
+/// ```
+/// use stereotrace::scene::builtin::Builtin;
+///
+/// let hall: Builtin = "hall".parse()?;
+/// assert!(hall.scene().triangles().len() > 100_000);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Builtin {
+    /// A thousand coloured spheres under a sky, none of them nearer than half the screen's distance.
+    Spheres,
+    /// A vaulted hall of columns with arches, banners and a tiled floor.
+    Hall,
+    /// A picket fence before a wall: every slat uncovers a strip of wall.
+    Fence,
+    /// A pillar that only the right eye sees; a board hides it from the left.
+    Hidden,
+    /// A ball at a seventh of the screen's distance, nearer than the thesis allows.
+    Near,
+    /// Sheets that point at the left eye: edges to the left eye, surfaces to the right one.
+    Grazing,
+}
+
+impl Builtin {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
+
+    /// The name it has on a command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spheres => "spheres",
+            Self::Hall => "hall",
+            Self::Fence => "fence",
+            Self::Hidden => "hidden",
+            Self::Near => "near",
+            Self::Grazing => "grazing",
+        }
+    }
+
+    /// Builds the scene, the same one each time.
+    pub fn scene(self) -> Scene {
+        match self {
+            Self::Spheres => spheres(),
+            Self::Hall => hall::scene(),
+            Self::Fence => stage::fence(),
+            Self::Hidden => stage::hidden(),
+            Self::Near => stage::near(),
+            Self::Grazing => stage::grazing(),
+        }
+    }
+
+    /// The camera that goes with it; the eyes are 15 pixels apart in a picture 600 pixels wide, and so in proportion.
+    pub fn camera(self, width: u32, height: u32) -> StereoCamera {
+        let camera = match self {
+            Self::Spheres => StereoCamera::look_at(Vec3::new(0.0, 0.0, CLOUD_SCREEN), Vec3::ZERO)
+                .screen_distance(CLOUD_SCREEN)
+                .vertical_fov_degrees(38.0),
+            Self::Hall => hall::camera(),
+            Self::Near => stage::near_camera(),
+            Self::Fence | Self::Hidden | Self::Grazing => stage::camera(),
+        };
+        camera.size(width, height).interaxial_pixels(INTERAXIAL_SHARE * width as f32)
+    }
+}
+
+impl fmt::Display for Builtin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Builtin {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::ALL.into_iter().find(|scene| scene.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::Scene { element: format!("built-in scene '{name}'"), reason: format!("there are {names}") }
+        })
+    }
+}
+
+fn add(scene: &mut Scene, shape: Shape) {
+    scene.add_mesh(&shape.into_mesh()).expect("a shape's lists fit each other and its points are finite");
+}
+
+/// A colour as painters give it: sRGB, 0 to 255.
+fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
+    let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
+    scene.add_material(name, Vec3::from_array(linear))
+}
+
+/// PCG (O'Neill 2014) as a hash of one word, as in Jarzynski and Olano 2020: whole numbers only, so that it gives the
+/// same scene on every machine.
+fn pcg(input: u32) -> u32 {
+    let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// Numbers from 0 to 1, exact in f32.
+struct Random(u32);
+
+impl Random {
+    fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(1);
+        (pcg(self.0) >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+}
+
+const SPHERE_COUNT: usize = 1000;
+const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
+/// The cloud is a cylinder around the y axis, which may turn about it and stay as far from the eyes.
+const CLOUD_RADIUS: f32 = 6.0;
+const CLOUD_HALF_HEIGHT: f32 = 4.2;
+/// The screen is at the cloud's axis, so the cloud begins at half its distance.
+const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
+
+fn spheres() -> Scene {
+    let mut scene = Scene::new();
+    scene.sky = Sky::Gradient { nadir: Vec3::new(0.55, 0.42, 0.34), zenith: Vec3::new(0.09, 0.22, 0.5) };
+    const PALETTE: [[u8; 3]; 10] = [
+        [214, 69, 65],
+        [242, 140, 56],
+        [246, 200, 80],
+        [122, 176, 90],
+        [38, 138, 123],
+        [66, 150, 200],
+        [60, 84, 160],
+        [136, 84, 150],
+        [232, 226, 212],
+        [224, 130, 150],
+    ];
+    let colors = PALETTE.map(|color| paint(&mut scene, "", color));
+    let mut random = Random(2012);
+    let mut placed: Vec<Sphere> = Vec::with_capacity(SPHERE_COUNT);
+    while placed.len() < SPHERE_COUNT {
+        // The large ones first: they find no room later.
+        let share = placed.len() as f32 / SPHERE_COUNT as f32;
+        let radius = SPHERE_RADII[1] + (SPHERE_RADII[0] - SPHERE_RADII[1]) * share;
+        let [x, z] = [0; 2].map(|_| random.between(-CLOUD_RADIUS, CLOUD_RADIUS));
+        let center = Vec3::new(x, random.between(-CLOUD_HALF_HEIGHT, CLOUD_HALF_HEIGHT), z);
+        let material = colors[(random.unit() * colors.len() as f32) as usize];
+        let inside = x * x + z * z <= (CLOUD_RADIUS - radius) * (CLOUD_RADIUS - radius);
+        let touches = |other: &Sphere| {
+            let reach = other.radius + radius;
+            other.center.distance_squared(center) < reach * reach
+        };
+        if inside && !placed.iter().any(touches) {
+            placed.push(Sphere { center, radius, material });
+        }
+    }
+    for sphere in placed {
+        scene.add_sphere(sphere).expect("radii are above 0 and centres finite");
+    }
+    scene.ambient = Vec3::splat(0.15);
+    scene.lights = vec![
+        lamp([-9.0, 12.0, 14.0], 0.5, [1.0, 0.95, 0.86]),
+        lamp([14.0, 6.0, 8.0], 0.25, [1.0, 0.9, 0.8]),
+        lamp([-14.0, 0.0, 4.0], 0.15, [0.75, 0.85, 1.0]),
+        lamp([3.0, -12.0, 10.0], 0.1, [0.9, 0.8, 0.7]),
+        lamp([0.0, 3.0, 16.0], 0.2, [1.0, 1.0, 1.0]),
+    ];
+    scene
+}
+
+fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
+    PointLight { position: Vec3::from_array(position), intensity: Vec3::from_array(color) * strength }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeSet, time::Duration};
+
+    use obvhs::{
+        BvhBuildParams,
+        aabb::Aabb,
+        bvh2::{Bvh2, builder::build_bvh2},
+        ray::{Ray, RayHit},
+    };
+
+    use super::*;
+    use crate::Pose;
+
+    /// A scene, its camera and a tree to cast rays with, in pictures of `SIZE`.
+    struct Caster {
+        scene: Scene,
+        pose: Pose,
+        bvh: Bvh2,
+    }
+
+    const SIZE: [u32; 2] = [160, 90];
+    const LEFT: f32 = -1.0;
+    const RIGHT: f32 = 1.0;
+
+    impl Caster {
+        fn new(builtin: Builtin, [width, height]: [u32; 2]) -> Self {
+            let scene = builtin.scene();
+            let triangles = scene.triangles().iter().map(|t| Aabb::from_points(&t.corners.map(Into::into)));
+            let spheres = scene.spheres().iter();
+            let spheres = spheres.map(|s| Aabb::new((s.center - s.radius).into(), (s.center + s.radius).into()));
+            let boxes: Vec<Aabb> = triangles.chain(spheres).collect();
+            let bvh = build_bvh2(&boxes, BvhBuildParams::very_fast_build(), &mut Duration::default());
+            Self { pose: builtin.camera(width, height).pose().unwrap(), scene, bvh }
+        }
+
+        /// Everything that the ray through a pixel's centre meets: depth and primitive, nearest first.
+        fn hits(&self, side: f32, i: u32, j: u32) -> Vec<(f32, u32)> {
+            let pose = &self.pose;
+            let [x, y] = [i, j].map(|k| k as f32 + 0.5);
+            let (x, y) = (x / pose.size[0] as f32 - 0.5, 0.5 - y / pose.size[1] as f32);
+            let screen = pose.forward * pose.screen_distance;
+            let point = pose.eye + screen + pose.right * pose.screen_size[0] * x + pose.up * pose.screen_size[1] * y;
+            let origin = pose.eye_position(side);
+            // Of length one along the view: t is the depth.
+            let direction = (point - origin) / pose.screen_distance;
+            let mut hits = Vec::new();
+            let ray = Ray::new_inf(origin.into(), direction.into());
+            self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, index| {
+                let primitive = self.bvh.primitive_indices[index];
+                hits.extend(self.intersect(primitive, origin, direction).map(|t| (t, primitive)));
+                f32::INFINITY
+            });
+            hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+            hits
+        }
+
+        fn intersect(&self, primitive: u32, origin: Vec3, direction: Vec3) -> Option<f32> {
+            let triangles = self.scene.triangles();
+            let Some(triangle) = triangles.get(primitive as usize) else {
+                let sphere = self.scene.spheres()[primitive as usize - triangles.len()];
+                let to = origin - sphere.center;
+                let (a, b) = (direction.length_squared(), to.dot(direction));
+                let root = b * b - a * (to.length_squared() - sphere.radius * sphere.radius);
+                return (root >= 0.0).then(|| (-b - root.sqrt()) / a).filter(|t| *t > 0.0);
+            };
+            // Möller and Trumbore 1997.
+            let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+            let (to, direction) = (origin.as_dvec3() - a, direction.as_dvec3());
+            let normal = direction.cross(c - a);
+            let scale = 1.0 / (b - a).dot(normal);
+            let (u, v) = (to.dot(normal) * scale, direction.dot(to.cross(b - a)) * scale);
+            let t = (c - a).dot(to.cross(b - a)) * scale;
+            (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t as f32)
+        }
+
+        fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+            let [width, height] = self.pose.size;
+            (0..height).flat_map(move |j| (0..width).map(move |i| (i, j)))
+        }
+
+        /// Depth and object's name of what an eye sees, pixels without a hit left out.
+        fn visible(&self, side: f32) -> Vec<(f32, &str)> {
+            let nearest = self.pixels().filter_map(|(i, j)| self.hits(side, i, j).first().copied());
+            nearest.map(|(depth, primitive)| (depth, self.name(primitive))).collect()
+        }
+
+        fn name(&self, primitive: u32) -> &str {
+            self.scene.object_name(self.scene.object_of(primitive))
+        }
+
+        /// Depth of the nearest pixel of both eyes, over the screen's distance.
+        fn nearest_ratio(&self) -> f32 {
+            let depths = [LEFT, RIGHT].into_iter().flat_map(|side| self.visible(side));
+            depths.map(|(depth, _)| depth).fold(f32::INFINITY, f32::min) / self.pose.screen_distance
+        }
+
+        /// How many pixels of an eye show an object whose name begins so.
+        fn count(&self, side: f32, prefix: &str) -> usize {
+            self.visible(side).iter().filter(|(_, name)| name.starts_with(prefix)).count()
+        }
+    }
+
+    #[test]
+    fn every_scene_builds_and_has_lights_and_a_valid_camera() {
+        for builtin in Builtin::ALL {
+            let scene = builtin.scene();
+            scene.check().unwrap();
+            assert_eq!(scene.lights.len(), 5, "{builtin}");
+            let total: f32 = scene.lights.iter().map(|light| light.intensity.max_element()).sum();
+            assert!((1.1..1.3).contains(&total), "{builtin}: {total}");
+            assert_eq!(scene.degenerate_count(), 0, "{builtin}");
+            let pose = builtin.camera(600, 400).pose().unwrap();
+            assert!((pose.interaxial_px - 15.0).abs() < 1e-4, "{builtin}");
+        }
+    }
+
+    #[test]
+    fn a_name_parses_back_and_an_unknown_one_lists_the_names() {
+        for builtin in Builtin::ALL {
+            assert_eq!(builtin.to_string().parse::<Builtin>().unwrap(), builtin);
+        }
+        let message = "sponza".parse::<Builtin>().unwrap_err().to_string();
+        assert!(message.contains("'sponza'") && message.contains("spheres, hall, fence, hidden, near, grazing"));
+    }
+
+    #[test]
+    fn the_spheres_never_change() {
+        let scene = Builtin::Spheres.scene();
+        assert_eq!((scene.spheres().len(), scene.triangles().len()), (SPHERE_COUNT, 0));
+        let words = scene.spheres().iter().flat_map(|sphere| {
+            let [x, y, z] = sphere.center.to_array();
+            [x.to_bits(), y.to_bits(), z.to_bits(), sphere.radius.to_bits(), sphere.material.0]
+        });
+        let fingerprint = words.fold(0, |hash, word| pcg(hash ^ word));
+        assert_eq!(fingerprint, 0xba48_afd2, "{fingerprint:#x}");
+    }
+
+    #[test]
+    fn the_spheres_fill_most_of_the_picture_and_begin_at_half_the_distance() {
+        let caster = Caster::new(Builtin::Spheres, [120, 90]);
+        assert!((0.5..0.53).contains(&caster.nearest_ratio()));
+        assert!(caster.visible(LEFT).len() > 120 * 90 * 7 / 10, "{}", caster.visible(LEFT).len());
+    }
+
+    #[test]
+    fn the_hall_has_100_000_triangles_and_many_objects() {
+        let scene = Builtin::Hall.scene();
+        assert!(scene.triangles().len() >= 100_000);
+        assert!(scene.has_normals() && scene.spheres().is_empty());
+        let names: BTreeSet<&str> = (0..scene.object_count() as u32).map(|k| scene.object_name(k)).collect();
+        assert_eq!(names.len(), scene.object_count(), "names are unique");
+    }
+
+    #[test]
+    fn the_hall_begins_just_behind_half_the_distance_and_is_closed() {
+        for size in [SIZE, [120, 90], [90, 90]] {
+            let caster = Caster::new(Builtin::Hall, size);
+            let nearest = caster.nearest_ratio();
+            assert!((0.5..0.56).contains(&nearest), "{size:?}: {nearest}");
+            assert_eq!(caster.visible(LEFT).len(), caster.pixels().count(), "{size:?}: sky is seen");
+        }
+    }
+
+    #[test]
+    fn in_half_of_the_halls_image_columns_two_objects_stand_before_the_wall() {
+        let caster = Caster::new(Builtin::Hall, SIZE);
+        let layers = |i, j| {
+            let hits = caster.hits(LEFT, i, j);
+            let names = hits.iter().map(|&(_, primitive)| caster.name(primitive));
+            let ends = ["floor", "vault", "west wall", "north wall", "east wall"];
+            let before = names.take_while(|name| !ends.iter().any(|end| name.starts_with(end)));
+            before.collect::<BTreeSet<_>>().len()
+        };
+        // The row that crosses shafts and banners, above the floor.
+        let row = 2 * SIZE[1] / 5;
+        let deep = (0..SIZE[0]).filter(|&i| layers(i, row) >= 2).count();
+        assert!(2 * deep >= SIZE[0] as usize, "{deep} of {}", SIZE[0]);
+    }
+
+    #[test]
+    fn no_two_objects_of_the_hall_share_a_surface() {
+        let caster = Caster::new(Builtin::Hall, SIZE);
+        for (i, j) in caster.pixels() {
+            for pair in caster.hits(LEFT, i, j).windows(2) {
+                let [(near, first), (far, second)] = [pair[0], pair[1]];
+                let names = [first, second].map(|primitive| caster.name(primitive));
+                assert!(far - near > 1e-5 || names[0] == names[1], "pixel {i}, {j}, depth {near}: {names:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_wall_is_seen_between_the_slats_of_the_fence() {
+        let caster = Caster::new(Builtin::Fence, [400, 225]);
+        let (slats, wall) = (caster.count(LEFT, "slat"), caster.count(LEFT, "wall"));
+        assert!(slats > 20_000 && wall > 20_000, "{slats} {wall}");
+        assert!(caster.nearest_ratio() > 0.5);
+    }
+
+    #[test]
+    fn the_hidden_pillar_is_seen_by_the_right_eye_only() {
+        for size in [[600, 338], [300, 300]] {
+            let caster = Caster::new(Builtin::Hidden, size);
+            assert!((caster.pose.interaxial - stage::INTERAXIAL).abs() < 1e-6);
+            let [left, right] = [LEFT, RIGHT].map(|side| caster.count(side, "hidden"));
+            assert_eq!(left, 0, "{size:?}");
+            assert!(right > 400, "{size:?}: {right}");
+        }
+    }
+
+    #[test]
+    fn the_near_ball_is_at_a_seventh_of_the_distance() {
+        let nearest = Caster::new(Builtin::Near, SIZE).nearest_ratio();
+        assert!((nearest * stage::NEAR_FACTOR - 1.0).abs() < 0.01, "{nearest}");
+    }
+
+    #[test]
+    fn the_grazing_sheets_are_edges_to_the_left_eye_and_surfaces_to_the_right_one() {
+        let caster = Caster::new(Builtin::Grazing, [600, 338]);
+        let [left, right] = [LEFT, RIGHT].map(|side| caster.count(side, "sheet"));
+        assert!(right > 15_000 && left * 20 < right, "{left} {right}");
+    }
+}

@@ -122,7 +122,8 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().zip(1..);
     std::iter::from_fn(move || {
         let (line, number) = lines.next()?;
-        let Some(start) = line.strip_suffix('\\') else {
+        // Not in comments, which may end in the name of a folder.
+        let Some(start) = line.strip_suffix('\\').filter(|start| !start.contains('#')) else {
             return Some((number, Cow::Borrowed(line)));
         };
         let mut joined = String::from(start);
@@ -278,7 +279,7 @@ fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
         [w] => w,
         _ => return Err(format!("{what}: {count} numbers; give x y z, x y z w, or x y z r g b")),
     };
-    match coordinates.iter().map(|value| value / scale).find(|value| !(value.abs() <= largest)) {
+    match coordinates.iter().map(|value| value / scale).find(|value| value.is_nan() || value.abs() > largest) {
         None => Ok(()),
         Some(value) if value.is_finite() => {
             Err(format!("{what}: {value} is beyond ±{largest:e}; scale the scene down"))

@@ -1,0 +1,57 @@
+//! Compares the methods in time, accuracy and counted work, scene by scene: `cargo bench --bench stereo`.
+//!
+//! Times are those of the passes alone (no upload, no read-back); all methods take turns in one run, in an order that
+//! rotates from round to round. Prints tables and writes `results.csv`, `results.json` and `chart.svg`, whole or not
+//! at all. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+
+mod chart;
+mod measure;
+mod obvhs_tracer;
+mod options;
+mod output;
+mod scenes;
+mod tables;
+
+use std::{error::Error, process::ExitCode};
+
+use clap::Parser;
+use stereotrace::{Gpu, Renderer};
+
+use crate::{measure::Measured, options::Options, output::Provenance};
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn Error>> {
+    let plan = options.plan();
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let provenance = Provenance::of(renderer.gpu());
+    let mut measured: Vec<Measured> = Vec::new();
+    for name in options.scenes() {
+        match scenes::load(&name, &plan)? {
+            Some(scene) => {
+                let figures = measure::measure(&mut renderer, &scene, &plan)?;
+                println!("{}", tables::of(&figures, &plan, &provenance));
+                measured.push(figures);
+            }
+            None => println!(
+                "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {}\n",
+                scenes::FOLDER_VARIABLE
+            ),
+        }
+    }
+    if measured.is_empty() {
+        return Err("no scene was measured".into());
+    }
+    for path in output::write_all(&options.folder(), &measured, &plan, &provenance)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! The command line, and the plan that it makes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use stereotrace::{Method, scene::builtin::Builtin};
+
+/// Compares the methods in time, accuracy and counted work.
+#[derive(Parser, Debug)]
+#[command(name = "cargo bench --bench stereo --")]
+pub(crate) struct Options {
+    /// A quick look, not for figures: 128x128, two rounds, two built-in scenes, into target/bench-smoke
+    #[arg(long)]
+    smoke: bool,
+    /// Picture size in pixels [default: 600x600]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Distance between the eyes in pixels [default: 15 of 600]
+    #[arg(long, value_name = "PX")]
+    e: Option<f32>,
+    /// Place this many lights by Scene::place_lights [default: built-in scenes keep their own five, files get five]
+    #[arg(long, value_name = "N")]
+    lights: Option<usize>,
+    /// Rounds that are timed, after two to warm up [default: 7]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: Option<u32>,
+    /// Scenes: built-in ones, or folders of OBJ files [default: all built-in ones, sponza_4x, dragon]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    scenes: Vec<String>,
+    /// Methods; naive and ideal are always among them [default: all]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    methods: Vec<Method>,
+    /// Where the results go [default: target/bench/stereo]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// What is measured on every scene.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) size: [u32; 2],
+    pub(crate) e_px: f32,
+    /// `None`: built-in scenes keep their own.
+    pub(crate) lights: Option<usize>,
+    /// Naive first, ideal second: the others are held against them.
+    pub(crate) methods: Vec<Method>,
+    pub(crate) warm_ups: usize,
+    pub(crate) rounds: usize,
+}
+
+impl Options {
+    pub(crate) fn plan(&self) -> Plan {
+        let quick = self.quick();
+        let size = self.size.unwrap_or(if quick { [128, 128] } else { [600, 600] });
+        let mut methods = vec![Method::Naive, Method::Ideal];
+        let all = Method::ALL.map(|(_, method)| method);
+        for &method in if self.methods.is_empty() { &all[..] } else { &self.methods } {
+            if !methods.contains(&method) {
+                methods.push(method);
+            }
+        }
+        Plan {
+            size,
+            e_px: self.e.unwrap_or(15.0 * size[0] as f32 / 600.0),
+            lights: self.lights,
+            methods,
+            warm_ups: if quick { 1 } else { 2 },
+            rounds: self.rounds.map_or(if quick { 2 } else { 7 }, |rounds| rounds as usize),
+        }
+    }
+
+    pub(crate) fn scenes(&self) -> Vec<String> {
+        match self.scenes.as_slice() {
+            [] if self.quick() => ["hall", "spheres"].map(Into::into).into(),
+            [] => Builtin::ALL.iter().map(|builtin| builtin.name()).chain(["sponza_4x", "dragon"]).map(Into::into).collect(),
+            named => named.to_vec(),
+        }
+    }
+
+    /// Where the results go.
+    pub(crate) fn folder(&self) -> PathBuf {
+        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let standard = target.join(if self.quick() { "bench-smoke" } else { "bench/stereo" });
+        self.out.clone().unwrap_or(standard)
+    }
+
+    fn quick(&self) -> bool {
+        self.smoke || !self.bench
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let numbers = text.split_once('x').map(|(width, height)| [width.parse(), height.parse()]);
+    match numbers {
+        Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
+        _ => Err("give width and height, as 600x400".into()),
+    }
+}

@@ -1,0 +1,142 @@
+//! The tables that are printed.
+
+use std::fmt::Write;
+
+use crate::{
+    measure::{Measured, MethodFigures},
+    options::Plan,
+    output::Provenance,
+    scenes,
+};
+
+/// A scene's tables: time, accuracy, counted work, and the rate of primary rays.
+pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> String {
+    let [width, height] = plan.size;
+    let mut text = format!("## {}\n\n", scenes::title(&measured.scene));
+    let _ = writeln!(text, "adapter: {}", provenance.adapter);
+    let _ = writeln!(text, "driver:  {}", provenance.driver);
+    let _ = writeln!(
+        text,
+        "{width}x{height}, {} triangles, {} spheres, e = {} px, {} lights, {} rounds after {} to warm up\n",
+        grouped(measured.triangles as u64),
+        grouped(measured.spheres as u64),
+        plan.e_px,
+        measured.lights,
+        plan.rounds,
+        plan.warm_ups,
+    );
+    text += &time(measured);
+    text += &accuracy(measured);
+    text += &work(measured, plan);
+    let primary = &measured.primary;
+    let _ = writeln!(
+        text,
+        "primary rays: {:.2} million/s on the device, {:.2} by obvhs on {} threads: {:.2} of its rate; depths agree in {:.2}% of the pixels",
+        primary.device,
+        primary.obvhs,
+        primary.obvhs_threads,
+        primary.device / primary.obvhs,
+        primary.same_depth_percent,
+    );
+    text
+}
+
+/// Second eye: (pair - left) / left, by time and as counted. Predicted: the speed-up that the counters promise.
+fn time(measured: &Measured) -> String {
+    let head = [
+        "time", "pair ms", "min..max", "of naive", "wall ms", "left ms", "second eye", "counted", "speed-up",
+        "predicted", "share",
+    ];
+    table(measured, head, |figures| {
+        let (speed_up, predicted) = (figures.speed_up, figures.speed_up_predicted());
+        // Naive is what the others are held against; its own prediction is noise about 0.
+        let share = if predicted > 0.05 { format!("{:.2}", speed_up / predicted) } else { "-".into() };
+        [
+            figures.method.to_string(),
+            format!("{:.1}", figures.pair_ms.median),
+            format!("{:.1}..{:.1}", figures.pair_ms.min, figures.pair_ms.max),
+            format!("{:.3}", figures.ratio_to_naive),
+            format!("{:.1}", figures.wall_ms),
+            format!("{:.1}", figures.left_ms),
+            format!("{:.3}", figures.second_eye),
+            format!("{:.3}", figures.second_eye_counters()),
+            format!("{:+.1}%", 100.0 * speed_up),
+            format!("{:+.1}%", 100.0 * predicted),
+            share,
+        ]
+    })
+}
+
+/// The right view against naive's.
+fn accuracy(measured: &Measured) -> String {
+    let head = ["accuracy", "identical %", "wrong surface %", "mean difference", "MSE", "PSNR dB"];
+    table(measured, head, |figures| {
+        let difference = &figures.difference;
+        [
+            figures.method.to_string(),
+            format!("{:.3}", difference.identical_percent),
+            format!("{:.4}", difference.wrong_surface_percent),
+            format!("{:.2}", difference.mean_difference),
+            format!("{:.4}", difference.mse),
+            format!("{:.1}", difference.psnr),
+        ]
+    })
+}
+
+/// Counts of both eyes, which no machine changes.
+fn work(measured: &Measured, plan: &Plan) -> String {
+    let head = [
+        "counts", "re-traced %", "bad", "missed", "lost", "primary", "verification", "shadow", "nodes",
+        "primitive tests", "B/pixel",
+    ];
+    let pixels = f64::from(plan.size[0]) * f64::from(plan.size[1]);
+    table(measured, head, |figures| {
+        let statistics = &figures.statistics;
+        let both = |count: fn(&stereotrace::Work) -> u64| grouped(count(&statistics.left) + count(&statistics.right));
+        [
+            figures.method.to_string(),
+            format!("{:.2}", 100.0 * statistics.retraced_share()),
+            grouped(statistics.bad),
+            grouped(statistics.missed),
+            grouped(statistics.lost_candidates),
+            both(|work| work.rays.primary),
+            both(|work| work.rays.verification),
+            both(|work| work.rays.shadow),
+            both(|work| work.nodes),
+            both(|work| work.primitive_tests),
+            format!("{:.1}", statistics.intermediate_bytes as f64 / pixels),
+        ]
+    })
+}
+
+/// A row a method, columns as wide as they need to be.
+fn table<const N: usize>(measured: &Measured, head: [&str; N], row: impl Fn(&MethodFigures) -> [String; N]) -> String {
+    let mut rows = vec![head.map(String::from)];
+    rows.extend(measured.methods.iter().map(row));
+    let widths: Vec<usize> =
+        (0..N).map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, &width))| match column {
+            0 => format!("{cell:<width$}"),
+            _ => format!("{cell:>width$}"),
+        });
+        text += &cells.collect::<Vec<_>>().join("  ");
+        text.push('\n');
+    }
+    text.push('\n');
+    text
+}
+
+/// 1234567 as 1,234,567.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}

@@ -1,0 +1,221 @@
+//! The command line, and the scene and the camera that it asks for.
+
+use std::{error::Error, path::PathBuf};
+
+use clap::{Args, Parser};
+use stereotrace::{
+    Method, Scene, StereoCamera,
+    glam::Vec3,
+    output::{Anaglyph, Packing},
+    scene::builtin::Builtin,
+};
+
+/// Lights of a scene that brings none.
+const DEFAULT_LIGHTS: u32 = 5;
+
+const ENVIRONMENT: &str = "\
+It renders on the fastest graphics adapter there is; STEREOTRACE_ADAPTER=software or a part of its name chooses another.";
+
+/// Renders a stereo pair and an anaglyph of it
+#[derive(Debug, Parser)]
+#[command(name = "anaglyph", after_help = ENVIRONMENT, max_term_width = 120)]
+pub(crate) struct Arguments {
+    /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near or grazing
+    #[arg(default_value = "builtin:hall")]
+    scene: PathBuf,
+    /// Folder to write into
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(crate) out: PathBuf,
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
+    size: [u32; 2],
+    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e, or buffer-N for N slots a pixel
+    #[arg(long, default_value_t = Method::ATOMIC)]
+    pub(crate) method: Method,
+    /// Count BVH nodes and primitive tests (slower)
+    #[arg(long)]
+    pub(crate) count: bool,
+
+    /// Colours: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
+    #[arg(long, value_name = "KIND", default_value_t)]
+    pub(crate) anaglyph: Anaglyph,
+    /// Write another picture with both eyes: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom
+    #[arg(long, value_name = "KIND")]
+    pub(crate) packing: Option<Packing>,
+    /// Exchange the eyes in everything that is written, except the re-trace map
+    #[arg(long)]
+    pub(crate) swap: bool,
+    /// Write depths and primitive ids of both eyes as PFM files, and the re-trace map of the right eye
+    #[arg(long)]
+    pub(crate) dump: bool,
+    /// Width in metres of the display for which comfort is judged
+    #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
+    pub(crate) display_width: f32,
+    /// Place this many lights around the eyes [default: 5 for an OBJ file, its own for a built-in scene]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
+    lights: Option<u32>,
+
+    #[command(flatten)]
+    camera: CameraArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+struct CameraArguments {
+    /// JSON file of cameras by name; the options below replace parts of its camera
+    #[arg(long, value_name = "FILE")]
+    cameras: Option<PathBuf>,
+    /// Name in that file [default: the scene's name]
+    #[arg(long, value_name = "NAME", requires = "cameras")]
+    camera: Option<String>,
+    /// Midpoint between the eyes
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    eye: Option<Vec3>,
+    /// Point to look at
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    target: Option<Vec3>,
+    /// Direction that is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    up: Option<Vec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    fov: Option<f32>,
+    /// Distance of the screen, where parallax is zero, in world units
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    screen: Option<f32>,
+    /// Distance between the eyes in world units
+    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    interaxial: Option<f32>,
+    /// Distance between the eyes in pixels: the parallax at infinity
+    #[arg(long, value_name = "E", allow_hyphen_values = true, conflicts_with = "interaxial")]
+    interaxial_px: Option<f32>,
+}
+
+impl Arguments {
+    /// Reads the command line; `--help` ends the program. A fault comes back as a single line.
+    pub(crate) fn read() -> Result<Self, Box<dyn Error>> {
+        Self::try_parse().map_err(|error| {
+            if !error.use_stderr() {
+                error.exit();
+            }
+            // The paragraphs after the first are advice on usage.
+            let text = error.to_string();
+            let first = text.split("\n\n").next().unwrap_or(&text).trim_start_matches("error: ");
+            format!("{}; --help lists the options", crate::single_line(first)).into()
+        })
+    }
+
+    /// The scene's name, for the table and for the file of cameras.
+    pub(crate) fn scene_name(&self) -> String {
+        match self.builtin_name() {
+            Some(name) => name.to_owned(),
+            None => self.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        }
+    }
+
+    fn builtin_name(&self) -> Option<&str> {
+        self.scene.to_str()?.strip_prefix("builtin:")
+    }
+
+    fn builtin(&self) -> Result<Option<Builtin>, stereotrace::Error> {
+        self.builtin_name().map(str::parse).transpose()
+    }
+
+    /// Reads or builds the scene.
+    pub(crate) fn scene(&self) -> Result<Scene, Box<dyn Error>> {
+        if let Some(builtin) = self.builtin()? {
+            return Ok(builtin.scene());
+        }
+        if self.scene.is_dir() || !self.scene.exists() {
+            let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
+            let names = Builtin::ALL.map(|builtin| format!("builtin:{builtin}")).join(", ");
+            return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", self.scene.display()).into());
+        }
+        Ok(Scene::from_obj(&self.scene)?)
+    }
+
+    /// The camera of the file of cameras, of the built-in scene, or one that fits the object, with those parts
+    /// replaced that have an option of their own.
+    pub(crate) fn stereo_camera(&self, scene: &Scene) -> Result<StereoCamera, Box<dyn Error>> {
+        let [width, height] = self.size;
+        let camera = match (&self.camera.cameras, self.builtin()?) {
+            (Some(file), _) => {
+                let name = self.camera.camera.clone().unwrap_or_else(|| self.scene_name());
+                StereoCamera::from_json(file, &name, width, height)?
+            }
+            (None, Some(builtin)) => builtin.camera(width, height),
+            (None, None) => self.camera.fitting(scene, width, height)?,
+        };
+        let camera = self.camera.replace_parts(camera);
+        camera.pose()?; // faults now, not after the scene is on the device
+        Ok(camera)
+    }
+
+    /// Places the lights, unless the scene brings its own and no number was asked for.
+    pub(crate) fn light(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
+        let count = match self.lights {
+            None if self.builtin()?.is_some() => return Ok(()),
+            count => count.unwrap_or(DEFAULT_LIGHTS),
+        };
+        Ok(scene.place_lights(count as usize, camera)?)
+    }
+}
+
+impl CameraArguments {
+    /// A camera that fits the object. Seen from or towards another point, it has screen and interaxial as
+    /// [`StereoCamera::look_at`] has.
+    fn fitting(&self, scene: &Scene, width: u32, height: u32) -> Result<StereoCamera, stereotrace::Error> {
+        let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+        let camera = StereoCamera::fitting((low, high), width, height);
+        if self.eye.is_none() && self.target.is_none() {
+            return Ok(camera);
+        }
+        let eye = self.eye.unwrap_or(camera.pose()?.eye);
+        let distance = eye.distance(self.target.unwrap_or(low.midpoint(high)));
+        Ok(camera.screen_distance(distance).interaxial(distance / 30.0))
+    }
+
+    fn replace_parts(&self, mut camera: StereoCamera) -> StereoCamera {
+        if let Some(eye) = self.eye {
+            camera = camera.eye(eye);
+        }
+        if let Some(target) = self.target {
+            camera = camera.target(target);
+        }
+        if let Some(up) = self.up {
+            camera = camera.up(up);
+        }
+        if let Some(degrees) = self.fov {
+            camera = camera.vertical_fov_degrees(degrees);
+        }
+        if let Some(distance) = self.screen {
+            camera = camera.screen_distance(distance);
+        }
+        if let Some(distance) = self.interaxial {
+            camera = camera.interaxial(distance);
+        }
+        if let Some(pixels) = self.interaxial_px {
+            camera = camera.interaxial_pixels(pixels);
+        }
+        camera
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').map(|(width, height)| [width, height].map(str::parse));
+    match sides {
+        Some([Ok(width), Ok(height)]) => Ok([width, height]),
+        _ => Err("it must be like 1280x720".into()),
+    }
+}
+
+fn point(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+}
+
+fn above_zero(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "it must be a number above 0".into())
+}

@@ -1,0 +1,135 @@
+//! The table at the end: what was rendered, what it cost, how comfortable it is, and the files.
+
+use std::{
+    fmt::{self, Display, Formatter},
+    path::PathBuf,
+    time::Duration,
+};
+
+use stereotrace::{Scene, Statistics, StereoPair};
+
+use crate::arguments::Arguments;
+
+/// Time on the clock.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallTimes {
+    /// Reading or making the scene.
+    pub(crate) read: Duration,
+    /// Opening the device, building the BVH and uploading it.
+    pub(crate) build: Duration,
+    /// Building the pipelines, rendering and reading the pictures back.
+    pub(crate) render: Duration,
+}
+
+/// What [`Display`] shows.
+pub(crate) struct Report<'a> {
+    pub(crate) arguments: &'a Arguments,
+    pub(crate) adapter: &'a str,
+    pub(crate) scene: &'a Scene,
+    pub(crate) pair: &'a StereoPair,
+    pub(crate) wall: WallTimes,
+    pub(crate) files: &'a [PathBuf],
+}
+
+impl Display for Report<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let (pose, statistics) = (&self.pair.pose, &self.pair.statistics);
+        line(f, "adapter", self.adapter)?;
+        line(f, "scene", self.scene_line())?;
+        let [width, height] = pose.size;
+        let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
+        line(f, "camera", format!("{width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}"))?;
+        line(f, "method", self.method_line())?;
+
+        match &statistics.times {
+            None => line(f, "passes", "no timestamps")?,
+            Some(times) => {
+                let total = [("together", times.total())];
+                for (index, (pass, time)) in times.0.iter().chain(&total).enumerate() {
+                    let heading = if index == 0 { "passes" } else { "" };
+                    line(f, heading, format!("{pass:<16}{:>10.2} ms", milliseconds(*time)))?;
+                }
+            }
+        }
+        let WallTimes { read, build, render } = self.wall;
+        let [read, build, render] = [read, build, render].map(|time| time.as_secs_f64());
+        line(f, "clock", format!("read {read:.2} s, build and upload {build:.2} s, render {render:.2} s"))?;
+
+        line(f, "rays", format!("{:<6}{:>12}{:>14}{:>12}{:>12}", "", "primary", "verification", "shadow", "all"))?;
+        let eyes = [("left", &statistics.left), ("right", &statistics.right)];
+        for (eye, work) in eyes {
+            let (rays, all) = (work.rays, work.rays.total());
+            let counts = format!("{:>12}{:>14}{:>12}{all:>12}", rays.primary, rays.verification, rays.shadow);
+            line(f, "", format!("{eye:<6}{counts}"))?;
+        }
+        if self.arguments.count {
+            for (index, (eye, work)) in eyes.into_iter().enumerate() {
+                let heading = if index == 0 { "work" } else { "" };
+                let (nodes, tests) = (work.nodes, work.primitive_tests);
+                line(f, heading, format!("{eye:<6}{nodes:>12} nodes{tests:>12} primitive tests"))?;
+            }
+            line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
+        }
+        line(f, "re-traced", retraced(statistics))?;
+
+        self.comfort_lines(f)?;
+        let swapped = if self.arguments.swap { ", worn the other way round (--swap)" } else { "" };
+        line(f, "glasses", format!("{}{swapped}", self.arguments.anaglyph.glasses()))?;
+        for (index, file) in self.files.iter().enumerate() {
+            line(f, if index == 0 { "wrote" } else { "" }, file.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl Report<'_> {
+    fn scene_line(&self) -> String {
+        let (triangles, spheres) = (self.scene.triangles().len(), self.scene.spheres().len());
+        let dropped = match self.scene.degenerate_count() {
+            0 => String::new(),
+            count => format!(" ({count} without area, dropped)"),
+        };
+        let (name, lights) = (self.arguments.scene_name(), self.scene.lights.len());
+        format!("{name}: {triangles} triangles{dropped}, {spheres} spheres, {lights} lights")
+    }
+
+    fn method_line(&self) -> String {
+        let (method, statistics) = (self.arguments.method, &self.pair.statistics);
+        match statistics.buffer_depth {
+            0 => method.to_string(),
+            slots => format!("{method}: {slots} slots a pixel, {} candidates lost", statistics.lost_candidates),
+        }
+    }
+
+    fn comfort_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let ranges = [&self.pair.left, &self.pair.right].map(|view| view.depth_range());
+        let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
+        let comfort = self.pair.pose.comfort(nearest, farthest, self.arguments.display_width);
+        let (near_px, far_px) = (comfort.negative_parallax_px, comfort.positive_parallax_px);
+        let (near, far) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
+        let parallax = format!("parallax {near_px:.1} to {far_px:.1} px ({near:.2}% to {far:.2}% of the width)");
+        line(f, "comfort", parallax)?;
+        for warning in comfort.warnings() {
+            line(f, "", format!("warning: {warning}"))?;
+        }
+        Ok(())
+    }
+}
+
+fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
+    writeln!(f, "{heading:<11}{text}")
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
+}
+
+fn retraced(statistics: &Statistics) -> String {
+    let pixels = statistics.reused + statistics.bad + statistics.missed;
+    if pixels == 0 {
+        return "nothing reused: the right eye was traced in full".into();
+    }
+    let percent = |count: u64| 100.0 * count as f64 / pixels as f64;
+    let (all, bad, missed) = (100.0 * statistics.retraced_share(), percent(statistics.bad), percent(statistics.missed));
+    format!("{all:.2}% of the right eye (bad {bad:.2}%, missed {missed:.2}%)")
+}

@@ -1,0 +1,59 @@
+//! Plain Rust twins of the kernels, under the same file names: slow, sequential, and free of BVH and wgpu. Tests compare
+//! the kernels with them; swapping a pass for its twin is how to find the kernel that is wrong.
+//!
+//! They do the same arithmetic in the same order, so on adapters that don't contract or reorder f32 the results agree
+//! bit for bit.
+
+pub mod intersect;
+pub mod reproject;
+pub mod resolve_right;
+pub mod trace_left;
+
+use glam::Vec3;
+
+use crate::{Pose, layout, stereo::frame_uniform};
+
+/// The frame as kernels read it, with vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    raw: layout::Frame,
+}
+
+/// Which eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eye {
+    /// The left one, which is traced first.
+    Left,
+    /// The right one.
+    Right,
+}
+
+impl Frame {
+    /// The frame of a camera.
+    pub fn new(pose: &Pose) -> Self {
+        Self { raw: frame_uniform(pose) }
+    }
+
+    /// Picture size, pixels.
+    pub fn size(&self) -> [usize; 2] {
+        self.raw.image_size.map(|side| side as usize)
+    }
+
+    /// World position of an eye.
+    pub fn eye(&self, eye: Eye) -> Vec3 {
+        match eye {
+            Eye::Left => self.raw.left_eye.into(),
+            Eye::Right => self.raw.right_eye.into(),
+        }
+    }
+
+    /// Direction from an eye through a pixel's centre, of length 1 along the view axis.
+    pub fn direction(&self, eye: Eye, column: usize, row: usize) -> Vec3 {
+        let corner: Vec3 = match eye {
+            Eye::Left => self.raw.left_corner.into(),
+            Eye::Right => self.raw.right_corner.into(),
+        };
+        let (x, y): (Vec3, Vec3) = (self.raw.step_x.into(), self.raw.step_y.into());
+        corner + x * (column as f32 + 0.5) + y * (row as f32 + 0.5)
+    }
+}

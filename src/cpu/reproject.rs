@@ -1,0 +1,26 @@
+//! Twin of shaders/reproject.wgsl: which left sample each right pixel gets.
+
+use super::Frame;
+
+/// Where left sample `column` at depth `z` lands: `floor(column + 0.5 + e_px (1 - d/z))`, or `None` outside the
+/// picture (DESIGN, section 2).
+pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
+    let parallax = frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / z);
+    let x = column as f32 + 0.5 + parallax;
+    (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
+}
+
+/// For each right pixel the nearest left sample's column + 1, or 0: left to right, a later sample overwrites, which
+/// is the rule that the largest column is the nearest.
+pub fn reproject(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
+    let [width, height] = frame.size();
+    let mut right_source = vec![0; width * height];
+    for row in 0..height {
+        for column in 0..width {
+            if let Some(right) = right_column(frame, column, left_depth[row * width + column]) {
+                right_source[row * width + right] = column as u32 + 1;
+            }
+        }
+    }
+    right_source
+}

@@ -1,0 +1,100 @@
+//! What the integration tests share: the device, its name in the output, scenes and comparisons.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::{
+    io::Write,
+    sync::{Mutex, MutexGuard, OnceLock, PoisonError},
+};
+
+use stereotrace::{
+    Gpu, MaterialId, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, glam::Vec3, wgpu,
+};
+
+/// Opens the adapter that tests run on: `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing one is a
+/// failure with a remedy, not a skip.
+pub fn gpu() -> Gpu {
+    let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
+    Gpu::open(&wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
+}
+
+/// One renderer for all tests of a file: its pipelines are compiled once.
+pub fn renderer() -> MutexGuard<'static, Renderer> {
+    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    let renderer = RENDERER.get_or_init(|| {
+        let gpu = gpu();
+        // Not through eprintln: the test harness would keep it to itself.
+        let _ = writeln!(std::io::stderr(), "adapter: {}, driver {}", gpu.adapter_name(), gpu.driver());
+        Mutex::new(Renderer::new(gpu))
+    });
+    renderer.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Software adapters neither contract nor reorder f32: there results must agree bit for bit.
+pub fn is_exact(renderer: &Renderer) -> bool {
+    renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu
+}
+
+pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(scene).unwrap();
+    renderer.render(&uploaded, camera, &Options::new(method)).unwrap()
+}
+
+/// The same numbers in every run.
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in 0..1 (SplitMix64).
+    pub fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    pub fn range(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    pub fn point(&mut self, half: f32) -> Vec3 {
+        Vec3::new(self.range(-half, half), self.range(-half, half), self.range(-half, half))
+    }
+}
+
+/// A mesh of one grey material.
+pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    Mesh { positions, triangles, materials: vec![MaterialId(0)], ..Mesh::default() }
+}
+
+/// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.
+pub fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
+    let segments = 2 * rings;
+    let point = |ring: u32, segment: u32| {
+        let polar = std::f32::consts::PI * ring as f32 / rings as f32;
+        let around = std::f32::consts::TAU * (segment % segments) as f32 / segments as f32;
+        center + radius * Vec3::new(polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin())
+    };
+    let mut positions = vec![center + radius * Vec3::Y, center - radius * Vec3::Y];
+    for ring in 1..rings {
+        positions.extend((0..segments).map(|segment| point(ring, segment)));
+    }
+    let at = |ring: u32, segment: u32| match ring {
+        0 => 0,
+        ring if ring == rings => 1,
+        ring => 2 + (ring - 1) * segments + segment % segments,
+    };
+    let mut triangles = Vec::new();
+    for ring in 0..rings {
+        for segment in 0..segments {
+            let corners = [at(ring, segment), at(ring + 1, segment), at(ring + 1, segment + 1), at(ring, segment + 1)];
+            if ring + 1 < rings {
+                triangles.push([corners[0], corners[1], corners[2]]);
+            }
+            if ring > 0 {
+                triangles.push([corners[0], corners[2], corners[3]]);
+            }
+        }
+    }
+    mesh(positions, triangles)
+}

@@ -1,0 +1,141 @@
+//! Kernels against their plain Rust twins, which search through all primitives and share no traversal.
+
+mod common;
+
+use common::{Random, is_exact, mesh, renderer};
+use stereotrace::{
+    FAR, MISS, Method, Options, PixelSource, Scene, Sphere, StereoCamera, StereoPair,
+    cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
+    glam::Vec3,
+};
+
+/// Random triangles, some of them twice (coincident surfaces, under other ids), some without area, some in one
+/// axis-aligned plane, and random spheres.
+fn random_scene(seed: u64, triangles: usize, spheres: usize, smooth: bool) -> Scene {
+    let mut random = Random(seed);
+    let mut scene = Scene::new();
+    let mut corners = Vec::new();
+    for index in 0..triangles {
+        let at = random.point(1.0);
+        let [a, b, c] = [(); 3].map(|()| at + random.point(0.35));
+        match index % 10 {
+            0 => corners.extend([a, b, c, c, a, b]),
+            1 => corners.extend([a, a, b]),
+            2 => corners.extend([a, b, c].map(|p| Vec3::new(p.x, p.y, 0.25))),
+            _ => corners.extend([a, b, c]),
+        }
+    }
+    if triangles > 0 {
+        let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect::<Vec<_>>();
+        let mut mesh = mesh(corners, faces);
+        if smooth {
+            mesh.normals = mesh.triangles.iter().map(|_| [(); 3].map(|()| random.point(1.0).normalize())).collect();
+        }
+        scene.add_mesh(&mesh).unwrap();
+    }
+    for _ in 0..spheres {
+        let sphere =
+            Sphere { center: random.point(1.0), radius: random.range(0.02, 0.3), material: stereotrace::MaterialId(0) };
+        scene.add_sphere(sphere).unwrap();
+        scene.add_sphere(sphere).unwrap();
+    }
+    scene
+}
+
+fn camera(width: u32, height: u32) -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO)
+        .size(width, height)
+        .vertical_fov_degrees(50.0)
+        .screen_distance(3.0)
+        .interaxial_pixels(width as f32 / 12.0)
+}
+
+/// Pixels whose depth or primitive differ.
+fn differing(view: &stereotrace::View, twin: &[(f32, u32)]) -> usize {
+    let pixels = view.depth.iter().zip(&view.primitive).zip(twin);
+    pixels.filter(|((depth, id), twin)| (depth.min(FAR), **id) != **twin).count()
+}
+
+fn check(scene: &Scene, camera: &StereoCamera) {
+    let mut renderer = renderer();
+    let exact = is_exact(&renderer);
+    let uploaded = renderer.upload(scene).unwrap();
+    let naive = renderer.render(&uploaded, camera, &Options::new(Method::Naive)).unwrap();
+    let frame = Frame::new(&naive.pose);
+    let allowed = if exact { 0 } else { naive.source.len() / 500 };
+    let [left, right] = [Eye::Left, Eye::Right].map(|eye| trace_left(scene, &frame, eye));
+    assert!(differing(&naive.left, &left) <= allowed, "left: {}", differing(&naive.left, &left));
+    assert!(differing(&naive.right, &right) <= allowed, "right: {}", differing(&naive.right, &right));
+
+    let atomic: StereoPair = renderer.render(&uploaded, camera, &Options::new(Method::ATOMIC)).unwrap();
+    let left_depth: Vec<f32> = left.iter().map(|(depth, _)| *depth).collect();
+    let source = reproject(&frame, &left_depth);
+    let fates = resolve_right(scene, &frame, &left, &source);
+    let wrong = atomic.source.iter().zip(&fates).filter(|(gpu, twin)| gpu != twin).count();
+    assert!(wrong <= allowed, "{wrong} of {} right pixels resolved otherwise", fates.len());
+    if exact {
+        let width = camera.pose().unwrap().size[0] as usize;
+        for (index, fate) in fates.iter().enumerate() {
+            let expected = match fate {
+                PixelSource::Reused => left[index / width * width + source[index] as usize - 1],
+                _ => right[index],
+            };
+            let found = (atomic.right.depth[index].min(FAR), atomic.right.primitive[index]);
+            assert_eq!(found, expected, "pixel {index}, {fate:?}");
+        }
+    }
+    let seen = left.iter().filter(|(_, id)| *id != MISS).count();
+    assert!(seen > 0 || scene.primitive_count() == 0, "the test must see something");
+}
+
+#[test]
+fn triangles_are_hit_as_by_brute_force() {
+    check(&random_scene(1, 300, 0, false), &camera(63, 65));
+    check(&random_scene(2, 40, 0, true), &camera(130, 64));
+}
+
+#[test]
+fn spheres_are_hit_as_by_brute_force() {
+    check(&random_scene(3, 0, 60, false), &camera(65, 63));
+}
+
+#[test]
+fn triangles_and_spheres_together_are_hit_as_by_brute_force() {
+    check(&random_scene(4, 150, 40, false), &camera(64, 64));
+    check(&random_scene(5, 150, 40, true), &camera(71, 33));
+}
+
+#[test]
+fn one_triangle_one_sphere_one_pixel_and_nothing_at_all() {
+    let mut triangle = Scene::new();
+    triangle.add_mesh(&mesh(vec![-Vec3::ONE, Vec3::new(2.0, -0.5, 0.2), Vec3::Y], vec![[0, 1, 2]])).unwrap();
+    let mut sphere = Scene::new();
+    let material = stereotrace::MaterialId(0);
+    sphere.add_sphere(Sphere { center: Vec3::ZERO, radius: 0.9, material }).unwrap();
+    for scene in [&triangle, &sphere, &Scene::new()] {
+        check(scene, &camera(1, 1));
+        check(scene, &camera(33, 17));
+    }
+}
+
+#[test]
+fn axis_parallel_rays_and_boxes_are_right() {
+    // An odd picture, so that the central ray is exactly the axis; walls in planes through the eye and the centre.
+    let mut scene = Scene::new();
+    for axis in 0..3 {
+        for offset in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(u, v)| {
+                let mut point = [u, v, v];
+                point[(axis + 1) % 3] = u;
+                point[axis] = offset;
+                Vec3::from_array(point)
+            });
+            scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+        }
+    }
+    for eye in [Vec3::new(0.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.5, 0.5, 4.0)] {
+        let target = if eye.x > 1.0 { Vec3::ZERO } else { eye * Vec3::new(1.0, 1.0, 0.0) };
+        let camera = StereoCamera::look_at(eye, target).size(65, 33).screen_width(2.0).interaxial(0.125);
+        check(&scene, &camera);
+    }
+}
