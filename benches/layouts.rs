@@ -1,12 +1,9 @@
-//! Which of obvhs's layouts a GPU traces fastest, and read how: Bvh2 and CwBvh, from textures and from storage buffers.
+//! Which of obvhs's layouts an adapter traces fastest, and read how: Bvh2 and CwBvh, from textures and from storage buffers.
 //!
-//! ```text
-//! cargo bench --bench layouts [-- SCENE...]
-//! ```
-//!
-//! Traces the left view's primary rays of each scene with every layout, in interleaved rounds, and prints a Markdown
-//! table; docs/TRAVERSAL.md says what follows from it. Every layout's hits are compared with the library's own. Scenes
-//! other than the built-in hall are looked for in `$STEREOTRACE_SCENES`, else in target/scenes.
+//! `cargo bench --bench layouts [-- SCENE...]` traces the left view's primary rays of each scene with every layout, in
+//! interleaved rounds, and prints a Markdown table; docs/TRAVERSAL.md says what follows from it. Every layout's hits are
+//! compared with the library's own. Scenes other than the built-in hall are looked for in `$STEREOTRACE_SCENES`, else in
+//! target/scenes.
 
 use std::{
     error::Error,
@@ -23,7 +20,7 @@ use obvhs::{
     cwbvh::{CwBvh, builder::build_cwbvh},
 };
 use stereotrace::{
-    FAR, Gpu, Method, Options, Pose, Renderer, Scene, StereoCamera, View,
+    FAR, Gpu, Method, Options, Pose, Renderer, Scene, StereoCamera, Triangle, View,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
     wgpu::{self, util::DeviceExt},
@@ -36,23 +33,16 @@ const TEXTURE_WIDTH: usize = 8192;
 const SCENES: [&str; 3] = ["hall", "sponza_4x", "dragon"];
 
 type Texel = [u32; 4];
-type Hits = Vec<BenchHit>;
 
-/// `BenchHit` of layouts/primary.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct BenchHit {
-    depth: f32,
-    primitive: u32,
-    nodes_visited: u32,
-    primitives_tested: u32,
-}
+/// Words of `BenchHit` in layouts/primary.wgsl.
+const DEPTH: usize = 0;
+const PRIMITIVE: usize = 1;
+const NODES_VISITED: usize = 2;
+const PRIMITIVES_TESTED: usize = 3;
 
-#[derive(Clone, Copy, PartialEq)]
-enum Fetch {
-    Textures,
-    Buffers,
-}
+/// What the scene is read from.
+const TEXTURES: &str = "textures";
+const BUFFERS: &str = "storage buffers";
 
 /// A scene's tree in one layout, ready to upload.
 struct Packed {
@@ -64,13 +54,11 @@ struct Packed {
 }
 
 /// A layout on the device, and how it is read.
-struct Variant {
-    name: &'static str,
-    fetch: Fetch,
+struct Variant<'a> {
+    layout: &'a Packed,
+    fetch: &'static str,
     kernel: Kernel,
     counting: Kernel,
-    node_bytes: usize,
-    primitive_bytes: usize,
     times: Vec<Duration>,
 }
 
@@ -87,13 +75,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     wanted.retain(|argument| !argument.starts_with('-'));
     let gpu = Gpu::new()?;
-    // The library's handler only logs: a kernel that fails to build would leave the last one's hits and times to be read.
+    // The library's handler only logs: after a kernel that doesn't build, the last one's times would be read again.
     gpu.device().on_uncaptured_error(Arc::new(|error| panic!("{error}")));
     let bench = Bench::new(&gpu);
     println!("Adapter: {}, {}", gpu.adapter_name(), gpu.driver());
-    println!("Left view, {SIZE}x{SIZE} primary rays, closest hit; {WARM_UPS} warm-ups, {ROUNDS} interleaved rounds, {}", {
-        if bench.timestamps.is_some() { "timestamps" } else { "wall clock" }
-    });
+    let clock = if bench.timestamps.is_some() { "timestamps" } else { "wall clock" };
+    println!("{SIZE}x{SIZE} primary rays, {WARM_UPS} warm-ups, {ROUNDS} interleaved rounds, {clock}");
     for name in SCENES {
         if wanted.is_empty() || wanted.iter().any(|argument| argument == name) {
             match load(name)? {
@@ -121,14 +108,11 @@ fn load(name: &str) -> Result<Option<(Scene, StereoCamera)>, stereotrace::Error>
 
 // --- Packing ---
 
-/// Ids and boxes of the triangles that are traced: those with an area, as in the library.
-fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
-    let triangles = scene.triangles().iter().enumerate().filter(|(_, triangle)| !triangle.is_degenerate());
-    triangles.map(|(id, triangle)| (id as u32, Aabb::from_points(&triangle.corners.map(Into::into)))).unzip()
-}
-
 fn pack(scene: &Scene) -> (Bounds, [Packed; 3]) {
-    let (ids, boxes) = traced(scene);
+    // Those with an area, as in the library.
+    let traced = scene.triangles().iter().enumerate().filter(|(_, triangle)| !triangle.is_degenerate());
+    let of_id = |(id, triangle): (usize, &Triangle)| (id as u32, Aabb::from_points(&triangle.corners.map(Into::into)));
+    let (ids, boxes): (Vec<u32>, Vec<Aabb>) = traced.map(of_id).unzip();
     let params = BvhBuildParams { max_prims_per_leaf: 8, ..BvhBuildParams::medium_build() };
     let bvh2 = build_bvh2(&boxes, params, &mut Duration::default());
     let cwbvh = build_cwbvh(&boxes, params, &mut Duration::default());
@@ -136,29 +120,20 @@ fn pack(scene: &Scene) -> (Bounds, [Packed; 3]) {
     let bounds = Bounds::of(&bvh2);
     let primitives = |order: &[u32]| order.iter().flat_map(|&index| corners(scene, ids[index as usize])).collect();
     let (grid_nodes, grid_order, depth) = pack_grid(&bvh2, &bounds);
-    let stack_size = |depth: usize| (depth + 1).next_multiple_of(8);
+    let layout = |name, traversal, nodes: &[Texel], order, depth: usize| Packed {
+        name,
+        traversal,
+        nodes: nodes.to_vec(),
+        primitives: primitives(order),
+        stack_size: depth + 1,
+    };
+    let grid = include_str!("layouts/bvh2_grid.wgsl");
+    let exact = include_str!("layouts/bvh2_f32.wgsl");
+    let wide = include_str!("layouts/cwbvh.wgsl");
     let packed = [
-        Packed {
-            name: "Bvh2, 16-bit boxes",
-            traversal: include_str!("layouts/bvh2_grid.wgsl"),
-            nodes: grid_nodes,
-            primitives: primitives(&grid_order),
-            stack_size: stack_size(depth),
-        },
-        Packed {
-            name: "Bvh2, f32 boxes",
-            traversal: include_str!("layouts/bvh2_f32.wgsl"),
-            nodes: cast_slice(&bvh2.nodes).to_vec(),
-            primitives: primitives(&bvh2.primitive_indices),
-            stack_size: stack_size(depth),
-        },
-        Packed {
-            name: "CwBvh",
-            traversal: include_str!("layouts/cwbvh.wgsl"),
-            nodes: cast_slice(&cwbvh.nodes).to_vec(),
-            primitives: primitives(&cwbvh.primitive_indices),
-            stack_size: stack_size(cwbvh_depth(&cwbvh)),
-        },
+        layout("Bvh2, 16-bit boxes", grid, &grid_nodes, &grid_order, depth),
+        layout("Bvh2, f32 boxes", exact, cast_slice(&bvh2.nodes), &bvh2.primitive_indices, depth),
+        layout("CwBvh", wide, cast_slice(&cwbvh.nodes), &cwbvh.primitive_indices, cwbvh_depth(&cwbvh)),
     ];
     (bounds, packed)
 }
@@ -272,9 +247,9 @@ impl<'a> Bench<'a> {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
         let queries = wgpu::QuerySetDescriptor { label: Some("times"), ty: wgpu::QueryType::Timestamp, count: 2 };
-        let timestamps = device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| {
-            (device.create_query_set(&queries), buffer("times", 16, wgpu::BufferUsages::QUERY_RESOLVE))
-        });
+        let offered = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let resolved = || buffer("times", 16, wgpu::BufferUsages::QUERY_RESOLVE);
+        let timestamps = offered.then(|| (device.create_query_set(&queries), resolved()));
         let hits = buffer("hits", u64::from(SIZE * SIZE) * 16, wgpu::BufferUsages::STORAGE);
         Self { gpu, device, hits, timestamps }
     }
@@ -288,60 +263,56 @@ impl<'a> Bench<'a> {
         let (bounds, layouts) = pack(&scene);
         let mut variants = Vec::new();
         for packed in &layouts {
-            for fetch in [Fetch::Textures, Fetch::Buffers] {
+            for fetch in [TEXTURES, BUFFERS] {
                 variants.push(self.variant(packed, fetch, &bounds, &pose));
             }
         }
-        for variant in &variants {
-            for _ in 0..WARM_UPS {
-                self.run(&variant.kernel)?;
-            }
-        }
-        for round in 0..ROUNDS {
+        for round in 0..WARM_UPS + ROUNDS {
             for turn in 0..variants.len() {
                 let index = (round + turn) % variants.len();
                 let time = self.run(&variants[index].kernel)?;
-                variants[index].times.push(time);
+                if round >= WARM_UPS {
+                    variants[index].times.push(time);
+                }
             }
         }
         println!("\n{name}, {} triangles:\n", scene.triangles().len());
         println!(
             "| layout | read from | Mrays/s | median ms (least to most) | nodes a ray | triangles a ray | nodes MiB | \
-             triangles MiB | pixels that differ |\n|---|---|---|---|---|---|---|---|---|"
+             triangles MiB | differ + tie |\n|---|---|---|---|---|---|---|---|---|"
         );
         for mut variant in variants {
             self.run(&variant.kernel)?;
             let (differ, ties) = compare(&self.read(&self.hits)?, &reference);
             self.run(&variant.counting)?;
-            let counts: Hits = self.read(&self.hits)?;
-            let mean = |count: fn(&BenchHit) -> u32| {
-                counts.iter().map(|hit| f64::from(count(hit))).sum::<f64>() / counts.len() as f64
-            };
+            let counts: Vec<Texel> = self.read(&self.hits)?;
+            let mean = |word: usize| counts.iter().map(|hit| f64::from(hit[word])).sum::<f64>() / counts.len() as f64;
             variant.times.sort();
-            let ms = variant.times.iter().map(|time| time.as_secs_f64() * 1e3).collect::<Vec<_>>();
+            let ms = |index: usize| variant.times[index].as_secs_f64() * 1e3;
+            let mib = |texels: &[Texel]| size_of_val(texels) as f64 / (1 << 20) as f64;
             println!(
-                "| {} | {} | {:.2} | {:.1} ({:.1} to {:.1}) | {:.1} | {:.1} | {:.1} | {:.1} | {differ}{} |",
-                variant.name,
-                if variant.fetch == Fetch::Textures { "textures" } else { "storage buffers" },
-                f64::from(SIZE * SIZE) / ms[ROUNDS / 2] / 1e3,
-                ms[ROUNDS / 2],
-                ms[0],
-                ms[ROUNDS - 1],
-                mean(|hit| hit.nodes_visited),
-                mean(|hit| hit.primitives_tested),
-                variant.node_bytes as f64 / (1 << 20) as f64,
-                variant.primitive_bytes as f64 / (1 << 20) as f64,
-                if ties > 0 { format!(" and {ties} ties") } else { String::new() },
+                "| {} | {} | {:.2} | {:.0} ({:.0} to {:.0}) | {:.1} | {:.1} | {:.1} | {:.1} | {differ} + {ties} |",
+                variant.layout.name,
+                variant.fetch,
+                f64::from(SIZE * SIZE) / ms(ROUNDS / 2) / 1e3,
+                ms(ROUNDS / 2),
+                ms(0),
+                ms(ROUNDS - 1),
+                mean(NODES_VISITED),
+                mean(PRIMITIVES_TESTED),
+                mib(&variant.layout.nodes),
+                mib(&variant.layout.primitives),
             );
         }
         Ok(())
     }
-    fn variant(&self, packed: &Packed, fetch: Fetch, bounds: &Bounds, pose: &Pose) -> Variant {
+
+    fn variant<'b>(&self, packed: &'b Packed, fetch: &'static str, bounds: &Bounds, pose: &Pose) -> Variant<'b> {
         let parts = [
             include_str!("../shaders/shared/types.wgsl"),
             match fetch {
-                Fetch::Textures => include_str!("../shaders/shared/fetch_texture.wgsl"),
-                Fetch::Buffers => include_str!("../shaders/shared/fetch_buffer.wgsl"),
+                TEXTURES => include_str!("../shaders/shared/fetch_texture.wgsl"),
+                _ => include_str!("../shaders/shared/fetch_buffer.wgsl"),
             },
             include_str!("../shaders/shared/shade_types.wgsl"),
             include_str!("../shaders/shared/bvh.wgsl"),
@@ -376,23 +347,15 @@ impl<'a> Bench<'a> {
             let groups = [self.group(&pipeline, 0, &geometry), self.group(&pipeline, 1, &own)];
             Kernel { pipeline, groups }
         };
-        Variant {
-            name: packed.name,
-            fetch,
-            kernel: kernel(0.0),
-            counting: kernel(1.0),
-            node_bytes: size_of_val(&packed.nodes[..]),
-            primitive_bytes: size_of_val(&packed.primitives[..]),
-            times: Vec::new(),
-        }
+        Variant { layout: packed, fetch, kernel: kernel(0.0), counting: kernel(1.0), times: Vec::new() }
     }
 
     fn buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
     }
 
-    fn upload(&self, label: &str, texels: &[Texel], fetch: Fetch) -> Resource {
-        if fetch == Fetch::Buffers {
+    fn upload(&self, label: &str, texels: &[Texel], fetch: &str) -> Resource {
+        if fetch == BUFFERS {
             return Resource::Buffer(self.buffer(label, cast_slice(texels), wgpu::BufferUsages::STORAGE));
         }
         let rows = texels.len().div_ceil(TEXTURE_WIDTH);
@@ -415,16 +378,12 @@ impl<'a> Bench<'a> {
     }
 
     fn group(&self, pipeline: &wgpu::ComputePipeline, group: u32, resources: &[Resource]) -> wgpu::BindGroup {
-        let numbered = resources.iter().zip(0..);
-        let entries: Vec<_> = numbered
-            .map(|(resource, binding)| wgpu::BindGroupEntry {
-                binding,
-                resource: match resource {
-                    Resource::Buffer(buffer) => buffer.as_entire_binding(),
-                    Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
-                },
-            })
-            .collect();
+        let resources = resources.iter().map(|resource| match resource {
+            Resource::Buffer(buffer) => buffer.as_entire_binding(),
+            Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+        });
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
         let layout = &pipeline.get_bind_group_layout(group);
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
@@ -482,15 +441,11 @@ enum Resource {
 }
 
 /// How many pixels differ from the library's left view, and how many see another primitive at the same depth.
-fn compare(hits: &[BenchHit], reference: &View) -> (usize, usize) {
-    let (mut differ, mut ties) = (0, 0);
-    for (hit, (&depth, &primitive)) in hits.iter().zip(reference.depth.iter().zip(&reference.primitive)) {
-        let same_depth = hit.depth == depth.min(FAR);
-        match (same_depth, hit.primitive == primitive) {
-            (true, true) => {}
-            (true, false) => ties += 1,
-            (false, _) => differ += 1,
-        }
-    }
-    (differ, ties)
+fn compare(hits: &[Texel], reference: &View) -> (usize, usize) {
+    let expected = reference.depth.iter().zip(&reference.primitive);
+    let differs = hits.iter().zip(expected).map(|(hit, (depth, &primitive))| {
+        let same_depth = f32::from_bits(hit[DEPTH]) == depth.min(FAR);
+        (!same_depth, same_depth && hit[PRIMITIVE] != primitive)
+    });
+    differs.fold((0, 0), |(differ, ties), (other, tie)| (differ + usize::from(other), ties + usize::from(tie)))
 }

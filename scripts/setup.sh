@@ -39,6 +39,9 @@ if ! rust_is_new_enough; then
 (where rustup is there already: rustup update stable) and run this again."
 fi
 
+# Without a session Mesa's device chooser prints an error line about XDG_RUNTIME_DIR that means nothing here.
+[ -n "${XDG_RUNTIME_DIR:-}" ] || export NODEVICE_SELECT=1
+
 # --- Adapters: a Vulkan loader, and a driver's ICD file that it finds ---
 
 vulkan_loader() {

@@ -37,9 +37,10 @@ fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
         let aabb = Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into());
         (!triangle.is_degenerate()).then_some(aabb)
     });
-    let spheres = scene.spheres().iter().map(|sphere| {
-        Some(Aabb::new((sphere.center - sphere.radius).into(), (sphere.center + sphere.radius).into()))
-    });
+    let spheres = scene
+        .spheres()
+        .iter()
+        .map(|sphere| Some(Aabb::new((sphere.center - sphere.radius).into(), (sphere.center + sphere.radius).into())));
     triangles.chain(spheres).enumerate().filter_map(|(id, aabb)| Some((id as u32, aabb?))).unzip()
 }
 
@@ -61,7 +62,8 @@ pub(crate) fn build(scene: &Scene) -> Result<PackedBvh, Error> {
     let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..BvhBuildParams::medium_build() };
     let tree = build_bvh2(&boxes, params, &mut std::time::Duration::default());
     let grid = Grid::around(&tree);
-    let mut packer = Packer { scene, tree: &tree, ids: &ids, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
+    let mut packer =
+        Packer { scene, tree: &tree, ids: &ids, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
     let depth = packer.pack_nodes();
     let stack_size = (depth + 1).next_multiple_of(8);
     if stack_size > MAX_STACK {
@@ -132,11 +134,11 @@ impl Packer<'_> {
         }
         let mut deepest = 0;
         // (first of two obvhs nodes, where the link to their pair goes, levels above)
-        let mut pending = vec![(root.first_index as usize, None, 1)];
+        let mut pending: Vec<(usize, Option<usize>, u32)> = vec![(root.first_index as usize, None, 1)];
         while let Some((first, link, depth)) = pending.pop() {
             let pair = self.nodes.len() / 2;
             if let Some(link) = link {
-                self.nodes[link as usize][3] = pair as u32;
+                self.nodes[link][3] = pair as u32;
             }
             deepest = deepest.max(depth);
             for child in [first, first + 1] {
@@ -205,15 +207,11 @@ impl Packer<'_> {
     }
 }
 
-/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by shaders/shared/normal_smooth.wgsl.
+/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/normal_smooth.wgsl`.
 fn pack_normal(normal: Vec3) -> u32 {
     let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
-    let (x, y) = if n.z >= 0.0 {
-        (n.x, n.y)
-    } else {
-        ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y))
-    };
+    let (x, y) = if n.z >= 0.0 { (n.x, n.y) } else { ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) };
     let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
     u32::from(snorm(x)) | u32::from(snorm(y)) << 16
 }
@@ -251,10 +249,7 @@ mod tests {
             for child in 0..2 {
                 let [x, y, z, link] = packed.nodes[(2 * pair + child) as usize];
                 let mut boxes: Vec<(DVec3, DVec3)> = above.clone();
-                boxes.push((
-                    decode([x & 0xffff, x >> 16, y & 0xffff]),
-                    decode([y >> 16, z & 0xffff, z >> 16]),
-                ));
+                boxes.push((decode([x & 0xffff, x >> 16, y & 0xffff]), decode([y >> 16, z & 0xffff, z >> 16])));
                 if link & LEAF == 0 {
                     pending.push((link, depth + 1, boxes));
                     continue;
@@ -297,9 +292,8 @@ mod tests {
     #[test]
     fn small_and_flat_scenes_have_a_pair_at_the_root() {
         for count in 1..20 {
-            let corners = (0..count)
-                .flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::X * i as f32))
-                .collect();
+            let corners =
+                (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::X * i as f32)).collect();
             let packed = build(&scene_of(corners)).unwrap();
             let (found, _) = check_boxes(&packed, 3);
             assert_eq!(found, if count == 1 { 2 } else { count }, "a single primitive stands in both children");
@@ -311,9 +305,8 @@ mod tests {
     fn a_tree_too_deep_for_the_stack_is_refused_and_a_deep_one_gets_its_stack() {
         // Each triangle is larger than all before it together: every tree over them is a chain.
         let chain = |factor: f32, count: i32| {
-            let corners = (0..count)
-                .flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i)))
-                .collect();
+            let corners =
+                (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i))).collect();
             build(&scene_of(corners))
         };
         let deep = chain(2.0, 120).unwrap();

@@ -182,20 +182,20 @@ impl StereoCamera {
             return fault("size", format!("{}x{}", self.width, self.height), "width and height must be at least 1");
         }
         for (field, value) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
-            if !(value.abs().max_element() <= crate::scene::MAX_COORDINATE) {
+            if !value.to_array().iter().all(|v| v.abs() <= crate::scene::MAX_COORDINATE) {
                 return fault(field, value.to_string(), "its coordinates must be numbers within ±1e8");
             }
-        }
-        if !positive(self.screen_distance) {
-            return fault("screen_distance", self.screen_distance.to_string(), "it must be above 0");
         }
         // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
         let forward = (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or_zero();
         if forward == DVec3::ZERO {
             return fault("target", self.target.to_string(), "it must differ from the eye");
         }
+        if !positive(self.screen_distance) {
+            return fault("screen_distance", self.screen_distance.to_string(), "it must be above 0");
+        }
         let side = forward.cross(self.up.as_dvec3().normalize_or_zero());
-        if !(side.length() > 1e-6) {
+        if side.length() <= 1e-6 {
             return fault("up", self.up.to_string(), "it must not be zero or parallel to the view direction");
         }
         let right = side.normalize();
@@ -220,7 +220,11 @@ impl StereoCamera {
             Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
         };
         if !(interaxial >= 0.0 && interaxial.is_finite() && interaxial_px.is_finite()) {
-            return fault("interaxial", interaxial.to_string(), "it must be a number of at least 0");
+            let value = match self.interaxial {
+                Interaxial::World(world) => world.to_string(),
+                Interaxial::Pixels(pixels) => format!("{pixels} px"),
+            };
+            return fault("interaxial", value, "it must be a number of at least 0");
         }
         Ok(Pose {
             eye: self.eye,
@@ -385,7 +389,7 @@ mod tests {
             (camera().up(Vec3::ZERO), "up"),
             (camera().vertical_fov_degrees(180.0), "vertical_fov"),
             (camera().screen_width(-1.0), "screen_width"),
-            (StereoCamera::look_at(Vec3::ONE, Vec3::ONE).screen_distance(1.0), "target"),
+            (StereoCamera::look_at(Vec3::ONE, Vec3::ONE), "target"),
             (StereoCamera::look_at(Vec3::NAN, Vec3::ONE), "eye"),
         ];
         for (camera, field) in broken {

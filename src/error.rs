@@ -7,7 +7,9 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
-    #[error("no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one")]
+    #[error(
+        "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+    )]
     NoAdapter {
         /// What was asked for, as ` for STEREOTRACE_ADAPTER=…`, or empty.
         wanted: String,
@@ -55,12 +57,14 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
-    /// A method name that does not exist.
-    #[error("no such method: '{name}'; there are {known}")]
-    Method {
-        /// The name that was asked for.
+    /// A name that is none of those known.
+    #[error("unknown {what} '{name}'; use one of {known}")]
+    UnknownName {
+        /// What it should name, as `method`.
+        what: &'static str,
+        /// The name as given.
         name: String,
-        /// The names that exist.
+        /// The names there are, separated by commas.
         known: String,
     },
     /// A file whose content is wrong.
@@ -89,6 +93,11 @@ pub enum Error {
 impl Error {
     pub(crate) fn file(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {
         Self::File { path: path.into(), line, reason: reason.into() }
+    }
+
+    pub(crate) fn unknown_name<T: ToString>(what: &'static str, name: &str, all: &[T]) -> Self {
+        let known = all.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
+        Self::UnknownName { what, name: name.to_owned(), known }
     }
 
     pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {

@@ -16,7 +16,7 @@ use crate::{
 /// The variable that chooses the adapter: `software`, or a part of its name.
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
-/// Width of the textures that hold a scene (shaders/shared/fetch_texture.wgsl).
+/// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
 const TEXTURE_WIDTH: u32 = 8192;
 
 /// A graphics device and what is known of it. Cloning is cheap and shares the device.
@@ -232,7 +232,8 @@ impl Gpu {
             Fetch::Texture => self.upload_texture(label, texels),
             Fetch::Buffer => {
                 let contents: &[u8] = bytemuck::cast_slice(texels);
-                check_bytes(&format!("the scene's {label} buffer"), contents.len() as u64, self.binding_limit())?;
+                let what = format!("the scene's {label} buffer");
+                check_bytes(&what, contents.len() as u64, self.binding_limit(), "use fewer primitives")?;
                 Ok(Texels::Buffer(self.filled_buffer(label, contents, wgpu::BufferUsages::STORAGE)))
             }
         }
@@ -312,7 +313,7 @@ impl Gpu {
 }
 
 /// [`Error::Limit`] if a binding of `bytes` is more than `allowed`.
-pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64) -> Result<(), Error> {
+pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static str) -> Result<(), Error> {
     if bytes <= allowed {
         return Ok(());
     }
@@ -322,7 +323,7 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64) -> Result<(), Er
         needed: mib(bytes),
         limit: "max_storage_buffer_binding_size",
         allowed: mib(allowed),
-        remedy: "use fewer primitives or a smaller picture",
+        remedy,
     })
 }
 
@@ -415,10 +416,8 @@ impl Pipelines {
         let layout = |label, texel_bindings: u32| {
             let mut entries = vec![entry(0, buffer_type(wgpu::BufferBindingType::Uniform))];
             entries.extend((1..=texel_bindings).map(|binding| entry(binding, texels)));
-            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries: &entries,
-            })
+            gpu.device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
         Self { geometry: layout("geometry", 2), shading: layout("shading", 1), fetch, built: Mutex::default() }
     }
@@ -444,10 +443,8 @@ impl Pipelines {
             let read_only = *access == Access::Read;
             entries.push(entry(index as u32 + 1, buffer_type(wgpu::BufferBindingType::Storage { read_only })));
         }
-        let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(kernel.name),
-            entries: &entries,
-        });
+        let own = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(kernel.name), entries: &entries });
         let geometry = (kernel.touches != Touches::Pixels).then_some(&self.geometry);
         let shading = (kernel.touches == Touches::Shading).then_some(&self.shading);
         let groups = [geometry, Some(&own), shading];
@@ -587,13 +584,18 @@ mod tests {
         let error = pollster::block_on(Gpu::choose(Some("no such adapter"))).unwrap_err();
         let message = error.to_string();
         assert!(matches!(error, Error::NoAdapter { .. }), "{message}");
-        assert!(message.contains("STEREOTRACE_ADAPTER=no such adapter") && message.contains("there are: "), "{message}");
+        assert!(
+            message.contains("STEREOTRACE_ADAPTER=no such adapter") && message.contains("there are: "),
+            "{message}"
+        );
     }
 
     #[test]
     fn a_binding_over_the_limit_names_sizes_and_limit() {
-        assert!(check_bytes("the nodes", 128 << 20, 128 << 20).is_ok());
-        let message = check_bytes("the nodes", (190 << 20) + 1, 128 << 20).unwrap_err().to_string();
-        assert!(message.starts_with("the nodes needs 191 MiB but this adapter's max_storage_buffer_binding_size is 128"));
+        assert!(check_bytes("the nodes", 128 << 20, 128 << 20, "shrink").is_ok());
+        let message = check_bytes("the nodes", (190 << 20) + 1, 128 << 20, "shrink").unwrap_err().to_string();
+        assert!(
+            message.starts_with("the nodes needs 191 MiB but this adapter's max_storage_buffer_binding_size is 128")
+        );
     }
 }

@@ -8,13 +8,18 @@ use crate::{Scene, Sky, method::Verify};
 /// A WGSL file: its name below `shaders/` and its text.
 #[derive(Clone, Copy)]
 pub(crate) struct Part {
+    #[cfg(test)]
     pub(crate) file: &'static str,
     pub(crate) text: &'static str,
 }
 
 macro_rules! part {
     ($file:literal) => {
-        Part { file: $file, text: include_str!(concat!("../shaders/", $file)) }
+        Part {
+            #[cfg(test)]
+            file: $file,
+            text: include_str!(concat!("../shaders/", $file)),
+        }
     };
 }
 
@@ -374,10 +379,27 @@ mod tests {
     fn host_and_wgsl_structs_have_the_same_layout() {
         let with = Specialisation { spheres: true, triangles: true, ..specialisations()[0] };
         let module = &parse(&TRACE_LEFT, &with);
-        assert_layout!(module, Frame {
-            left_eye, interaxial_px, right_eye, screen_distance, left_corner, interaxial, right_corner, eye,
-            step_x, buffer_depth, step_y, row_begin, right_axis, row_end, image_size, _pad,
-        });
+        assert_layout!(
+            module,
+            Frame {
+                left_eye,
+                interaxial_px,
+                right_eye,
+                screen_distance,
+                left_corner,
+                interaxial,
+                right_corner,
+                eye,
+                step_x,
+                buffer_depth,
+                step_y,
+                row_begin,
+                right_axis,
+                row_end,
+                image_size,
+                _pad,
+            }
+        );
         assert_layout!(module, Bvh { grid_origin, extent, grid_cell, _pad });
         assert_layout!(module, Shading { ambient, light_count, sky_nadir, _pad0, sky_zenith, _pad1 });
         assert_layout!(module, PixelHit { depth, primitive });

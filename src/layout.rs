@@ -54,7 +54,7 @@ pub(crate) struct PixelHit {
     pub(crate) primitive: u32,
 }
 
-/// Bytes of `TraceList` before its pixels (shaders/shared/trace_list.wgsl): an indirect dispatch and a count.
+/// Bytes of `TraceList` before its pixels (`shaders/shared/trace_list.wgsl)`: an indirect dispatch and a count.
 pub(crate) const TRACE_LIST_HEADER: u64 = 16;
 
 /// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
@@ -69,6 +69,6 @@ pub(crate) const LOST_CANDIDATES: usize = 8;
 pub(crate) const NEAREST_DEPTH: usize = 9;
 pub(crate) const FARTHEST_DEPTH: usize = 10;
 
-/// Marks of `right_source` after `resolve_right` (shaders/shared/trace_list.wgsl).
+/// Marks of `right_source` after `resolve_right` (`shaders/shared/trace_list.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;

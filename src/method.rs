@@ -91,13 +91,13 @@ impl FromStr for Method {
             return Ok(*method);
         }
         match name.strip_prefix("buffer-").and_then(|depth| depth.parse().ok()) {
-            Some(depth) if depth > 0 => Ok(Self::Reuse {
-                overlap: Overlap::Buffer(BufferDepth::Fixed(depth)),
-                verify: Verify::All,
-            }),
+            Some(depth) if depth > 0 => {
+                Ok(Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All })
+            }
             _ => {
-                let names: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
-                Err(Error::Method { name: name.into(), known: names.join(", ") + ", buffer-N for N slots" })
+                let mut known: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
+                known.push("buffer-N for N slots");
+                Err(Error::unknown_name("method", name, &known))
             }
         }
     }

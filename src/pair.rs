@@ -73,7 +73,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// The cost model of BRACKET's figures: box tests (two a node) plus primitive tests.
+    /// Box tests (two a node) plus primitive tests.
     pub fn cost(&self) -> u64 {
         2 * self.nodes + self.primitive_tests
     }

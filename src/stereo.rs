@@ -114,7 +114,8 @@ impl Picture {
     fn new(gpu: &Gpu, size: [u32; 2], band_pixels: u32) -> Result<Self, Error> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let allowed = gpu.binding_limit();
-        check_bytes(&format!("a {}x{} picture", size[0], size[1]), pixels * 16, allowed)?;
+        let what = format!("a {}x{} picture", size[0], size[1]);
+        check_bytes(&what, pixels.saturating_mul(16), allowed, "render a smaller one")?;
         let storage = |label, bytes| gpu.storage_buffer(label, bytes);
         let band_rows = band_rows(size, band_pixels);
         let band = u64::from(size[0]) * u64::from(band_rows);
@@ -270,11 +271,8 @@ impl Renderer {
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
         }
-        let method = if pose.interaxial == 0.0 && options.method != Method::Naive {
-            Method::Ideal
-        } else {
-            options.method
-        };
+        let method =
+            if pose.interaxial == 0.0 && options.method != Method::Naive { Method::Ideal } else { options.method };
         let mut passes = Passes {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
@@ -285,7 +283,7 @@ impl Renderer {
             frame: frame_uniform(&pose),
             timestamps: self.timestamps.as_mut(),
             rows_done: 0,
-            rows_total: pose.size[1] * 4,
+            rows_total: pose.size[1] * passes_of(method),
             progress,
         };
         let buffer_depth = passes.frame(&pose, method).await?;
@@ -389,6 +387,15 @@ fn pixel_source(mark: u32) -> PixelSource {
     }
 }
 
+/// Passes over the picture that a method's frame has, for progress.
+fn passes_of(method: Method) -> u32 {
+    match method {
+        Method::Naive | Method::Ideal => 3,
+        Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), .. } => 5,
+        Method::Reuse { .. } => 4,
+    }
+}
+
 /// One frame at work.
 struct Passes<'a> {
     gpu: &'a Gpu,
@@ -410,20 +417,22 @@ impl Passes<'_> {
         let p = self.picture;
         let mut buffer_depth = 0;
         self.clear(&[&p.counters, &p.right_source]).await?;
-        self.pass(&kernels::TRACE_LEFT, &[&p.left_color, &p.hits, &p.counters]).await?;
+        self.pass("trace_left", &kernels::TRACE_LEFT, &[&p.left_color, &p.hits, &p.counters]).await?;
         match method {
             Method::Naive => {
                 self.frame.eye = 1;
-                self.pass(&kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await?;
+                self.pass("trace_right", &kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await?;
             }
-            Method::Ideal => self.pass(&kernels::COPY_LEFT, &[&p.left_color, &p.hits, &p.right_color]).await?,
+            Method::Ideal => {
+                self.pass("copy_left", &kernels::COPY_LEFT, &[&p.left_color, &p.hits, &p.right_color]).await?;
+            }
             Method::Reuse { overlap, verify } => {
                 self.specialisation.verify = verify;
                 buffer_depth = self.reproject(pose, overlap).await?;
                 self.resolve_right().await?;
             }
         }
-        self.pass(&kernels::COMPOSE, &[&p.left_color, &p.right_color, &p.pictures]).await?;
+        self.pass("compose", &kernels::COMPOSE, &[&p.left_color, &p.right_color, &p.pictures]).await?;
         Ok(buffer_depth)
     }
 
@@ -432,7 +441,7 @@ impl Passes<'_> {
         let p = self.picture;
         match overlap {
             Overlap::Atomic => {
-                self.pass(&kernels::REPROJECT, &[&p.hits, &p.right_source]).await?;
+                self.pass("reproject", &kernels::REPROJECT, &[&p.hits, &p.right_source]).await?;
                 Ok(0)
             }
             Overlap::Buffer(depth) => {
@@ -468,7 +477,7 @@ impl Passes<'_> {
         let [width, height] = p.size;
         let row_bytes = u64::from(width) * u64::from(depth) * 4;
         let allowed = self.gpu.binding_limit();
-        check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed)?;
+        check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
         let rows = (allowed / row_bytes).min(u64::from(height.min(p.band_rows))) as u32;
         let bytes = u64::from(rows) * row_bytes;
         if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
@@ -520,9 +529,9 @@ impl Passes<'_> {
     }
 
     /// One kernel over all pixels.
-    async fn pass(&mut self, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
-        self.bands(self.picture.band_rows, kernel.name, |this, encoder| {
-            this.dispatch(encoder, kernel, buffers, Launch::Pixels);
+    async fn pass(&mut self, name: &'static str, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
+        self.bands(self.picture.band_rows, name, |this, encoder| {
+            this.dispatch_as(name, encoder, kernel, buffers, Launch::Pixels);
         })
         .await
     }
@@ -566,11 +575,22 @@ impl Passes<'_> {
         buffers: &[&wgpu::Buffer],
         launch: Launch,
     ) {
+        self.dispatch_as(kernel.name, encoder, kernel, buffers, launch);
+    }
+
+    fn dispatch_as(
+        &mut self,
+        name: &'static str,
+        encoder: &mut wgpu::CommandEncoder,
+        kernel: &Kernel,
+        buffers: &[&wgpu::Buffer],
+        launch: Launch,
+    ) {
         let pipeline = self.pipelines.get(self.gpu, kernel, self.specialisation);
         let resources = std::iter::once(&self.picture.frame).chain(buffers.iter().copied());
         let own = bind_group(self.gpu, kernel.name, &pipeline.own, resources.map(wgpu::Buffer::as_entire_binding));
-        let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes };
+        let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&pipeline.pipeline);
         if kernel.touches != Touches::Pixels {

@@ -157,7 +157,8 @@ fn a_closed_mesh_shows_no_crack_where_rays_go_exactly_through_its_vertices_and_e
             .interaxial(0.25);
         let pair = render(&scene, &camera, Method::Naive);
         for view in [&pair.left, &pair.right] {
-            let wrong: Vec<_> = view.depth.iter().enumerate().filter(|(_, z)| (**z - 4.0).abs() > 1e-5).take(3).collect();
+            let wrong: Vec<_> =
+                view.depth.iter().enumerate().filter(|(_, z)| (**z - 4.0).abs() > 1e-5).take(3).collect();
             assert!(wrong.is_empty(), "rays slipped through a wall of {spacing}: {wrong:?}");
         }
     }
@@ -218,11 +219,7 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
         let mut scene = Scene::new();
         scene.add_mesh(&ball(center, scale, 60)).unwrap();
         scene
-            .add_sphere(Sphere {
-                center: center + Vec3::X * 2.5 * scale,
-                radius: scale,
-                material: MaterialId(0),
-            })
+            .add_sphere(Sphere { center: center + Vec3::X * 2.5 * scale, radius: scale, material: MaterialId(0) })
             .unwrap();
         let floor = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
             .map(|(x, z)| center + Vec3::new(x, -1.5, z) * scale)
@@ -248,7 +245,8 @@ fn a_gradient_sky_runs_from_nadir_to_zenith() {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::new(1.0, 0.0, 0.0), zenith: Vec3::new(0.0, 0.0, 1.0) };
     let look = |target: Vec3| {
-        let camera = StereoCamera::look_at(Vec3::ZERO, target).up(Vec3::Z).size(5, 5).vertical_fov_degrees(1.0).interaxial(0.0);
+        let camera =
+            StereoCamera::look_at(Vec3::ZERO, target).up(Vec3::Z).size(5, 5).vertical_fov_degrees(1.0).interaxial(0.0);
         let mut renderer = renderer();
         let uploaded = renderer.upload(&scene).unwrap();
         renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap().left.linear[12]

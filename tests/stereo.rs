@@ -13,8 +13,7 @@ use stereotrace::{
     wgpu,
 };
 
-const BUFFER_2E: Method =
-    Method::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All };
+const BUFFER_2E: Method = Method::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All };
 const TRUSTING: Method = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::None };
 
 /// Not a multiple of the workgroup either way.
@@ -225,7 +224,16 @@ fn progress_runs_up_to_one_and_may_cancel() {
     let mut stop = |_| std::ops::ControlFlow::Break(());
     let error = renderer.render_with(&uploaded, &camera, &Options::default(), &mut stop).unwrap_err();
     assert!(matches!(error, Error::Cancelled));
-    renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+    for (name, method) in Method::ALL {
+        let mut last = 0.0;
+        let mut watch = |progress: stereotrace::Progress| {
+            assert!(progress.done > last, "{name}");
+            last = progress.done;
+            std::ops::ControlFlow::Continue(())
+        };
+        renderer.render_with(&uploaded, &camera, &Options::new(method), &mut watch).unwrap();
+        assert_eq!(last, 1.0, "{name}");
+    }
 }
 
 #[test]

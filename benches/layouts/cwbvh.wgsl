@@ -1,5 +1,5 @@
-// CwBvh, after Ylitie, Karras & Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", in
-// obvhs's format: eight children a node, 8-bit boxes on a grid of the node's own, 80 bytes = 5 texels:
+// CwBvh, after Ylitie, Karras & Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
+// in obvhs's format: eight children a node, 8-bit boxes on a grid of the node's own, 80 bytes = 5 texels:
 //
 //   0  grid origin; exponents of its x, y, z steps, and a bit for each child that is an inner node
 //   1  first child, first slot, then a byte for each child: inner node: 001 and 24 + its place among the eight;

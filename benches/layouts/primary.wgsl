@@ -1,7 +1,7 @@
 // The left view's primary rays, closest hit only. `trace` is the layout's.
 //
 // launch  one thread per pixel
-// writes  hits  [height * width]  depth (FAR: nothing) and primitive id (MISS: nothing), nodes visited, primitives tested
+// writes  hits  [height * width]  depth along the view axis (FAR: nothing), primitive id (MISS: nothing), counts
 
 struct BenchHit {
     depth: f32,

@@ -170,7 +170,8 @@ pub(crate) fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) 
 /// The order of a round's turns. The first one rotates, and so does who comes after whom: steps of a number that has
 /// no factor in common with `count` visit all of them.
 fn order(round: usize, count: usize) -> impl Iterator<Item = usize> {
-    let coprime = |&step: &usize| (2..=step).all(|factor| step % factor != 0 || count % factor != 0);
+    let coprime =
+        |&step: &usize| (2..=step).all(|factor| !step.is_multiple_of(factor) || !count.is_multiple_of(factor));
     let steps: Vec<usize> = (1..count).filter(coprime).collect();
     let step = steps[round % steps.len()];
     (0..count).map(move |turn| (round + turn * step) % count)

@@ -18,13 +18,13 @@ pub(crate) struct Options {
     /// Distance between the eyes in pixels [default: 15 of 600]
     #[arg(long, value_name = "PX")]
     e: Option<f32>,
-    /// Place this many lights by Scene::place_lights [default: built-in scenes keep their own five, files get five]
+    /// Place this many lights by the library's rule [default: built-in scenes keep their own five, files get five]
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
     /// Rounds that are timed, after two to warm up [default: 7]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
-    /// Scenes: built-in ones, or folders of OBJ files [default: all built-in ones, sponza_4x, dragon]
+    /// Scenes: built-in ones, or folders of OBJ files [default: all built-in ones, `sponza_4x`, dragon]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     scenes: Vec<String>,
     /// Methods; naive and ideal are always among them [default: all]
@@ -75,7 +75,12 @@ impl Options {
     pub(crate) fn scenes(&self) -> Vec<String> {
         match self.scenes.as_slice() {
             [] if self.quick() => ["hall", "spheres"].map(Into::into).into(),
-            [] => Builtin::ALL.iter().map(|builtin| builtin.name()).chain(["sponza_4x", "dragon"]).map(Into::into).collect(),
+            [] => Builtin::ALL
+                .iter()
+                .map(|builtin| builtin.name())
+                .chain(["sponza_4x", "dragon"])
+                .map(Into::into)
+                .collect(),
             named => named.to_vec(),
         }
     }

@@ -40,6 +40,11 @@ impl Provenance {
             date: utc(seconds),
         }
     }
+
+    /// The date without the time.
+    pub(crate) fn day(&self) -> &str {
+        self.date.split('T').next().unwrap_or(&self.date)
+    }
 }
 
 /// Writes the three files and returns their paths. All are made before the first is written.
@@ -53,8 +58,11 @@ pub(crate) fn write_all(
         .iter()
         .flat_map(|scene| scene.methods.iter().map(|figures| record(scene, figures, plan, provenance)))
         .collect();
-    let files =
-        [("results.csv", csv(&records)), ("results.json", json(&records)), ("chart.svg", chart::svg(measured)?)];
+    let files = [
+        ("results.csv", csv(&records)),
+        ("results.json", json(&records)),
+        ("chart.svg", chart::svg(measured, plan, provenance)?),
+    ];
     let at = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
     fs::create_dir_all(folder).map_err(|error| at(folder, error))?;
     let paths = files.map(|(name, text)| {

@@ -44,8 +44,17 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
 /// Second eye: (pair - left) / left, by time and as counted. Predicted: the speed-up that the counters promise.
 fn time(measured: &Measured) -> String {
     let head = [
-        "time", "pair ms", "min..max", "of naive", "wall ms", "left ms", "second eye", "counted", "speed-up",
-        "predicted", "share",
+        "time",
+        "pair ms",
+        "min..max",
+        "of naive",
+        "wall ms",
+        "left ms",
+        "second eye",
+        "counted",
+        "speed-up",
+        "predicted",
+        "share",
     ];
     table(measured, head, |figures| {
         let (speed_up, predicted) = (figures.speed_up, figures.speed_up_predicted());
@@ -86,8 +95,17 @@ fn accuracy(measured: &Measured) -> String {
 /// Counts of both eyes, which no machine changes.
 fn work(measured: &Measured, plan: &Plan) -> String {
     let head = [
-        "counts", "re-traced %", "bad", "missed", "lost", "primary", "verification", "shadow", "nodes",
-        "primitive tests", "B/pixel",
+        "counts",
+        "re-traced %",
+        "bad",
+        "missed",
+        "lost",
+        "primary",
+        "verification",
+        "shadow",
+        "nodes",
+        "primitive tests",
+        "B/pixel",
     ];
     let pixels = f64::from(plan.size[0]) * f64::from(plan.size[1]);
     table(measured, head, |figures| {

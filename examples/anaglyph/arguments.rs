@@ -13,12 +13,12 @@ use stereotrace::{
 /// Lights of a scene that brings none.
 const DEFAULT_LIGHTS: u32 = 5;
 
-const ENVIRONMENT: &str = "\
-It renders on the fastest graphics adapter there is; STEREOTRACE_ADAPTER=software or a part of its name chooses another.";
+const ENVIRONMENT: &str =
+    "STEREOTRACE_ADAPTER=software, or a part of an adapter's name, chooses the adapter; else it is the fastest one.";
 
 /// Renders a stereo pair and an anaglyph of it
 #[derive(Debug, Parser)]
-#[command(name = "anaglyph", after_help = ENVIRONMENT, max_term_width = 120)]
+#[command(name = "anaglyph", after_help = ENVIRONMENT)]
 pub(crate) struct Arguments {
     /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near or grazing
     #[arg(default_value = "builtin:hall")]
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e, or buffer-N for N slots a pixel
+    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e or buffer-N (slots)
     #[arg(long, default_value_t = Method::ATOMIC)]
     pub(crate) method: Method,
     /// Count BVH nodes and primitive tests (slower)
@@ -39,19 +39,19 @@ pub(crate) struct Arguments {
     /// Colours: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
-    /// Write another picture with both eyes: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom
+    /// Write both eyes as one picture: side-by-side, half-side-by-side, cross-eyed, top-bottom or half-top-bottom
     #[arg(long, value_name = "KIND")]
     pub(crate) packing: Option<Packing>,
     /// Exchange the eyes in everything that is written, except the re-trace map
     #[arg(long)]
     pub(crate) swap: bool,
-    /// Write depths and primitive ids of both eyes as PFM files, and the re-trace map of the right eye
+    /// Write depths and primitive ids of both eyes (PFM) and the right eye's re-trace map (PNG)
     #[arg(long)]
     pub(crate) dump: bool,
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(crate) display_width: f32,
-    /// Place this many lights around the eyes [default: 5 for an OBJ file, its own for a built-in scene]
+    /// Place N lights around the eyes [default: 5 for an OBJ file, a built-in scene's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
 

@@ -35,17 +35,21 @@ use crate::{
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error,stereotrace=warn")).init();
-    let result = Arguments::read().and_then(|arguments| run(&arguments));
+    let result = Arguments::read().and_then(|arguments| run(&arguments)).and_then(|report| print(&report));
     match result {
-        Ok(report) => {
-            // Who reads only the first lines (`| head`) closes the pipe: no fault.
-            let _ = io::stdout().write_all(report.as_bytes());
-            ExitCode::SUCCESS
-        }
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let _ = writeln!(io::stderr(), "error: {}", single_line(&error.to_string()));
             ExitCode::FAILURE
         }
+    }
+}
+
+fn print(report: &str) -> Result<(), Box<dyn Error>> {
+    match io::stdout().write_all(report.as_bytes()) {
+        // Who reads only the first lines (`| head`) closes the pipe: no fault.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(format!("standard output: {error}").into()),
+        _ => Ok(()),
     }
 }
 

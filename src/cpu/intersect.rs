@@ -40,7 +40,7 @@ pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32
     let middle = to_center.dot(direction) / length_squared;
     let offset = to_center - direction * middle;
     let inside = radius * radius - offset.dot(offset);
-    if !(inside >= 0.0) {
+    if inside < 0.0 {
         return None;
     }
     let half = (inside / length_squared).sqrt();

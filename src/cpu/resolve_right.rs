@@ -1,4 +1,4 @@
-//! Twin of shaders/resolve_right.wgsl with shared/verify_all.wgsl: which right pixels are taken over.
+//! Twin of `shaders/resolve_right.wgsl` with `shared/verify_all.wgsl`: which right pixels are taken over.
 
 use glam::Vec3;
 
@@ -9,12 +9,7 @@ use crate::{FAR, MISS, PixelSource, Scene};
 pub const VERIFY_FRACTION: f32 = 0.999;
 
 /// Each right pixel's fate; `left` is (depth, id) of each left pixel, `right_source` the twin of reprojection's.
-pub fn resolve_right(
-    scene: &Scene,
-    frame: &Frame,
-    left: &[(f32, u32)],
-    right_source: &[u32],
-) -> Vec<PixelSource> {
+pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], right_source: &[u32]) -> Vec<PixelSource> {
     let width = frame.size()[0];
     let fate = |(index, &source): (usize, &u32)| {
         if source == 0 {

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Picture, UnknownName, encode, rows, to_byte};
-use crate::View;
+use super::{Picture, encode, rows, to_byte};
+use crate::{Error, View};
 
 /// Rows are the output's R, G, B; columns an eye's R, G, B.
 type Matrix = [[f32; 3]; 3];
@@ -25,7 +25,7 @@ const LUMA_ENCODED: [f32; 3] = [0.299, 0.587, 0.114];
 /// use stereotrace::output::Anaglyph;
 ///
 /// assert_eq!(Anaglyph::default().to_string(), "dubois");
-/// assert_eq!("half-color".parse(), Ok(Anaglyph::HalfColour));
+/// assert_eq!("half-color".parse::<_>().ok(), Some(Anaglyph::HalfColour));
 /// assert_eq!(Anaglyph::GreenMagenta.glasses(), "green (left), magenta (right)");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -133,13 +133,13 @@ impl fmt::Display for Anaglyph {
 }
 
 impl FromStr for Anaglyph {
-    type Err = UnknownName;
+    type Err = Error;
 
     /// Reads a [`name`](Self::name), `color` and `gray` too.
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let british = name.replace("color", "colour").replace("gray", "grey");
         let found = Self::ALL.iter().copied().find(|kind| kind.name() == british);
-        found.ok_or_else(|| UnknownName::new("anaglyph", name, Self::ALL))
+        found.ok_or_else(|| Error::unknown_name("anaglyph", name, Self::ALL))
     }
 }
 
@@ -304,11 +304,11 @@ mod tests {
     #[test]
     fn names_are_read_as_they_are_written() {
         for &kind in Anaglyph::ALL {
-            assert_eq!(kind.to_string().parse(), Ok(kind));
+            assert_eq!(kind.to_string().parse::<_>().ok(), Some(kind));
         }
-        assert_eq!("color".parse(), Ok(Anaglyph::Colour));
-        assert_eq!("half-color".parse(), Ok(Anaglyph::HalfColour));
-        assert_eq!("gray".parse(), Ok(Anaglyph::Grey));
+        assert_eq!("color".parse::<_>().ok(), Some(Anaglyph::Colour));
+        assert_eq!("half-color".parse::<_>().ok(), Some(Anaglyph::HalfColour));
+        assert_eq!("gray".parse::<_>().ok(), Some(Anaglyph::Grey));
         assert!("".parse::<Anaglyph>().is_err());
     }
 }

@@ -53,26 +53,6 @@ impl StereoPair {
     }
 }
 
-/// A name that is none of those known.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} '{name}'; use one of {known}")]
-#[non_exhaustive]
-pub struct UnknownName {
-    /// What it should name, as `anaglyph`.
-    pub what: &'static str,
-    /// The name as given.
-    pub name: String,
-    /// The names there are, separated by commas.
-    pub known: String,
-}
-
-impl UnknownName {
-    fn new<T: ToString>(what: &'static str, name: &str, all: &[T]) -> Self {
-        let known = all.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
-        Self { what, name: name.to_owned(), known }
-    }
-}
-
 /// The rows of a row-major list, top row first. A list with no columns has no rows.
 fn rows<T>(pixels: &[T], width: u32) -> impl Iterator<Item = &[T]> {
     pixels.chunks_exact((width as usize).max(1))

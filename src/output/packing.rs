@@ -3,8 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Picture, UnknownName, encode, rows};
-use crate::View;
+use super::{Picture, encode, rows};
+use crate::{Error, View};
 
 /// Where the eyes stand in one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -47,11 +47,11 @@ impl fmt::Display for Packing {
 }
 
 impl FromStr for Packing {
-    type Err = UnknownName;
+    type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let found = Self::ALL.iter().copied().find(|packing| packing.name() == name);
-        found.ok_or_else(|| UnknownName::new("packing", name, Self::ALL))
+        found.ok_or_else(|| Error::unknown_name("packing", name, Self::ALL))
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn names_are_read_as_they_are_written() {
         for &packing in Packing::ALL {
-            assert_eq!(packing.to_string().parse(), Ok(packing));
+            assert_eq!(packing.to_string().parse::<_>().ok(), Some(packing));
         }
     }
 }

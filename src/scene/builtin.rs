@@ -93,10 +93,8 @@ impl FromStr for Builtin {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        Self::ALL.into_iter().find(|scene| scene.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            Error::Scene { element: format!("built-in scene '{name}'"), reason: format!("there are {names}") }
-        })
+        let found = Self::ALL.into_iter().find(|scene| scene.name() == name);
+        found.ok_or_else(|| Error::unknown_name("built-in scene", name, &Self::ALL))
     }
 }
 

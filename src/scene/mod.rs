@@ -101,7 +101,7 @@ impl Triangle {
     pub fn is_degenerate(&self) -> bool {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let normal: DVec3 = (b - a).cross(c - a);
-        !(normal.length_squared() > 0.0)
+        normal == DVec3::ZERO || !normal.is_finite()
     }
 }
 
@@ -354,7 +354,7 @@ impl Scene {
 }
 
 fn check_coordinate(point: Vec3) -> Result<(), String> {
-    match point.to_array().into_iter().find(|value| !(value.abs() <= MAX_COORDINATE)) {
+    match point.to_array().into_iter().find(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
         None => Ok(()),
         Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),
         Some(value) => Err(format!("coordinate {value} is not a finite number")),

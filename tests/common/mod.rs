@@ -1,5 +1,5 @@
 //! What the integration tests share: the device, its name in the output, scenes and comparisons.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
+#![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
 
 use std::{
     io::Write,
@@ -44,7 +44,7 @@ pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPai
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in 0..1 (SplitMix64).
+    /// Uniform in 0..1 (`SplitMix64`).
     pub fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

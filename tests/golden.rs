@@ -1,0 +1,68 @@
+//! Stored pictures: the last line of defence, after everything that knows the truth from elsewhere.
+//!
+//! Renew them with `STEREOTRACE_RENEW_GOLDEN=1 cargo test --test golden`, and look at them.
+
+mod common;
+
+use common::render;
+use stereotrace::{
+    Method,
+    output::{Anaglyph, Picture},
+    scene::builtin::Builtin,
+};
+
+/// A channel may differ by this much without counting: other adapters round otherwise.
+const TOLERANCE: u8 = 3;
+
+/// Pixels with a channel that differs by more than [`TOLERANCE`].
+fn differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
+    assert_eq!(a.len(), b.len());
+    let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > TOLERANCE);
+    a.iter().zip(b).filter(differs).count()
+}
+
+fn check(name: &str, picture: &Picture) {
+    let path = format!("{}/tests/golden/{name}.png", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("STEREOTRACE_RENEW_GOLDEN").is_some() {
+        picture.save_png(&path).unwrap();
+        return;
+    }
+    let stored = image::open(&path).unwrap_or_else(|error| panic!("{path}: {error}")).to_rgba8();
+    assert_eq!(stored.dimensions(), (picture.width, picture.height));
+    let stored: Vec<[u8; 4]> = stored.pixels().map(|pixel| pixel.0).collect();
+    let differing = differing(&stored, &picture.rgba8);
+    // Other adapters may decide single edge pixels otherwise: half a percent.
+    if differing * 200 > stored.len() {
+        let found = std::env::temp_dir().join(format!("stereotrace-golden-{name}.png"));
+        picture.save_png(&found).unwrap();
+        let total = stored.len();
+        panic!(
+            "{differing} of {total} pixels differ from {path}; what was rendered is in {}. If it is right, renew with \
+             STEREOTRACE_RENEW_GOLDEN=1",
+            found.display()
+        );
+    }
+}
+
+#[test]
+fn the_hall_s_anaglyph_and_map_are_as_stored() {
+    let pair = render(&Builtin::Hall.scene(), &Builtin::Hall.camera(192, 108), Method::ATOMIC);
+    check("hall_anaglyph", &pair.anaglyph(Anaglyph::Dubois));
+    check("hall_map", &pair.retrace_picture());
+}
+
+#[test]
+fn the_spheres_right_view_is_as_stored() {
+    let pair = render(&Builtin::Spheres.scene(), &Builtin::Spheres.camera(120, 90), Method::Naive);
+    check("spheres_right", &pair.right.picture());
+}
+
+#[test]
+fn the_comparison_sees_a_single_changed_channel() {
+    let grey = vec![[100, 100, 100, 255]; 10];
+    let mut changed = grey.clone();
+    changed[3][1] += TOLERANCE;
+    assert_eq!(differing(&grey, &changed), 0);
+    changed[3][1] += 1;
+    assert_eq!(differing(&grey, &changed), 1);
+}
