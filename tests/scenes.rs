@@ -65,12 +65,13 @@ fn check(name: &str, triangles: usize) {
                 t.flatten().filter(|t| *t >= 0.0).unwrap_or(f32::INFINITY)
             });
             let found = view.depth[row * width + column].min(FAR);
-            assert!(found <= hit.t, "({column}, {row}): obvhs hits at {}, the kernel at {found}", hit.t);
-            lost += usize::from(found < hit.t);
+            let theirs = hit.t.min(FAR); // infinite where the ray misses the whole tree, else its t_max
+            assert!(found <= theirs, "({column}, {row}): obvhs hits at {theirs}, the kernel at {found}");
+            lost += usize::from(found < theirs);
             hits += usize::from(found < FAR);
         }
     }
-    // Measured 0 of 60,702 rays on both scenes.
+    // Measured 0 of 60,702 rays on sponza_4x and dragon.
     assert!(lost <= 6, "{lost} of {} rays differ from obvhs's", 2 * width * height);
     assert!(hits > width * height / 2, "{hits}");
 }
