@@ -1,4 +1,4 @@
-//! Which of obvhs's layouts an adapter traces fastest, and read how: Bvh2 and CwBvh, from textures and from storage buffers.
+//! Which of obvhs's layouts an adapter traces fastest: `Bvh2` or `CwBvh`, from textures or from storage buffers.
 //!
 //! `cargo bench --bench layouts [-- SCENE...]` traces the left view's primary rays of each scene with every layout, in
 //! interleaved rounds, and prints a Markdown table; docs/TRAVERSAL.md says what follows from it. Every layout's hits are
@@ -127,8 +127,7 @@ fn pack(scene: &Scene) -> (Bounds, [Packed; 3]) {
         primitives: primitives(order),
         stack_size: depth + 1,
     };
-    let grid = include_str!("layouts/bvh2_grid.wgsl");
-    let exact = include_str!("layouts/bvh2_f32.wgsl");
+    let (grid, exact) = (include_str!("layouts/bvh2_grid.wgsl"), include_str!("layouts/bvh2_f32.wgsl"));
     let wide = include_str!("layouts/cwbvh.wgsl");
     let packed = [
         layout("Bvh2, 16-bit boxes", grid, &grid_nodes, &grid_order, depth),
@@ -385,7 +384,7 @@ impl<'a> Bench<'a> {
         let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
         let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
         let layout = &pipeline.get_bind_group_layout(group);
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("layouts"), layout, entries: &entries })
     }
 
     /// Traces the view once and says how long the device took, or how long we waited where it can't say.

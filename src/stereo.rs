@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::{
     Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work, bvh,
     gpu::{Gpu, Pipelines, Texels, Timestamps, check_bytes},
-    kernels::{self, Kernel, Specialisation, Touches},
+    kernels::{self, Fetch, Kernel, Specialisation, Touches},
     layout,
     method::{BufferDepth, Overlap, Verify},
 };
@@ -154,7 +154,12 @@ fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
 impl Renderer {
     /// A renderer on a device.
     pub fn new(gpu: Gpu) -> Self {
-        let pipelines = Pipelines::new(&gpu, gpu.fetch());
+        let fetch = gpu.fetch();
+        Self::with_fetch(gpu, fetch)
+    }
+
+    fn with_fetch(gpu: Gpu, fetch: Fetch) -> Self {
+        let pipelines = Pipelines::new(&gpu, fetch);
         let timestamps = Timestamps::new(&gpu);
         Self { gpu, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS }
     }
@@ -750,6 +755,23 @@ mod tests {
             });
             assert_eq!(whole.0, banded.0, "{method}");
             assert!(banded.1 >= 4 * whole.1 - 4, "{method}: {} {}", whole.1, banded.1);
+        }
+    }
+
+    #[test]
+    fn textures_and_storage_buffers_give_the_same_pair() {
+        use crate::scene::builtin::Builtin;
+        let spheres_and_triangles = Builtin::Near;
+        for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
+            let camera = builtin.camera(65, 40);
+            let [texture, buffer] = [Fetch::Texture, Fetch::Buffer].map(|fetch| {
+                let mut renderer = Renderer::with_fetch(renderer(BAND_PIXELS).gpu, fetch);
+                let uploaded = renderer.upload(&builtin.scene()).unwrap();
+                let mut pair = renderer.render(&uploaded, &camera, &Options::default().counting()).unwrap();
+                pair.statistics.times = None;
+                pair
+            });
+            assert_eq!(texture, buffer, "{builtin}");
         }
     }
 

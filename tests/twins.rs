@@ -50,10 +50,15 @@ fn camera(width: u32, height: u32) -> StereoCamera {
         .interaxial_pixels(width as f32 / 12.0)
 }
 
-/// Pixels whose depth or primitive differ.
-fn differing(view: &stereotrace::View, twin: &[(f32, u32)]) -> usize {
+/// Pixels whose primitive or depth differ. Elsewhere than on exact adapters a depth may by 1e-5 of itself, and which of
+/// two coincident surfaces is nearer is rounding's to say.
+fn differing(view: &stereotrace::View, twin: &[(f32, u32)], exact: bool) -> usize {
+    let tolerance = if exact { 0.0 } else { 1e-5 };
     let pixels = view.depth.iter().zip(&view.primitive).zip(twin);
-    pixels.filter(|((depth, id), twin)| (depth.min(FAR), **id) != **twin).count()
+    let differs = |((depth, id), twin): &((&f32, &u32), &(f32, u32))| {
+        (exact && **id != twin.1) || (depth.min(FAR) - twin.0).abs() > tolerance * twin.0
+    };
+    pixels.filter(differs).count()
 }
 
 fn check(scene: &Scene, camera: &StereoCamera) {
@@ -64,8 +69,10 @@ fn check(scene: &Scene, camera: &StereoCamera) {
     let frame = Frame::new(&naive.pose);
     let allowed = if exact { 0 } else { naive.source.len() / 500 };
     let [left, right] = [Eye::Left, Eye::Right].map(|eye| trace_left(scene, &frame, eye));
-    assert!(differing(&naive.left, &left) <= allowed, "left: {}", differing(&naive.left, &left));
-    assert!(differing(&naive.right, &right) <= allowed, "right: {}", differing(&naive.right, &right));
+    for (view, twin) in [(&naive.left, &left), (&naive.right, &right)] {
+        let differing = differing(view, twin, exact);
+        assert!(differing <= allowed, "{differing} of {} pixels differ", twin.len());
+    }
 
     let atomic: StereoPair = renderer.render(&uploaded, camera, &Options::new(Method::ATOMIC)).unwrap();
     let left_depth: Vec<f32> = left.iter().map(|(depth, _)| *depth).collect();

@@ -29,9 +29,10 @@ pub fn renderer() -> MutexGuard<'static, Renderer> {
     renderer.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Software adapters neither contract nor reorder f32: there results must agree bit for bit.
+/// Software Vulkan neither contracts nor reorders f32: there results must agree bit for bit.
 pub fn is_exact(renderer: &Renderer) -> bool {
-    renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu
+    let info = renderer.gpu().adapter_info();
+    info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan
 }
 
 pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
