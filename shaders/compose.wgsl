@@ -10,9 +10,6 @@
 @group(1) @binding(2) var<storage, read> right_color: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> pictures: array<u32>;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
 fn srgb(linear: vec3f) -> vec3f {
     let high = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;
     return select(high, 12.92 * linear, linear <= vec3f(0.0031308));
@@ -23,7 +20,7 @@ fn pack(color: vec4f) -> u32 {
     return c.x | (c.y << 8u) | (c.z << 16u) | 0xff000000u;
 }
 
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn compose(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }

@@ -8,13 +8,10 @@
 @group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
 @group(1) @binding(2) var<storage, read_write> counters: array<u32>;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn depth_range(@builtin(global_invocation_id) id: vec3u) {
-    let row = id.y * WG_X + id.x;
-    if id.x >= WG_X || row >= frame.image_size.y { return; }
+    let row = id.y * WORKGROUP + id.x;
+    if id.x >= WORKGROUP || row >= frame.image_size.y { return; }
     var nearest = FAR;
     var farthest = 0.0;
     for (var column = 0u; column < frame.image_size.x; column += 1u) {

@@ -8,10 +8,7 @@
 @group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
 @group(1) @binding(2) var<storage, read_write> right_source: array<atomic<u32>>;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }

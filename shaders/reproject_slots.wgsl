@@ -4,17 +4,14 @@
 // launch  one thread per left pixel of a band of rows
 // reads   hits      [2 * height * width]     left half
 // writes  slots     [rows * width * depth]   left column + 1, or EMPTY; cleared by the host
-// adds    counters  [height * COUNTERS]      candidates that met a taken slot: all but one of them are lost
+// adds    counters  [height * COUNTERS]      one for each candidate that met a taken slot: of the two one is lost
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
 @group(1) @binding(2) var<storage, read_write> slots: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject_slots(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }

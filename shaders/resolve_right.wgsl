@@ -19,10 +19,7 @@
 @group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(6) var<storage, read_write> to_trace: TraceList;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }

@@ -10,10 +10,7 @@
 @group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
-override WG_X: u32 = 8u;
-override WG_Y: u32 = 8u;
-
-@compute @workgroup_size(WG_X, WG_Y)
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn trace_left(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }

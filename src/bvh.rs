@@ -37,10 +37,13 @@ fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
         let aabb = Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into());
         (!triangle.is_degenerate()).then_some(aabb)
     });
-    let spheres = scene
-        .spheres()
-        .iter()
-        .map(|sphere| Some(Aabb::new((sphere.center - sphere.radius).into(), (sphere.center + sphere.radius).into())));
+    let spheres = scene.spheres().iter().map(|sphere| {
+        // Rounded outwards: far from the origin a radius can be less than a step of f32.
+        let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+        let low = (center - radius).as_vec3().to_array().map(f32::next_down);
+        let high = (center + radius).as_vec3().to_array().map(f32::next_up);
+        Some(Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into()))
+    });
     triangles.chain(spheres).enumerate().filter_map(|(id, aabb)| Some((id as u32, aabb?))).unzip()
 }
 
@@ -49,6 +52,10 @@ fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
 /// # Errors
 /// [`Error::Scene`] if there are more primitives than links can name, or the tree is too deep.
 pub(crate) fn build(scene: &Scene) -> Result<PackedBvh, Error> {
+    build_within(scene, MAX_STACK)
+}
+
+fn build_within(scene: &Scene, max_stack: u32) -> Result<PackedBvh, Error> {
     let (ids, boxes) = traced(scene);
     let fault = |reason: String| Error::Scene { element: "geometry".into(), reason };
     if ids.len() > MAX_SLOTS {
@@ -66,10 +73,10 @@ pub(crate) fn build(scene: &Scene) -> Result<PackedBvh, Error> {
         Packer { scene, tree: &tree, ids: &ids, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
     let depth = packer.pack_nodes();
     let stack_size = (depth + 1).next_multiple_of(8);
-    if stack_size > MAX_STACK {
+    if stack_size > max_stack {
         return Err(fault(format!(
             "its tree is {depth} levels deep, over the {} that kernels provide for; its primitives differ too much in size",
-            MAX_STACK - 1
+            max_stack - 1
         )));
     }
     Ok(PackedBvh { uniform: packer.grid.uniform(), nodes: packer.nodes, primitives: packer.primitives, stack_size })
@@ -186,7 +193,7 @@ impl Packer<'_> {
             Some(triangle) => {
                 let [a, b, c] = triangle.corners.map(words);
                 self.primitives.extend([texel(a, id), texel(b, 0), texel(c, triangle.material.0)]);
-                if triangle.normals.iter().all(|normal| *normal != Vec3::ZERO) {
+                if triangle.is_smooth() {
                     normals = texel(triangle.normals.map(pack_normal), 1);
                 }
             }
@@ -304,14 +311,17 @@ mod tests {
     #[test]
     fn a_tree_too_deep_for_the_stack_is_refused_and_a_deep_one_gets_its_stack() {
         // Each triangle is larger than all before it together: every tree over them is a chain.
-        let chain = |factor: f32, count: i32| {
+        let chain = |factor: f32, count: i32, max_stack| {
             let corners =
                 (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i))).collect();
-            build(&scene_of(corners))
+            build_within(&scene_of(corners), max_stack)
         };
-        let deep = chain(2.0, 120).unwrap();
+        let deep = chain(2.0, 120, MAX_STACK).unwrap();
         let (_, depth) = check_boxes(&deep, 3);
+        assert!(depth > 40, "a chain, not a balanced tree: {depth}");
         assert!(depth < deep.stack_size && deep.stack_size <= MAX_STACK, "{depth} {}", deep.stack_size);
+        let message = chain(2.0, 120, 40).err().unwrap().to_string();
+        assert!(message.contains(&format!("{depth} levels deep, over the 39")), "{message}");
     }
 
     #[test]

@@ -215,6 +215,10 @@ impl StereoCamera {
                 [screen_width, screen_width * height / width]
             }
         };
+        if !screen_size.iter().all(|side| positive(*side)) {
+            let value = format!("{} x {}", screen_size[0], screen_size[1]);
+            return fault("screen size", value, "choose a field of view and a screen distance that f32 can hold");
+        }
         let (interaxial, interaxial_px) = match self.interaxial {
             Interaxial::World(world) => (world, world * width / screen_size[0]),
             Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
@@ -389,6 +393,8 @@ mod tests {
             (camera().up(Vec3::ZERO), "up"),
             (camera().vertical_fov_degrees(180.0), "vertical_fov"),
             (camera().screen_width(-1.0), "screen_width"),
+            (camera().screen_distance(1e38).vertical_fov_degrees(179.9), "screen size"),
+            (camera().vertical_fov_degrees(1e-44), "screen size"),
             (StereoCamera::look_at(Vec3::ONE, Vec3::ONE), "target"),
             (StereoCamera::look_at(Vec3::NAN, Vec3::ONE), "eye"),
         ];

@@ -11,6 +11,7 @@ use crate::{
     Error,
     bvh::Texel,
     kernels::{Access, Fetch, Kernel, Specialisation, Touches},
+    method::Verify,
 };
 
 /// The variable that chooses the adapter: `software`, or a part of its name.
@@ -122,6 +123,11 @@ impl Gpu {
         }
     }
 
+    /// The same Gpu, or a clone of it. (Devices of different instances can compare equal.)
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.lost, &other.lost)
+    }
+
     /// The adapter's name, kind and backend.
     pub fn adapter_name(&self) -> String {
         describe(&self.info)
@@ -147,7 +153,7 @@ impl Gpu {
         &self.queue
     }
 
-    /// How this adapter reads a scene fastest, by measurement (docs/TRAVERSAL.md).
+    /// How this adapter reads a scene fastest: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by convention.
     pub(crate) fn fetch(&self) -> Fetch {
         match self.info.device_type {
             wgpu::DeviceType::Cpu => Fetch::Texture,
@@ -160,8 +166,8 @@ impl Gpu {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
-    /// Runs `work`, which must not wait for the device, and returns its result once the driver has said whether
-    /// something in it failed.
+    /// Runs `work` and returns its result once the driver has said whether something in it failed. `work` must not await:
+    /// the driver's errors are collected by thread.
     pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> impl Future<Output = Result<T, Error>> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
@@ -427,7 +433,8 @@ impl Pipelines {
         // A kernel that doesn't touch the scene is the same for every scene.
         let with = match kernel.touches {
             Touches::Pixels => Specialisation::PIXELS,
-            _ => with,
+            Touches::Shading => Specialisation { verify: Verify::All, ..with },
+            Touches::Geometry => with,
         };
         lock(&self.built).entry((kernel.name, with)).or_insert_with(|| Arc::new(self.build(gpu, kernel, with))).clone()
     }
@@ -476,6 +483,8 @@ pub(crate) struct Timestamps {
     resolved: wgpu::Buffer,
     /// The name of each pair's pass.
     names: Vec<&'static str>,
+    /// There were more passes than pairs.
+    full: bool,
 }
 
 /// WebGPU's own bound on a query set.
@@ -497,18 +506,21 @@ impl Timestamps {
                 mapped_at_creation: false,
             }),
             names: Vec::new(),
+            full: false,
         })
     }
 
     /// Forgets the last frame's.
     pub(crate) fn restart(&mut self) {
         self.names.clear();
+        self.full = false;
     }
 
     /// The next pair, for a pass of this name; `None` when all are used up.
     pub(crate) fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.names.len() as u32;
         if first + 2 > MAX_QUERIES {
+            self.full = true;
             return None;
         }
         self.names.push(name);
@@ -523,8 +535,11 @@ impl Timestamps {
         encoder.resolve_query_set(&self.queries, 0..2 * self.names.len() as u32, &self.resolved, 0);
     }
 
-    /// Sums by name, in order of first use.
-    pub(crate) async fn read(&self, gpu: &Gpu) -> Result<crate::PassTimes, Error> {
+    /// Sums by name, in order of first use; `None` if there were more passes than could be timed.
+    pub(crate) async fn read(&self, gpu: &Gpu) -> Result<Option<crate::PassTimes>, Error> {
+        if self.full {
+            return Ok(None);
+        }
         let ticks: Vec<u64> = gpu.read(&self.resolved, 2 * self.names.len()).await?;
         let period = f64::from(gpu.queue.get_timestamp_period());
         let mut times = crate::PassTimes::default();
@@ -536,7 +551,7 @@ impl Timestamps {
                 None => times.0.push((name, time)),
             }
         }
-        Ok(times)
+        Ok(Some(times))
     }
 }
 

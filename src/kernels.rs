@@ -313,6 +313,23 @@ mod tests {
     }
 
     #[test]
+    fn every_specialised_kernel_makes_a_pipeline() {
+        let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+        for fetch in [Fetch::Texture, Fetch::Buffer] {
+            let make = || {
+                let pipelines = crate::gpu::Pipelines::new(&gpu, fetch);
+                for with in specialisations().into_iter().filter(|with| with.fetch == fetch) {
+                    for kernel in ALL {
+                        pipelines.get(&gpu, kernel, Specialisation { count: with.lights, ..with });
+                    }
+                }
+                Ok(())
+            };
+            pollster::block_on(gpu.checked(make)).unwrap();
+        }
+    }
+
+    #[test]
     fn bindings_of_group_1_are_as_the_table_says() {
         for kernel in ALL {
             let module = parse(kernel, &specialisations()[2]);
@@ -417,6 +434,7 @@ mod tests {
     fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         let types = format!("{}{}", part!("shared/types.wgsl").text, TRACE_LIST.text);
         for (name, value) in [
+            ("WORKGROUP", layout::WORKGROUP),
             ("COUNTERS", layout::COUNTERS as u32),
             ("VIEW_WORDS", layout::VIEW_WORDS as u32),
             ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
@@ -427,6 +445,7 @@ mod tests {
             ("LOST_CANDIDATES", layout::LOST_CANDIDATES as u32),
             ("NEAREST_DEPTH", layout::NEAREST_DEPTH as u32),
             ("FARTHEST_DEPTH", layout::FARTHEST_DEPTH as u32),
+            ("CUT_SHORT", layout::CUT_SHORT as u32),
             ("BAD", layout::BAD),
             ("MISSED", layout::MISSED),
         ] {

@@ -34,7 +34,7 @@ pub(crate) struct Bvh {
     pub(crate) _pad: u32,
 }
 
-/// `Shading` of shaders/shared/shade.wgsl.
+/// `Shading` of `shaders/shared/shade_types.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Shading {
@@ -54,8 +54,11 @@ pub(crate) struct PixelHit {
     pub(crate) primitive: u32,
 }
 
-/// Bytes of `TraceList` before its pixels (`shaders/shared/trace_list.wgsl)`: an indirect dispatch and a count.
+/// Bytes of `TraceList` before its pixels (`shaders/shared/trace_list.wgsl`): an indirect dispatch and a count.
 pub(crate) const TRACE_LIST_HEADER: u64 = 16;
+
+/// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
+pub(crate) const WORKGROUP: u32 = 8;
 
 /// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
 pub(crate) const COUNTERS: usize = 12;
@@ -68,6 +71,7 @@ pub(crate) const MISSED_PIXELS: usize = 7;
 pub(crate) const LOST_CANDIDATES: usize = 8;
 pub(crate) const NEAREST_DEPTH: usize = 9;
 pub(crate) const FARTHEST_DEPTH: usize = 10;
+pub(crate) const CUT_SHORT: usize = 11;
 
 /// Marks of `right_source` after `resolve_right` (`shaders/shared/trace_list.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;

@@ -109,9 +109,11 @@ impl BufferDepth {
         let depth = match self {
             Self::Fixed(depth) => f64::from(depth),
             Self::TwiceInteraxial => f64::from(2.0 * pose.interaxial_px).ceil(),
-            Self::Adaptive => lemma1(pose, nearest, farthest).floor() + 2.0,
+            // X is rounded to f32, which can move two samples together by a thousandth of a pixel.
+            Self::Adaptive => (lemma1(pose, nearest, farthest) + 1e-3).floor() + 2.0,
         };
-        depth.clamp(1.0, f64::from(pose.size[0])) as u32
+        // Depths of 0 make the bound infinite or no number: max takes the 1.
+        depth.min(f64::from(pose.size[0])).max(1.0) as u32
     }
 }
 

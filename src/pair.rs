@@ -104,7 +104,7 @@ pub struct Statistics {
     pub bad: u64,
     /// Right pixels without a left sample; traced.
     pub missed: u64,
-    /// `Buffer` only: candidates that found their slot taken (DESIGN, section 2).
+    /// `Buffer` only: candidates that met a taken slot, so that one of the two is lost (DESIGN, section 2).
     pub lost_candidates: u64,
     /// `Buffer` only: slots a right pixel.
     pub buffer_depth: u32,

@@ -8,17 +8,15 @@ use crate::{
     Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work, bvh,
     gpu::{Gpu, Pipelines, Texels, Timestamps, check_bytes},
     kernels::{self, Fetch, Kernel, Specialisation, Touches},
-    layout,
+    layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
 };
 
-/// Pixels of one dispatch at most: with 5 lights some 1.5 million rays, a tenth of a second on a slow GPU, so that no
-/// watchdog trips whatever the picture's size.
+/// Pixels of one dispatch, in whole workgroups of rows: with 5 lights some 1.5 million rays, a tenth of a second on a slow
+/// GPU, so that no watchdog trips whatever the picture's size. More lights make it less.
 const BAND_PIXELS: u32 = 1 << 18;
-/// Bands of a picture at most, so that the timestamps of all passes fit one query set.
-const MAX_BANDS: u32 = 512;
-/// Threads of a workgroup in x and y (the kernels' default).
-const WORKGROUP: u32 = 8;
+/// Bands of a picture at most: five dispatches each, the most that a method has, fit one query set.
+const MAX_BANDS: u32 = 400;
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,6 +65,8 @@ pub struct UploadedScene {
     shading: wgpu::BindGroup,
     specialisation: Specialisation,
     objects: Vec<u32>,
+    lights: u32,
+    gpu: Gpu,
 }
 
 /// Renders stereo pairs; keeps pipelines and buffers from frame to frame.
@@ -98,7 +98,6 @@ pub struct Renderer {
 #[derive(Debug)]
 struct Picture {
     size: [u32; 2],
-    band_rows: u32,
     frame: wgpu::Buffer,
     left_color: wgpu::Buffer,
     right_color: wgpu::Buffer,
@@ -115,13 +114,23 @@ impl Picture {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let allowed = gpu.binding_limit();
         let what = format!("a {}x{} picture", size[0], size[1]);
-        check_bytes(&what, pixels.saturating_mul(16), allowed, "render a smaller one")?;
+        let counters = u64::from(size[1]) * layout::COUNTERS as u64 * 4;
+        check_bytes(&what, pixels.saturating_mul(16).max(counters), allowed, "render a smaller one")?;
+        let workgroups = size[0].div_ceil(WORKGROUP);
+        let allowed = gpu.limits.max_compute_workgroups_per_dimension;
+        if workgroups > allowed {
+            return Err(Error::Limit {
+                what,
+                needed: format!("{workgroups} workgroups a row"),
+                limit: "max_compute_workgroups_per_dimension",
+                allowed: allowed.to_string(),
+                remedy: "render a smaller one",
+            });
+        }
         let storage = |label, bytes| gpu.storage_buffer(label, bytes);
-        let band_rows = band_rows(size, band_pixels);
-        let band = u64::from(size[0]) * u64::from(band_rows);
+        let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
         Ok(Self {
             size,
-            band_rows,
             frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
             left_color: storage("left_color", pixels * 16),
             right_color: storage("right_color", pixels * 16),
@@ -134,7 +143,7 @@ impl Picture {
                 usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
-            counters: storage("counters", u64::from(size[1]) * layout::COUNTERS as u64 * 4),
+            counters: storage("counters", counters),
             pictures: storage("pictures", pixels * 8),
         })
     }
@@ -201,6 +210,8 @@ impl Renderer {
                 geometry: bind("geometry", &self.pipelines.geometry, &bvh, &[&nodes, &primitives]),
                 shading: bind("shading", &self.pipelines.shading, &shading, &[&table]),
                 specialisation: Specialisation::of(scene, fetch, packed.stack_size),
+                lights: scene.lights.len() as u32,
+                gpu: gpu.clone(),
                 objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
             })
         };
@@ -237,7 +248,8 @@ impl Renderer {
     /// Renders a pair; `progress` is called after every band of rows of every pass, and may stop the frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind or whose
+    /// tracing a driver cuts short,
     /// [`Error::Cancelled`] if `progress` breaks, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,
@@ -272,6 +284,10 @@ impl Renderer {
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<Statistics, Error> {
         let pose = camera.pose()?;
+        if !scene.gpu.is(&self.gpu) {
+            let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
+            return Err(Error::Scene { element: "uploaded scene".into(), reason });
+        }
         let picture = self.picture_of(pose.size).await?;
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
@@ -285,6 +301,8 @@ impl Renderer {
             specialisation: Specialisation { count: options.count, ..scene.specialisation },
             picture: &picture,
             slots: &mut self.slots,
+            slot_bytes: 0,
+            rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights).div_ceil(6)),
             frame: frame_uniform(&pose),
             timestamps: self.timestamps.as_mut(),
             rows_done: 0,
@@ -293,13 +311,12 @@ impl Renderer {
         };
         let buffer_depth = passes.frame(&pose, method).await?;
         passes.finish().await?;
+        let slot_bytes = passes.slot_bytes;
         let mut statistics = self.statistics(&picture, method).await?;
         statistics.buffer_depth = buffer_depth;
-        if let (Some(slots), true) = (&self.slots, buffer_depth > 0) {
-            statistics.intermediate_bytes += slots.size();
-        }
+        statistics.intermediate_bytes += slot_bytes;
         if let Some(timestamps) = &self.timestamps {
-            statistics.times = Some(timestamps.read(&self.gpu).await?);
+            statistics.times = timestamps.read(&self.gpu).await?;
         }
         Ok(statistics)
     }
@@ -319,6 +336,16 @@ impl Renderer {
         let words: Vec<u32> = self.gpu.read(&picture.counters, height as usize * layout::COUNTERS).await?;
         let sum = |word: usize| words.iter().skip(word).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum::<u64>();
         let pixels = u64::from(width) * u64::from(height);
+        let cut_short = sum(layout::CUT_SHORT);
+        if cut_short > 0 {
+            return Err(Error::Limit {
+                what: format!("the tracing of {cut_short} pixels"),
+                needed: "more rounds of its loops".into(),
+                limit: "bound on the loops of a thread",
+                allowed: "reached (llvmpipe's is 65535)".into(),
+                remedy: "use fewer lights or a simpler scene",
+            });
+        }
         let work = |eye: usize, primary, verification| Work {
             rays: Rays { primary, verification, shadow: sum(eye * layout::VIEW_WORDS + layout::SHADOW_RAYS) },
             nodes: sum(eye * layout::VIEW_WORDS + layout::NODES_VISITED),
@@ -409,6 +436,9 @@ struct Passes<'a> {
     specialisation: Specialisation,
     picture: &'a Picture,
     slots: &'a mut Option<Arc<wgpu::Buffer>>,
+    slot_bytes: u64,
+    /// Rows of a band.
+    rows: u32,
     frame: layout::Frame,
     timestamps: Option<&'a mut Timestamps>,
     rows_done: u32,
@@ -467,7 +497,7 @@ impl Passes<'_> {
         let resolve: &[_] = &[&p.left_color, &p.hits, &p.right_source, &p.right_color, &p.counters, &p.to_trace];
         let trace: &[_] = &[&p.to_trace, &p.hits, &p.right_color, &p.counters];
         let empty_list: [u32; 4] = [0, 1, 1, 0];
-        self.bands(p.band_rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
+        self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
             this.gpu.queue.write_buffer(&p.to_trace, 0, bytemuck::cast_slice(&empty_list));
             this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
             encoder.copy_buffer_to_buffer(&p.to_trace, 0, &p.indirect, 0, Some(12));
@@ -483,8 +513,9 @@ impl Passes<'_> {
         let row_bytes = u64::from(width) * u64::from(depth) * 4;
         let allowed = self.gpu.binding_limit();
         check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
-        let rows = (allowed / row_bytes).min(u64::from(height.min(p.band_rows))) as u32;
+        let rows = (allowed / row_bytes).min(u64::from(height.min(self.rows))) as u32;
         let bytes = u64::from(rows) * row_bytes;
+        self.slot_bytes = bytes;
         if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
             *self.slots = None; // the old one's memory first
             let create = || Ok(Arc::new(self.gpu.storage_buffer("slots", bytes)));
@@ -535,7 +566,7 @@ impl Passes<'_> {
 
     /// One kernel over all pixels.
     async fn pass(&mut self, name: &'static str, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
-        self.bands(self.picture.band_rows, name, |this, encoder| {
+        self.bands(self.rows, name, |this, encoder| {
             this.dispatch_as(name, encoder, kernel, buffers, Launch::Pixels);
         })
         .await
@@ -722,7 +753,7 @@ mod tests {
         for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
             let rows = band_rows(size, BAND_PIXELS);
             assert_eq!(rows % WORKGROUP, 0);
-            assert!(size[1].div_ceil(rows) <= MAX_BANDS, "{size:?} {rows}");
+            assert!(2 * 5 * size[1].div_ceil(rows) <= wgpu::QUERY_SET_MAX_QUERIES, "{size:?} {rows}");
         }
         assert_eq!(band_rows([3840, 2160], BAND_PIXELS), 72);
     }
@@ -790,6 +821,8 @@ mod tests {
                 specialisation: scene.specialisation,
                 picture: &picture,
                 slots: &mut renderer.slots,
+                slot_bytes: 0,
+                rows: band_rows(pose.size, renderer.band_pixels),
                 frame: frame_uniform(pose),
                 timestamps: None,
                 rows_done: 0,

@@ -463,3 +463,11 @@ fn no_damaged_file_panics() {
     }
     assert!(read[0] > 100 && read[1] > 100, "the damage is one-sided: {read:?}");
 }
+
+#[test]
+fn the_still_life_of_the_repository_loads_whole() {
+    let scene = Scene::from_obj(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/still_life.obj")).unwrap();
+    assert_eq!((scene.primitive_count(), scene.degenerate_count(), scene.object_count()), (2006, 0, 15));
+    assert_eq!(scene.materials().len(), 13, "12 of the file and grey");
+    assert!(scene.has_normals());
+}

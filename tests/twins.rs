@@ -126,6 +126,29 @@ fn one_triangle_one_sphere_one_pixel_and_nothing_at_all() {
 }
 
 #[test]
+fn spheres_far_from_the_origin_lose_nothing_to_their_boxes() {
+    let offset = Vec3::splat(1e5);
+    let mut random = Random(21);
+    let mut scene = Scene::new();
+    for _ in 0..40 {
+        let center = offset + random.point(1.0);
+        let material = stereotrace::MaterialId(0);
+        scene.add_sphere(Sphere { center, radius: random.range(0.05, 0.3), material }).unwrap();
+    }
+    let camera = StereoCamera::look_at(offset + 3.0 * Vec3::Z, offset).size(64, 64).interaxial(0.25);
+    check(&scene, &camera);
+}
+
+#[test]
+fn smooth_triangles_that_are_dropped_leave_spheres_as_they_are() {
+    let mut scene = random_scene(12, 0, 20, false);
+    let mut flat = mesh(vec![Vec3::ZERO, Vec3::X], vec![[0, 1, 1]]);
+    flat.normals = vec![[Vec3::Y; 3]];
+    scene.add_mesh(&flat).unwrap();
+    check(&scene, &camera(64, 48));
+}
+
+#[test]
 fn axis_parallel_rays_and_boxes_are_right() {
     // An odd picture, so that the central ray is exactly the axis; walls in planes through the eye and the centre.
     let mut scene = Scene::new();

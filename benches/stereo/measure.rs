@@ -31,7 +31,7 @@ pub(crate) struct MethodFigures {
     pub(crate) pair_ms: Spread,
     /// The same by the host's clock, which also sees clears, submissions and waits.
     pub(crate) wall_ms: f64,
-    /// The left view's pass; `Naive` does both eyes in it, so there it is `Ideal`'s of the same round.
+    /// The left view's pass; without timestamps it is all of `Ideal`'s of the same round.
     pub(crate) left_ms: f64,
     /// (pair - left) / left, median of the rounds.
     pub(crate) second_eye: f64,
@@ -192,13 +192,10 @@ fn time(
     Ok(Sample { pair: times.total().as_secs_f64() * 1e3, left, wall })
 }
 
-/// The left view's time in each round: the method's own, or `Ideal`'s where that can't be told apart.
+/// The left view's time in each round: the method's own, or `Ideal`'s where there are no timestamps.
 fn left_times(samples: &[Vec<Sample>], index: usize) -> Vec<f64> {
     let ideal = &samples[IDEAL];
-    let own = samples[index].iter().zip(ideal).map(|(sample, ideal)| match sample.left {
-        Some(left) if index != NAIVE => left,
-        _ => ideal.left.unwrap_or(ideal.pair),
-    });
+    let own = samples[index].iter().zip(ideal).map(|(sample, ideal)| sample.left.unwrap_or(ideal.pair));
     own.collect()
 }
 

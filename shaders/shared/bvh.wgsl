@@ -40,7 +40,7 @@ struct Candidate {
 struct Surface {
     point: vec3f,
     geometric_normal: vec3f,   // unit, towards the viewer
-    shading_normal: vec3f,     // unit, towards the viewer
+    shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
 }
 
@@ -54,6 +54,8 @@ const NO_ENTRY: f32 = 3.402e38;
 override COUNT: bool = false;
 var<private> nodes_visited: u32;
 var<private> primitives_tested: u32;
+// A loop ended before its work did. llvmpipe ends all loops of a thread after 65,535 rounds together, without a word.
+var<private> cut_short: bool;
 
 fn largest_one(v: vec3f) -> vec3f {
     return v / max(max(abs(v.x), abs(v.y)), abs(v.z));
@@ -96,7 +98,7 @@ fn traverse(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
     // Boxes are moved outwards by more than all absolute rounding in the slab and triangle tests can amount to;
     // rounding relative to t is BOX_MARGIN's.
     let to_grid = bvh.grid_origin - ray.origin;
-    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 2097152.0);
+    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
     let per_cell = bvh.grid_cell * inverse;
     let from_low = (to_grid - slack) * inverse;
     let from_high = (to_grid + slack) * inverse;
@@ -151,6 +153,7 @@ fn traverse(ray: Ray, t_min: f32, t_max: f32, any: bool) -> Hit {
         }
         if link == DONE { break; }
     }
+    cut_short |= link != DONE;
     return hit;
 }
 

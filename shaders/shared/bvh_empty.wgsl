@@ -9,6 +9,7 @@ struct Surface { point: vec3f, geometric_normal: vec3f, shading_normal: vec3f, m
 override COUNT: bool = false;
 const nodes_visited: u32 = 0u;
 const primitives_tested: u32 = 0u;
+var<private> cut_short: bool;
 
 fn shear(ray: Ray) -> ShearedRay {
     return ShearedRay(ray.origin, ray.direction);

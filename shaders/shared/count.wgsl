@@ -1,6 +1,7 @@
 // Adds what this thread did to its row's counters of a view.
 fn count_view(row: u32, eye: u32, shadow: u32, nodes: u32, primitives: u32) {
     let words = row * COUNTERS + eye * VIEW_WORDS;
+    if cut_short { atomicAdd(&counters[row * COUNTERS + CUT_SHORT], 1u); }
     if shadow > 0u { atomicAdd(&counters[words + SHADOW_RAYS], shadow); }
     if COUNT {
         atomicAdd(&counters[words + NODES_VISITED], nodes);

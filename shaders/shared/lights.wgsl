@@ -1,14 +1,16 @@
 // Omnidirectional point lights, each with a shadow ray (DESIGN, section 3).
 
-// A shadow ray starts this share of its point's size and depth off the surface. The point's rounding grows with both,
-// so the share holds for tiny scenes and for those far from the origin; docs/ARCHITECTURE.md has the measurement.
-const SHADOW_OFFSET: f32 = 1.0 / 65536.0;
+// A shadow ray starts off the surface by these shares of its point's distance from the eye and from the world's origin:
+// what the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has
+// the measurement.
+const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
+const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 
 var<private> shadow_rays: u32;
 
 fn direct_light(surface: Surface, eye: vec3f) -> vec3f {
-    let reach = abs(surface.point) + abs(surface.point - eye);
-    let offset = SHADOW_OFFSET * max(max(reach.x, reach.y), reach.z);
+    let reach = abs(surface.point) * OFFSET_BY_PLACE + abs(surface.point - eye) * OFFSET_BY_DISTANCE;
+    let offset = max(max(reach.x, reach.y), reach.z);
     let origin = surface.point + surface.geometric_normal * offset;
     var sum = vec3f(0.0);
     var light = 0u;
@@ -28,5 +30,6 @@ fn direct_light(surface: Surface, eye: vec3f) -> vec3f {
         light += 1u;
         if light >= shading.light_count { break; }
     }
+    cut_short |= light < shading.light_count;
     return sum;
 }

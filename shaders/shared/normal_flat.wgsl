@@ -2,6 +2,6 @@
 
 const PRIMITIVE_TEXELS: u32 = 3u;
 
-fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f, direction: vec3f) -> vec3f {
+fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     return geometric;
 }

@@ -19,7 +19,8 @@ fn sphere_surface(ray: ShearedRay, hit: Hit) -> Surface {
     let first = primitive_texel(hit.slot * PRIMITIVE_TEXELS);
     let material = primitive_texel(hit.slot * PRIMITIVE_TEXELS + 2u).w;
     let center = bitcast<vec3f>(first.xyz);
-    let point = ray.origin + ray.direction * hit.t;
-    let normal = towards_viewer(normalize(largest_one(point - center)), ray.direction);
-    return Surface(point, normal, normal, material);
+    // From the eye, not from the world's origin, which may be far off.
+    let from_center = ray.direction * hit.t - (center - ray.origin);
+    let normal = towards_viewer(normalize(largest_one(from_center)), ray.direction);
+    return Surface(ray.origin + ray.direction * hit.t, normal, normal, material);
 }

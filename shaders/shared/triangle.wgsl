@@ -52,6 +52,6 @@ fn triangle_surface(ray: ShearedRay, hit: Hit) -> Surface {
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), ray.direction);
     let weights = triangle_edges(ray, a, b, c).weights;
-    let shading_normal = shading_normal(hit.slot, weights, geometric, ray.direction);
+    let shading_normal = shading_normal(hit.slot, weights, geometric);
     return Surface(ray.origin + ray.direction * hit.t, geometric, shading_normal, material);
 }

@@ -26,6 +26,9 @@ struct Frame {
     _pad: vec2u,
 }
 
+// Threads of a workgroup in x and in y.
+const WORKGROUP: u32 = 8u;
+
 const LEFT: u32 = 0u;
 const RIGHT: u32 = 1u;
 
@@ -77,3 +80,4 @@ const MISSED_PIXELS: u32 = 7u;
 const LOST_CANDIDATES: u32 = 8u;
 const NEAREST_DEPTH: u32 = 9u;
 const FARTHEST_DEPTH: u32 = 10u;
+const CUT_SHORT: u32 = 11u;

@@ -74,7 +74,7 @@ pub struct Mesh {
     /// One material a triangle, or a single one for all.
     pub materials: Vec<MaterialId>,
     /// Three unit normals a triangle for smooth shading, or empty: the triangles are flat.
-    /// A triangle whose three normals are zero is flat too.
+    /// A triangle with a zero among its normals is flat too.
     pub normals: Vec<[Vec3; 3]>,
 }
 
@@ -90,13 +90,18 @@ pub(crate) struct Object {
 pub struct Triangle {
     /// Corners in world space.
     pub corners: [Vec3; 3],
-    /// Shading normals at the corners; zero where the triangle is flat.
+    /// Shading normals at the corners; a zero among them makes the triangle flat.
     pub normals: [Vec3; 3],
     /// Its material.
     pub material: MaterialId,
 }
 
 impl Triangle {
+    /// All three corners have normals.
+    pub fn is_smooth(&self) -> bool {
+        self.normals.iter().all(|normal| *normal != Vec3::ZERO)
+    }
+
     /// No area (exactly, in f64), or a corner that is no number: it can't be hit.
     pub fn is_degenerate(&self) -> bool {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
@@ -198,7 +203,7 @@ impl Scene {
             triangles.push(Triangle { corners, normals, material });
         }
         self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: self.triangles.len() as u32 });
-        self.has_normals |= mesh.normals.iter().flatten().any(|normal| *normal != Vec3::ZERO);
+        self.has_normals |= triangles.iter().any(|triangle| !triangle.is_degenerate() && triangle.is_smooth());
         self.triangles.extend(triangles);
         Ok(())
     }
@@ -211,7 +216,7 @@ impl Scene {
     pub fn add_sphere(&mut self, sphere: Sphere) -> Result<(), Error> {
         let check = || {
             check_coordinate(sphere.center)?;
-            check_coordinate(Vec3::splat(sphere.radius))?;
+            check_coordinate(sphere.center.abs() + sphere.radius)?;
             if sphere.radius <= 0.0 {
                 return Err(format!("radius {} is not above 0", sphere.radius));
             }
@@ -297,7 +302,7 @@ impl Scene {
         &self.materials
     }
 
-    /// Some triangle has normals for smooth shading.
+    /// Some triangle that is traced has normals for smooth shading.
     pub fn has_normals(&self) -> bool {
         self.has_normals
     }
