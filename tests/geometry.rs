@@ -234,22 +234,21 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
 
 #[test]
 fn shadows_reach_to_their_casters_at_every_scale_and_place() {
-    // A box on a floor, lit from the side: right at its foot the floor is in shadow, unless the shadow rays start
-    // beyond the box. The other side of the acne test.
+    // A wall on a floor, lit from above: at its foot the floor is in shadow up to x = 0.26, unless the shadow rays start
+    // above the wall. The other side of the acne test.
     for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)] {
         let place = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale + Vec3::splat(offset);
         let mut scene = Scene::new();
         let floor = vec![place(-9.0, 0.0, -9.0), place(9.0, 0.0, -9.0), place(9.0, 0.0, 9.0), place(-9.0, 0.0, 9.0)];
         scene.add_mesh(&mesh(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
-        let wall = vec![place(0.0, 0.0, -9.0), place(0.0, 1.0, -9.0), place(0.0, 1.0, 9.0), place(0.0, 0.0, 9.0)];
+        let wall = vec![place(0.0, 0.0, -9.0), place(0.0, 0.5, -9.0), place(0.0, 0.5, 9.0), place(0.0, 0.0, 9.0)];
         scene.add_mesh(&mesh(wall, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         scene.ambient = Vec3::ZERO;
-        scene.lights = vec![PointLight { position: place(-5.0, 0.5, 0.0), intensity: Vec3::ONE }];
-        // From above, on the strip of floor behind the wall that is in shadow up to x = 5 (1 / 0.5 - 1) = infinity.
-        let camera = StereoCamera::look_at(place(0.25, 4.0, 0.0), place(0.25, 0.0, 0.0))
+        scene.lights = vec![PointLight { position: place(-5.0, 10.0, 0.0), intensity: Vec3::ONE }];
+        let camera = StereoCamera::look_at(place(0.1, 4.0, 0.0), place(0.1, 0.0, 0.0))
             .up(Vec3::Z)
             .size(64, 64)
-            .vertical_fov_degrees(5.0)
+            .vertical_fov_degrees(2.0)
             .interaxial(0.0);
         let pair = render(&scene, &camera, Method::Ideal);
         let floor = pair.left.object.iter().zip(&pair.left.linear).filter(|(object, _)| **object == 0);
