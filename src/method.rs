@@ -68,25 +68,38 @@ impl Method {
     ];
 }
 
+/// Ends the name of a method that trusts what it reuses ([`Verify::None`]).
+const UNCHECKED: &str = "-unchecked";
+
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((name, _)) = Self::ALL.iter().find(|(_, method)| method == self) {
-            return f.write_str(name);
+        let (overlap, verify) = match *self {
+            Self::Naive => return f.write_str("naive"),
+            Self::Ideal => return f.write_str("ideal"),
+            Self::Reuse { overlap, verify } => (overlap, verify),
+        };
+        match overlap {
+            Overlap::Atomic => f.write_str("atomic")?,
+            Overlap::Buffer(BufferDepth::Adaptive) => f.write_str("buffer")?,
+            Overlap::Buffer(BufferDepth::TwiceInteraxial) => f.write_str("buffer-2e")?,
+            Overlap::Buffer(BufferDepth::Fixed(depth)) => write!(f, "buffer-{depth}")?,
         }
-        match self {
-            Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All } => {
-                write!(f, "buffer-{depth}")
-            }
-            other => write!(f, "{other:?}"),
-        }
+        f.write_str(match verify {
+            Verify::All => "",
+            Verify::None => UNCHECKED,
+        })
     }
 }
 
 impl FromStr for Method {
     type Err = Error;
 
-    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots.
+    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` behind a reuse method's name makes it
+    /// trust what it reuses.
     fn from_str(name: &str) -> Result<Self, Error> {
+        if let Some(Ok(Self::Reuse { overlap, .. })) = name.strip_suffix(UNCHECKED).map(str::parse) {
+            return Ok(Self::Reuse { overlap, verify: Verify::None });
+        }
         if let Some((_, method)) = Self::ALL.iter().find(|(known, _)| *known == name) {
             return Ok(*method);
         }
@@ -97,6 +110,7 @@ impl FromStr for Method {
             _ => {
                 let mut known: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
                 known.push("buffer-N for N slots");
+                known.push("the last four with -unchecked behind");
                 Err(Error::unknown_name("method", name, &known))
             }
         }
@@ -134,8 +148,10 @@ mod tests {
             assert_eq!(name.parse::<Method>().unwrap(), method);
             assert_eq!(method.to_string(), name);
         }
-        assert_eq!("buffer-8".parse::<Method>().unwrap().to_string(), "buffer-8");
-        for wrong in ["", "Naive2", "buffer-0", "buffer-x"] {
+        for name in ["buffer-8", "atomic-unchecked", "buffer-unchecked", "buffer-2e-unchecked", "buffer-8-unchecked"] {
+            assert_eq!(name.parse::<Method>().unwrap().to_string(), name);
+        }
+        for wrong in ["", "Naive2", "buffer-0", "buffer-x", "naive-unchecked", "-unchecked", "x-unchecked"] {
             let message = wrong.parse::<Method>().unwrap_err().to_string();
             assert!(message.contains("naive, ideal, atomic, buffer"), "{message}");
         }
