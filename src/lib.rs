@@ -43,7 +43,8 @@
 //! # Adapters
 //!
 //! Any adapter that wgpu offers will do, software ones included; the environment variable `STEREOTRACE_ADAPTER`
-//! (`software`, or a part of a name) chooses. The library prints nothing: messages go through the `log` facade.
+//! (`software`, or a part of a name) chooses. The library prints nothing: messages go through the `log` facade. (Mesa prints
+//! a line about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
 //!
 //! # Features
 //!

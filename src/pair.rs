@@ -108,22 +108,24 @@ pub struct Statistics {
     pub lost_candidates: u64,
     /// `Buffer` only: slots a right pixel.
     pub buffer_depth: u32,
-    /// Time of each pass in order; `None` where the adapter has no timestamps.
+    /// Time of each pass in order; `None` where the adapter has no timestamps. Drivers may compile a kernel when it first
+    /// runs: time the second frame, not the first.
     pub times: Option<PassTimes>,
     /// Device memory of the buffers between the passes in bytes, without the pair's own pictures.
     pub intermediate_bytes: u64,
 }
 
 impl Statistics {
-    /// Share of the right pixels that were traced, 0 to 1.
+    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`.
     pub fn retraced_share(&self) -> f64 {
-        let pixels = self.reused + self.bad + self.missed;
-        if pixels == 0 { 0.0 } else { (self.bad + self.missed) as f64 / pixels as f64 }
+        let traced = self.right.rays.primary;
+        traced as f64 / (traced + self.reused).max(1) as f64
     }
 
-    /// `m`, the right view's cost relative to the left view's, by counters (DESIGN, section 7). Needs counting.
+    /// `m`, the right view's cost relative to the left view's, by counters (DESIGN, section 7). NaN unless counting was
+    /// asked for.
     pub fn second_eye(&self) -> f64 {
-        self.right.cost() as f64 / self.left.cost().max(1) as f64
+        self.right.cost() as f64 / self.left.cost() as f64
     }
 }
 

@@ -35,6 +35,9 @@ pub(crate) struct Arguments {
     /// Count BVH nodes and primitive tests (slower)
     #[arg(long)]
     pub(crate) count: bool,
+    /// Render by naive too, and say how exact the right eye is
+    #[arg(long)]
+    pub(crate) compare: bool,
 
     /// Colours: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
     #[arg(long, value_name = "KIND", default_value_t)]

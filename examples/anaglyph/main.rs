@@ -24,7 +24,8 @@ use std::{
 };
 
 use stereotrace::{
-    Gpu, Options, Progress, Renderer, StereoPair,
+    Gpu, Method, Options, Progress, Renderer, StereoPair,
+    metrics::compare,
     output::{anaglyph, packed},
 };
 
@@ -84,9 +85,16 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let pair = pair?;
     let wall = WallTimes { read, build, render: begin.elapsed() };
 
+    let difference = match arguments.compare {
+        true => {
+            let naive = renderer.render(&uploaded, &camera, &Options::new(Method::Naive))?;
+            Some(compare(&pair.right, &naive.right, &pair.pose)?)
+        }
+        false => None,
+    };
     let files = write(arguments, &pair)?;
     let adapter = renderer.gpu().adapter_name();
-    Ok(Report { arguments, adapter: &adapter, scene: &scene, pair: &pair, wall, files: &files }.to_string())
+    Ok(Report { arguments, adapter: &adapter, scene: &scene, pair: &pair, wall, difference, files: &files }.to_string())
 }
 
 /// Writes the pictures and returns their paths.

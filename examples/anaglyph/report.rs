@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use stereotrace::{Scene, Statistics, StereoPair};
+use stereotrace::{MISS, Scene, Statistics, StereoPair, metrics::Difference};
 
 use crate::arguments::Arguments;
 
@@ -28,6 +28,8 @@ pub(crate) struct Report<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) pair: &'a StereoPair,
     pub(crate) wall: WallTimes,
+    /// The right eye against `naive`'s, where it was asked for.
+    pub(crate) difference: Option<Difference>,
     pub(crate) files: &'a [PathBuf],
 }
 
@@ -71,6 +73,14 @@ impl Display for Report<'_> {
             line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
         }
         line(f, "re-traced", retraced(statistics))?;
+        if let Some(difference) = &self.difference {
+            let (identical, wrong) = (difference.identical_percent, difference.wrong_surface_percent);
+            let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
+            line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
+        }
+        if self.pair.left.primitive.iter().all(|id| *id == MISS) {
+            line(f, "warning", "the left eye sees nothing but sky: see --eye and --target")?;
+        }
 
         self.comfort_lines(f)?;
         let swapped = if self.arguments.swap { ", worn the other way round (--swap)" } else { "" };

@@ -238,11 +238,11 @@ impl Scene {
         obj::read(path.as_ref())
     }
 
-    /// Places `count` lights by one rule, the same for every method and scene file (DESIGN, section 3), and sets
-    /// the ambient light to 0.15: light `k` stands beside and above the eyes, at
+    /// Replaces `lights` by `count` lights, and `ambient` by 0.15, by one rule for every method and scene file (DESIGN,
+    /// section 3): light `k` stands beside and above the eyes, at
     /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
     /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
-    /// behind a wall. All lights together add up to 1.2.
+    /// behind a wall. Lights and ambient together add up to 1, so that white stays short of burning out.
     ///
     /// # Errors
     /// [`Error::Camera`] if the camera is invalid.
@@ -261,7 +261,7 @@ impl Scene {
                 let reach = pose.screen_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
                 let position = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
                 let position = inner.map_or(position, |(low, high)| position.clamp(low, high));
-                PointLight { position, intensity: Vec3::splat(1.2 / count as f32) }
+                PointLight { position, intensity: Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32) }
             })
             .collect();
         Ok(())

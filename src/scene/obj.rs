@@ -349,6 +349,9 @@ fn parse_mtl(file: &Path, text: &str, materials: &mut Vec<tobj::Material>) {
                 ),
                 (None, _) => log::warn!("{}:{number}: Kd before the first newmtl; it is left out", file.display()),
             },
+            ("map_Kd", _) => {
+                log::warn!("{}:{number}: textures are not read; the material keeps its Kd", file.display());
+            }
             _ => {}
         }
     }
