@@ -249,8 +249,8 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind or whose
-    /// tracing a driver cuts short,
-    /// [`Error::Cancelled`] if `progress` breaks, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    /// tracing a driver cuts short, [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
+    /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,
         scene: &UploadedScene,
@@ -258,9 +258,9 @@ impl Renderer {
         options: &Options,
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<StereoPair, Error> {
-        let statistics = self.trace_async(scene, camera, options, progress).await?;
-        let picture = self.picture.clone().ok_or_else(|| Error::Gpu("no picture was rendered".into()))?;
-        self.read_pair(scene, camera.pose()?, options, &picture, statistics).await
+        let pose = camera.pose()?;
+        let (statistics, picture) = self.trace_async(scene, &pose, options, progress).await?;
+        self.read_pair(scene, pose, options, &picture, statistics).await
     }
 
     /// Runs the passes of a frame without reading the pictures back: for benchmarks.
@@ -273,17 +273,20 @@ impl Renderer {
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<Statistics, Error> {
-        pollster::block_on(self.trace_async(scene, camera, options, &mut |_| ControlFlow::Continue(())))
+        let pose = camera.pose()?;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let traced = self.trace_async(scene, &pose, options, &mut go_on);
+        pollster::block_on(traced).map(|(statistics, _)| statistics)
     }
 
+    /// The passes of a frame; the picture's buffers then hold the pair.
     async fn trace_async(
         &mut self,
         scene: &UploadedScene,
-        camera: &StereoCamera,
+        pose: &Pose,
         options: &Options,
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
-    ) -> Result<Statistics, Error> {
-        let pose = camera.pose()?;
+    ) -> Result<(Statistics, Arc<Picture>), Error> {
         if !scene.gpu.is(&self.gpu) {
             let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
             return Err(Error::Scene { element: "uploaded scene".into(), reason });
@@ -303,13 +306,13 @@ impl Renderer {
             slots: &mut self.slots,
             slot_bytes: 0,
             rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights).div_ceil(6)),
-            frame: frame_uniform(&pose),
+            frame: frame_uniform(pose),
             timestamps: self.timestamps.as_mut(),
             rows_done: 0,
             rows_total: pose.size[1] * passes_of(method),
             progress,
         };
-        let buffer_depth = passes.frame(&pose, method).await?;
+        let buffer_depth = passes.frame(pose, method).await?;
         passes.finish().await?;
         let slot_bytes = passes.slot_bytes;
         let mut statistics = self.statistics(&picture, method).await?;
@@ -318,7 +321,7 @@ impl Renderer {
         if let Some(timestamps) = &self.timestamps {
             statistics.times = timestamps.read(&self.gpu).await?;
         }
-        Ok(statistics)
+        Ok((statistics, picture))
     }
 
     async fn picture_of(&mut self, size: [u32; 2]) -> Result<Arc<Picture>, Error> {
@@ -516,13 +519,12 @@ impl Passes<'_> {
         let rows = (allowed / row_bytes).min(u64::from(height.min(self.rows))) as u32;
         let bytes = u64::from(rows) * row_bytes;
         self.slot_bytes = bytes;
-        if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
-            *self.slots = None; // the old one's memory first
-            let create = || Ok(Arc::new(self.gpu.storage_buffer("slots", bytes)));
-            let slots = self.gpu.checked(create).await?;
-            *self.slots = Some(slots);
-        }
-        let Some(slots) = self.slots.clone() else { return Ok(()) };
+        // One that is too small goes before the new one comes.
+        let slots = match self.slots.take().filter(|slots| slots.size() >= bytes) {
+            Some(slots) => slots,
+            None => self.gpu.checked(|| Ok(Arc::new(self.gpu.storage_buffer("slots", bytes)))).await?,
+        };
+        *self.slots = Some(slots.clone());
         self.frame.buffer_depth = depth;
         self.bands(rows, kernels::REPROJECT.name, |this, encoder| {
             encoder.clear_buffer(&slots, 0, Some(bytes));
