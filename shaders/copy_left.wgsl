@@ -16,5 +16,5 @@ fn copy_left(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
     right_color[pixel_index(pixel)] = left_color[pixel_index(pixel)];
-    hits[right_index(pixel)] = hits[pixel_index(pixel)];
+    if KEEP_HITS { hits[right_index(pixel)] = hits[pixel_index(pixel)]; }
 }

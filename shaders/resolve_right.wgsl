@@ -2,7 +2,7 @@
 // trace_listed.wgsl then traces. A list keeps the few traced pixels of neighbouring threads together: traced here,
 // they would hold up whole subgroups of reused ones.
 //
-// launch  one thread per right pixel of the rows at work
+// launch  one thread per block of right pixels (a pixel, or 2x2) of the rows at work
 // reads   left_color    [height * width]
 // updates hits          [2 * height * width]  reads the left half, writes the right: a point's depth is the same
 //                                             for both eyes
@@ -21,33 +21,58 @@
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = thread_pixel(id);
-    if outside(pixel) { return; }
-    let index = pixel_index(pixel);
-    let source = right_source[index];
-    let row = pixel.y * COUNTERS;
-    if source == EMPTY {
-        right_source[index] = MISSED;
-        atomicAdd(&counters[row + MISSED_PIXELS], 1u);
-        append(index);
-        return;
+    let pixels = block_pixels(id);
+    let inside = inside_rows(pixels);
+    if !any_ray(inside) { return; }
+    var source: U;
+    var depth: F;
+    var primitive: U;
+    var ray = 0u;
+    loop {
+        if of_ray_b(inside, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            let column = right_source[pixel_index(pixel)];
+            source = with_ray_u(source, ray, column);
+            if column != EMPTY {
+                let left = hits[pixel_index(vec2u(column - 1u, pixel.y))];
+                depth = with_ray(depth, ray, left.depth);
+                primitive = with_ray_u(primitive, ray, primitive_of(left));
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
     }
-    let left_pixel = vec2u(source - 1u, pixel.y);
-    let left = hits[pixel_index(left_pixel)];
-    if is_bad(left_pixel, left) {
-        right_source[index] = source | BAD;
-        atomicAdd(&counters[row + BAD_PIXELS], 1u);
-        append(index);
-    } else {
-        right_color[index] = left_color[pixel_index(left_pixel)];
-        hits[right_index(pixel)] = left;
+    let landed = inside & (source != U(EMPTY));
+    let bad = are_bad(Pixels(source - 1u, pixels.y), depth, landed);
+    ray = 0u;
+    loop {
+        if of_ray_b(inside, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            let index = pixel_index(pixel);
+            let row = pixel.y * COUNTERS;
+            let column = of_ray_u(source, ray);
+            if column == EMPTY {
+                right_source[index] = MISSED;
+                atomicAdd(&counters[row + MISSED_PIXELS], 1u);
+                append(index);
+            } else if of_ray_b(bad, ray) {
+                right_source[index] = column | BAD;
+                atomicAdd(&counters[row + BAD_PIXELS], 1u);
+                append(index);
+            } else {
+                right_color[index] = left_color[pixel_index(vec2u(column - 1u, pixel.y))];
+                hits[right_index(pixel)] = pixel_hit(of_ray(depth, ray), of_ray_u(primitive, ray));
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
     }
-    count_view(pixel.y, RIGHT, 0u, nodes_visited, primitives_tested);
+    count_view(of_ray_u(pixels.y, 0u), RIGHT, 0u, nodes_visited, primitives_tested);
 }
 
 // The order of the list depends on the threads; each entry writes only its own pixel, so the picture does not.
 fn append(index: u32) {
     let place = atomicAdd(&to_trace.count, 1u);
     to_trace.pixels[place] = index;
-    if place % LIST_WORKGROUP == 0u { atomicAdd(&to_trace.workgroups_x, 1u); }
+    if place % (LIST_WORKGROUP * RAYS) == 0u { atomicAdd(&to_trace.workgroups_x, 1u); }
 }

@@ -1,6 +1,6 @@
 // Pass 1 of 4: trace and shade one view, and keep what each pixel hit. `Naive` runs it a second time for the right.
 //
-// launch  one thread per pixel of the rows at work
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  color     [height * width]      linear RGB, 1
 // writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id
 // adds    counters  [height * COUNTERS]
@@ -12,13 +12,23 @@
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn trace_left(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = thread_pixel(id);
-    if outside(pixel) { return; }
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
     let left = frame.eye == LEFT;
     let eye = select(frame.right_eye, frame.left_eye, left);
     let corner = select(frame.right_corner, frame.left_corner, left);
-    let sample = trace_pixel(eye, pixel_direction(corner, pixel));
-    color[pixel_index(pixel)] = sample.color;
-    hits[select(right_index(pixel), pixel_index(pixel), left)] = sample.hit;
-    count_view(pixel.y, frame.eye, shadow_rays, nodes_visited, primitives_tested);
+    let samples = trace_pixels(Rays(eye, pixel_directions(corner, pixels)), wanted);
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
+            let hit = pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray));
+            if KEEP_HITS { hits[select(right_index(pixel), pixel_index(pixel), left)] = hit; }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    count_view(of_ray_u(pixels.y, 0u), frame.eye, shadow_rays, nodes_visited, primitives_tested);
 }

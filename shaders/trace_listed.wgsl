@@ -1,6 +1,6 @@
 // Pass 3 of 4, second half: trace and shade the right pixels that resolve_right listed.
 //
-// launch  one thread per entry of the list, dispatched indirectly
+// launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   to_trace     pixel indices
 // writes  hits         [2 * height * width]  right half
 // writes  right_color  [height * width]
@@ -14,12 +14,33 @@
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= atomicLoad(&to_trace.count) { return; }
-    let index = to_trace.pixels[id.x];
+    let first = id.x * RAYS;
+    let count = atomicLoad(&to_trace.count);
+    if first >= count { return; }
+    // The last lane's spare rays repeat the last entry and are left out.
+    var index: U;
+    var wanted_rays: U;
+    var ray = 0u;
+    loop {
+        index = with_ray_u(index, ray, to_trace.pixels[min(first + ray, count - 1u)]);
+        wanted_rays = with_ray_u(wanted_rays, ray, select(0u, 1u, first + ray < count));
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    let wanted = wanted_rays == U(1u);
     let width = frame.image_size.x;
-    let pixel = vec2u(index % width, index / width);
-    let sample = trace_pixel(frame.right_eye, pixel_direction(frame.right_corner, pixel));
-    right_color[index] = sample.color;
-    hits[right_index(pixel)] = sample.hit;
-    count_view(pixel.y, RIGHT, shadow_rays, nodes_visited, primitives_tested);
+    let pixels = Pixels(index % width, index / width);
+    let samples = trace_pixels(Rays(frame.right_eye, pixel_directions(frame.right_corner, pixels)), wanted);
+    ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            right_color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
+            let hit = pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray));
+            if KEEP_HITS { hits[right_index(pixel)] = hit; }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    count_view(of_ray_u(pixels.y, 0u), RIGHT, shadow_rays, nodes_visited, primitives_tested);
 }

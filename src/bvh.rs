@@ -3,10 +3,37 @@
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
-use crate::{Error, Scene, layout};
+use crate::{Boxes, Error, Scene, layout};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
+
+/// How much time goes into the tree: docs/TRAVERSAL.md has what each costs and brings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BvhBuild {
+    /// Quickly: for scenes that change with every picture.
+    Fast,
+    /// For a picture or a few.
+    #[default]
+    Balanced,
+    /// The best tree there is: for a scene that many pictures are made of.
+    Best,
+}
+
+impl BvhBuild {
+    /// All of them, from the quickest to the slowest.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Best];
+
+    /// obvhs's preset. Leaves hold up to eight primitives, which is what a link can say.
+    fn params(self) -> BvhBuildParams {
+        let preset = match self {
+            Self::Fast => BvhBuildParams::very_fast_build(),
+            Self::Balanced => BvhBuildParams::medium_build(),
+            Self::Best => BvhBuildParams::slow_build(),
+        };
+        BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..preset }
+    }
+}
 
 /// Set in the link of a leaf: the other bits are (count - 1) in bits 28 to 30 and the first slot.
 const LEAF: u32 = 0x8000_0000;
@@ -22,7 +49,7 @@ const MAX_STACK: u32 = 256;
 /// A scene's geometry, ready to upload.
 pub(crate) struct PackedBvh {
     pub(crate) uniform: layout::Bvh,
-    /// Two texels a pair of child boxes.
+    /// Two texels a pair of child boxes, four with f32 boxes.
     pub(crate) nodes: Vec<Texel>,
     /// Three texels a primitive in leaf order, four if the scene has vertex normals.
     pub(crate) primitives: Vec<Texel>,
@@ -51,26 +78,27 @@ fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
 ///
 /// # Errors
 /// [`Error::Scene`] if there are more primitives than links can name, or the tree is too deep.
-pub(crate) fn build(scene: &Scene) -> Result<PackedBvh, Error> {
-    build_within(scene, MAX_STACK)
+pub(crate) fn build(scene: &Scene, build: BvhBuild, boxes: Boxes) -> Result<PackedBvh, Error> {
+    build_within(scene, build, boxes, MAX_STACK)
 }
 
-fn build_within(scene: &Scene, max_stack: u32) -> Result<PackedBvh, Error> {
+fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> Result<PackedBvh, Error> {
     let (ids, boxes) = traced(scene);
     let fault = |reason: String| Error::Scene { element: "geometry".into(), reason };
-    if ids.len() > MAX_SLOTS {
-        return Err(fault(format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len())));
-    }
     if ids.is_empty() {
         // Textures and buffers need a texel; no kernel of an empty scene reads it.
         let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
         return Ok(PackedBvh { uniform: layout::Bvh::default(), nodes, primitives, stack_size: 8 });
     }
-    let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..BvhBuildParams::medium_build() };
-    let tree = build_bvh2(&boxes, params, &mut std::time::Duration::default());
+    let tree = build_bvh2(&boxes, build.params(), &mut std::time::Duration::default());
+    // The best builds split large primitives: these stand in several leaves.
+    let slots = tree.primitive_indices.len();
+    if slots > MAX_SLOTS {
+        return Err(fault(format!("{slots} primitives, more than the {MAX_SLOTS} that a tree can name")));
+    }
     let grid = Grid::around(&tree);
     let mut packer =
-        Packer { scene, tree: &tree, ids: &ids, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
+        Packer { scene, tree: &tree, ids: &ids, kind, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
     let depth = packer.pack_nodes();
     let stack_size = (depth + 1).next_multiple_of(8);
     if stack_size > max_stack {
@@ -80,6 +108,14 @@ fn build_within(scene: &Scene, max_stack: u32) -> Result<PackedBvh, Error> {
         )));
     }
     Ok(PackedBvh { uniform: packer.grid.uniform(), nodes: packer.nodes, primitives: packer.primitives, stack_size })
+}
+
+/// Texels of a child's box and link.
+fn child_texels(boxes: Boxes) -> usize {
+    match boxes {
+        Boxes::Grid16 => 1,
+        Boxes::F32 => 2,
+    }
 }
 
 /// A grid of 65535 steps a side over the scene's box; boxes are rounded outwards to it.
@@ -111,8 +147,24 @@ impl Grid {
         }
     }
 
+    /// A box and its link in texels: see `shaders/shared/boxes_16bit.wgsl` and `boxes_f32.wgsl`.
+    fn pack(&self, kind: Boxes, low: Vec3, high: Vec3, link: u32) -> Vec<Texel> {
+        match kind {
+            Boxes::Grid16 => {
+                let [x, y, z] = self.pack_16bit(low, high);
+                vec![[x, y, z, link]]
+            }
+            Boxes::F32 => {
+                let [low, high] = [low, high].map(|corner| corner.as_dvec3() - self.origin.as_dvec3());
+                let low = low.as_vec3().to_array().map(|v| v.next_down().to_bits());
+                let high = high.as_vec3().to_array().map(|v| v.next_up().to_bits());
+                vec![[low[0], low[1], low[2], link], [high[0], high[1], high[2], 0]]
+            }
+        }
+    }
+
     /// Three words: low x, y, z and high x, y, z of 16 bits each.
-    fn pack(&self, low: Vec3, high: Vec3) -> [u32; 3] {
+    fn pack_16bit(&self, low: Vec3, high: Vec3) -> [u32; 3] {
         let steps = |corner: Vec3| (corner.as_dvec3() - self.origin.as_dvec3()) / self.cell.as_dvec3();
         let low = steps(low).floor().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
         let high = steps(high).ceil().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
@@ -124,6 +176,7 @@ struct Packer<'a> {
     scene: &'a Scene,
     tree: &'a Bvh2,
     ids: &'a [u32],
+    kind: Boxes,
     grid: Grid,
     nodes: Vec<Texel>,
     primitives: Vec<Texel>,
@@ -143,18 +196,18 @@ impl Packer<'_> {
         // (first of two obvhs nodes, where the link to their pair goes, levels above)
         let mut pending: Vec<(usize, Option<usize>, u32)> = vec![(root.first_index as usize, None, 1)];
         while let Some((first, link, depth)) = pending.pop() {
-            let pair = self.nodes.len() / 2;
+            let child_texels = child_texels(self.kind);
+            let pair = self.nodes.len() / (2 * child_texels);
             if let Some(link) = link {
                 self.nodes[link][3] = pair as u32;
             }
             deepest = deepest.max(depth);
             for child in [first, first + 1] {
                 let node = self.tree.nodes[child];
-                let [x, y, z] = self.grid.pack(node.min, node.max);
                 let link = if node.is_leaf() { self.pack_leaf(node.first_index, node.prim_count) } else { 0 };
-                self.nodes.push([x, y, z, link]);
+                self.nodes.extend(self.grid.pack(self.kind, node.min, node.max, link));
             }
-            for (child, texel) in [(first + 1, 2 * pair + 1), (first, 2 * pair)] {
+            for (child, texel) in [(first + 1, (2 * pair + 1) * child_texels), (first, 2 * pair * child_texels)] {
                 let node = self.tree.nodes[child];
                 if !node.is_leaf() {
                     pending.push((node.first_index as usize, Some(texel), depth + 1));
@@ -168,11 +221,12 @@ impl Packer<'_> {
     /// changes no hit.
     fn pack_single_leaf(&mut self) {
         let root = self.tree.nodes[0];
-        let [x, y, z] = self.grid.pack(root.min, root.max);
         let half = root.prim_count / 2;
         let second = self.pack_leaf(root.first_index + half, root.prim_count - half);
         let first = if half > 0 { self.pack_leaf(root.first_index, half) } else { second };
-        self.nodes.extend([[x, y, z, first], [x, y, z, second]]);
+        for link in [first, second] {
+            self.nodes.extend(self.grid.pack(self.kind, root.min, root.max, link));
+        }
     }
 
     fn pack_leaf(&mut self, first: u32, count: u32) -> u32 {
@@ -243,20 +297,26 @@ mod tests {
     }
 
     /// Decodes as the kernel does, but in f64, and walks the whole tree.
-    fn check_boxes(packed: &PackedBvh, stride: usize) -> (usize, u32) {
+    fn check_boxes(packed: &PackedBvh, kind: Boxes, stride: usize) -> (usize, u32) {
         let bvh = &packed.uniform;
-        let decode = |q: [u32; 3]| -> DVec3 {
-            let axis = |k: usize| f64::from(bvh.grid_origin[k]) + f64::from(q[k]) * f64::from(bvh.grid_cell[k]);
-            DVec3::new(axis(0), axis(1), axis(2))
-        };
+        let origin = DVec3::from_array(bvh.grid_origin.map(f64::from));
+        let cell = DVec3::from_array(bvh.grid_cell.map(f64::from));
+        let of_grid = |q: [u32; 3]| origin + DVec3::from_array(q.map(f64::from)) * cell;
+        let of_f32 = |[x, y, z, _]: Texel| origin + DVec3::from_array([x, y, z].map(|w| f64::from(f32::from_bits(w))));
         let (mut found, mut deepest) = (0, 0);
         let mut pending = vec![(0_u32, 1, vec![])];
         while let Some((pair, depth, above)) = pending.pop() {
             deepest = deepest.max(depth);
             for child in 0..2 {
-                let [x, y, z, link] = packed.nodes[(2 * pair + child) as usize];
+                let texel = (2 * pair + child) as usize * child_texels(kind);
+                let [x, y, z, link] = packed.nodes[texel];
                 let mut boxes: Vec<(DVec3, DVec3)> = above.clone();
-                boxes.push((decode([x & 0xffff, x >> 16, y & 0xffff]), decode([y >> 16, z & 0xffff, z >> 16])));
+                boxes.push(match kind {
+                    Boxes::Grid16 => {
+                        (of_grid([x & 0xffff, x >> 16, y & 0xffff]), of_grid([y >> 16, z & 0xffff, z >> 16]))
+                    }
+                    Boxes::F32 => (of_f32(packed.nodes[texel]), of_f32(packed.nodes[texel + 1])),
+                });
                 if link & LEAF == 0 {
                     pending.push((link, depth + 1, boxes));
                     continue;
@@ -277,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_boxes_hold_their_primitives_at_every_scale_and_place() {
+    fn boxes_hold_their_primitives_at_every_scale_and_place() {
         let mut seed = 1;
         for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e5), (1e-3, 10.0), (1e7, 5e7)] {
             let mut point = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed) * 0.01);
@@ -289,10 +349,12 @@ mod tests {
                 .map(|p| p * scale + Vec3::splat(offset))
                 .collect();
             let scene = scene_of(corners);
-            let packed = build(&scene).unwrap();
-            let (found, depth) = check_boxes(&packed, 3);
-            assert_eq!(found, scene.primitive_count() - scene.degenerate_count());
-            assert!(depth < packed.stack_size, "{depth} {}", packed.stack_size);
+            for kind in [Boxes::Grid16, Boxes::F32] {
+                let packed = build(&scene, BvhBuild::Balanced, kind).unwrap();
+                let (found, depth) = check_boxes(&packed, kind, 3);
+                assert_eq!(found, scene.primitive_count() - scene.degenerate_count());
+                assert!(depth < packed.stack_size, "{depth} {}", packed.stack_size);
+            }
         }
     }
 
@@ -301,11 +363,11 @@ mod tests {
         for count in 1..20 {
             let corners =
                 (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::X * i as f32)).collect();
-            let packed = build(&scene_of(corners)).unwrap();
-            let (found, _) = check_boxes(&packed, 3);
+            let packed = build(&scene_of(corners), BvhBuild::Balanced, Boxes::Grid16).unwrap();
+            let (found, _) = check_boxes(&packed, Boxes::Grid16, 3);
             assert_eq!(found, if count == 1 { 2 } else { count }, "a single primitive stands in both children");
         }
-        assert_eq!(build(&Scene::new()).unwrap().nodes.len(), 1);
+        assert_eq!(build(&Scene::new(), BvhBuild::Balanced, Boxes::Grid16).unwrap().nodes.len(), 1);
     }
 
     #[test]
@@ -314,10 +376,10 @@ mod tests {
         let chain = |factor: f32, count: i32, max_stack| {
             let corners =
                 (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i))).collect();
-            build_within(&scene_of(corners), max_stack)
+            build_within(&scene_of(corners), BvhBuild::Balanced, Boxes::Grid16, max_stack)
         };
         let deep = chain(2.0, 120, MAX_STACK).unwrap();
-        let (_, depth) = check_boxes(&deep, 3);
+        let (_, depth) = check_boxes(&deep, Boxes::Grid16, 3);
         assert!(depth > 40, "a chain, not a balanced tree: {depth}");
         assert!(depth < deep.stack_size && deep.stack_size <= MAX_STACK, "{depth} {}", deep.stack_size);
         let message = chain(2.0, 120, 40).err().unwrap().to_string();

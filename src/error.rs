@@ -49,6 +49,14 @@ pub enum Error {
         /// What is expected of it.
         reason: &'static str,
     },
+    /// A ray that can't be traced.
+    #[error("invalid ray {index}: {reason}")]
+    Ray {
+        /// Its place in the list.
+        index: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A scene with an element that cannot be rendered.
     #[error("invalid scene: {element}: {reason}")]
     Scene {
@@ -102,5 +110,18 @@ impl Error {
 
     pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), source }
+    }
+}
+
+impl Error {
+    /// A driver ended a kernel's loops before their work was done.
+    pub(crate) fn cut_short(count: u64, what: &str) -> Self {
+        Self::Limit {
+            what: format!("the tracing of {count} {what}"),
+            needed: "more rounds of its loops".into(),
+            limit: "bound on the loops of a thread",
+            allowed: "reached (llvmpipe's is 65535)".into(),
+            remedy: "use fewer lights or a simpler scene",
+        }
     }
 }

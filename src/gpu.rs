@@ -8,10 +8,11 @@ use std::{
 };
 
 use crate::{
-    Error,
+    Error, GBuffer,
     bvh::Texel,
-    kernels::{Access, Fetch, Kernel, Specialisation, Touches},
+    kernels::{Access, Kernel, Shadows, Specialisation, Touches},
     method::Verify,
+    traversal::Fetch,
 };
 
 /// The variable that chooses the adapter: `software`, or a part of its name.
@@ -153,14 +154,6 @@ impl Gpu {
         &self.queue
     }
 
-    /// How this adapter reads a scene fastest: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by convention.
-    pub(crate) fn fetch(&self) -> Fetch {
-        match self.info.device_type {
-            wgpu::DeviceType::Cpu => Fetch::Texture,
-            _ => Fetch::Buffer,
-        }
-    }
-
     /// Largest storage buffer that a kernel can bind, in bytes.
     pub(crate) fn binding_limit(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
@@ -229,6 +222,17 @@ impl Gpu {
         buffer
     }
 
+    /// How many texels fit one texture or one binding.
+    pub(crate) fn texel_capacity(&self, fetch: Fetch) -> u64 {
+        match fetch {
+            Fetch::Texture => match self.limits.max_texture_dimension_2d {
+                side if side < TEXTURE_WIDTH => 0,
+                side => u64::from(TEXTURE_WIDTH) * u64::from(side),
+            },
+            Fetch::Buffer => self.binding_limit() / size_of::<Texel>() as u64,
+        }
+    }
+
     /// Uploads texels as a texture or a storage buffer.
     ///
     /// # Errors
@@ -247,10 +251,10 @@ impl Gpu {
 
     fn upload_texture(&self, label: &'static str, texels: &[Texel]) -> Result<Texels, Error> {
         let rows = texels.len().div_ceil(TEXTURE_WIDTH as usize).max(1);
-        if rows > self.limits.max_texture_dimension_2d as usize {
+        if texels.len() as u64 > self.texel_capacity(Fetch::Texture) {
             return Err(Error::Limit {
                 what: format!("the scene's {label} texture"),
-                needed: format!("{rows} rows of {TEXTURE_WIDTH} texels"),
+                needed: format!("{} texels in rows of {TEXTURE_WIDTH}", texels.len()),
                 limit: "max_texture_dimension_2d",
                 allowed: self.limits.max_texture_dimension_2d.to_string(),
                 remedy: "use fewer primitives",
@@ -265,7 +269,7 @@ impl Gpu {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: wgpu::TextureFormat::Rgba32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
         let full = texels.len() / width as usize;
@@ -392,12 +396,20 @@ pub(crate) struct Pipeline {
     pub(crate) own: wgpu::BindGroupLayout,
 }
 
-/// Layouts of the scene's two bind groups, and the pipelines built so far: each when it is first used.
+/// Layouts of a scene's two bind groups, for one way to read it.
+#[derive(Debug)]
+pub(crate) struct SceneLayouts {
+    /// The BVH's uniform, nodes, primitives.
+    pub(crate) geometry: wgpu::BindGroupLayout,
+    /// The table that a kernel looks up by index.
+    pub(crate) table: wgpu::BindGroupLayout,
+}
+
+/// The pipelines built so far, each when it is first used, and the layouts that they share.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    pub(crate) geometry: wgpu::BindGroupLayout,
-    pub(crate) shading: wgpu::BindGroupLayout,
-    pub(crate) fetch: Fetch,
+    textures: SceneLayouts,
+    buffers: SceneLayouts,
     built: Mutex<HashMap<(&'static str, Specialisation), Arc<Pipeline>>>,
 }
 
@@ -410,31 +422,48 @@ fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
 }
 
 impl Pipelines {
-    pub(crate) fn new(gpu: &Gpu, fetch: Fetch) -> Self {
-        let texels = match fetch {
-            Fetch::Texture => wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Uint,
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            Fetch::Buffer => buffer_type(wgpu::BufferBindingType::Storage { read_only: true }),
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let texture = wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::ReadOnly,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            view_dimension: wgpu::TextureViewDimension::D2,
         };
-        let layout = |label, texel_bindings: u32| {
-            let mut entries = vec![entry(0, buffer_type(wgpu::BufferBindingType::Uniform))];
-            entries.extend((1..=texel_bindings).map(|binding| entry(binding, texels)));
+        let buffer = buffer_type(wgpu::BufferBindingType::Storage { read_only: true });
+        let layout = |label, types: &[wgpu::BindingType]| {
+            let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
             gpu.device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
-        Self { geometry: layout("geometry", 2), shading: layout("shading", 1), fetch, built: Mutex::default() }
+        let layouts = |texels| SceneLayouts {
+            geometry: layout("geometry", &[buffer_type(wgpu::BufferBindingType::Uniform), texels, texels]),
+            table: layout("table", &[texels]),
+        };
+        Self { textures: layouts(texture), buffers: layouts(buffer), built: Mutex::default() }
+    }
+
+    /// The layouts of a scene that is read this way.
+    pub(crate) fn layouts(&self, fetch: Fetch) -> &SceneLayouts {
+        match fetch {
+            Fetch::Texture => &self.textures,
+            Fetch::Buffer => &self.buffers,
+        }
     }
 
     /// The pipeline of a kernel, built if this is its first use.
     pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Specialisation) -> Arc<Pipeline> {
         // A kernel that doesn't touch the scene is the same for every scene.
         let with = match kernel.touches {
-            Touches::Pixels => Specialisation::PIXELS,
+            Touches::Pixels => Specialisation { hits: with.hits, ..Specialisation::PIXELS },
+            Touches::Geometry => Specialisation { lights: false, shadows: Shadows::None, gradient: false, ..with },
             Touches::Shading => Specialisation { verify: Verify::All, ..with },
-            Touches::Geometry => with,
+            Touches::RayList => Specialisation {
+                lights: false,
+                shadows: Shadows::None,
+                gradient: false,
+                hits: GBuffer::None,
+                verify: Verify::All,
+                ..with
+            },
         };
         lock(&self.built).entry((kernel.name, with)).or_insert_with(|| Arc::new(self.build(gpu, kernel, with))).clone()
     }
@@ -452,12 +481,13 @@ impl Pipelines {
         }
         let own = device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(kernel.name), entries: &entries });
-        let geometry = (kernel.touches != Touches::Pixels).then_some(&self.geometry);
-        let shading = (kernel.touches == Touches::Shading).then_some(&self.shading);
-        let groups = [geometry, Some(&own), shading];
+        let scene = self.layouts(with.traversal.fetch);
+        let geometry = kernel.touches.geometry().then_some(&scene.geometry);
+        let table = kernel.touches.table().then_some(&scene.table);
+        let groups = [geometry, Some(&own), table];
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(kernel.name),
-            bind_group_layouts: &groups[..if shading.is_some() { 3 } else { 2 }],
+            bind_group_layouts: &groups[..if table.is_some() { 3 } else { 2 }],
             immediate_size: 0,
         });
         let count = [("COUNT", f64::from(u8::from(with.count)))];
@@ -474,6 +504,20 @@ impl Pipelines {
         });
         Pipeline { pipeline, own }
     }
+}
+
+/// A bind group of resources in the order of their bindings.
+pub(crate) fn bind_group<'a>(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .enumerate()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
+        .collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// Timestamps of the compute passes of one frame, a pair each.

@@ -3,7 +3,11 @@
 //! A kernel's text is its parts one after the other. What a scene does not have (spheres, vertex normals, lights, a
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
-use crate::{Scene, Sky, method::Verify};
+use crate::{
+    GBuffer, Scene, Sky,
+    method::Verify,
+    traversal::{Boxes, Fetch, RaysPerLane, Traversal},
+};
 
 /// A WGSL file: its name below `shaders/` and its text.
 #[derive(Clone, Copy)]
@@ -30,12 +34,25 @@ pub(crate) enum Access {
     Write,
 }
 
-/// What of the scene a kernel touches.
+/// What a kernel touches besides its own buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Touches {
     Pixels,
     Geometry,
+    /// Geometry and the shading table.
     Shading,
+    /// Geometry and a table of rays.
+    RayList,
+}
+
+impl Touches {
+    pub(crate) fn geometry(self) -> bool {
+        self != Self::Pixels
+    }
+
+    pub(crate) fn table(self) -> bool {
+        matches!(self, Self::Shading | Self::RayList)
+    }
 }
 
 /// A compute kernel. Its entry point has the kernel's name; group 1 has the frame at binding 0 and then `storage`.
@@ -47,22 +64,51 @@ pub(crate) struct Kernel {
     main: Part,
 }
 
-/// How the scene is read: what is measured to be faster on the adapter.
+/// Which way shadow rays run, if there are any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Fetch {
-    Texture,
-    Buffer,
+pub(crate) enum Shadows {
+    None,
+    FromLight,
+    FromSurface,
+}
+
+impl Shadows {
+    /// Shadow rays run from the light, but not from one farther off than this many times the scene's largest side: their
+    /// end would be off the surface by a visible part of it.
+    const FAR_LIGHT: f32 = 64.0;
+
+    fn of(scene: &Scene) -> Self {
+        let far = |(low, high): (glam::Vec3, glam::Vec3)| {
+            let reach = Self::FAR_LIGHT * (high - low).max_element();
+            scene.lights.iter().any(|light| light.position.clamp(low, high).distance(light.position) > reach)
+        };
+        match scene.bounds() {
+            _ if !scene.shadows => Self::None,
+            Some(bounds) if far(bounds) => Self::FromSurface,
+            _ => Self::FromLight,
+        }
+    }
+
+    fn part(self) -> Part {
+        match self {
+            Self::None => part!("shared/shadows_none.wgsl"),
+            Self::FromLight => part!("shared/shadows_from_light.wgsl"),
+            Self::FromSurface => part!("shared/shadows_from_surface.wgsl"),
+        }
+    }
 }
 
 /// What a pipeline is specialised to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Specialisation {
-    pub(crate) fetch: Fetch,
+    pub(crate) traversal: Traversal,
     pub(crate) triangles: bool,
     pub(crate) spheres: bool,
     pub(crate) normals: bool,
     pub(crate) lights: bool,
+    pub(crate) shadows: Shadows,
     pub(crate) gradient: bool,
+    pub(crate) hits: GBuffer,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     pub(crate) verify: Verify,
@@ -73,36 +119,48 @@ pub(crate) struct Specialisation {
 impl Specialisation {
     /// What a kernel that doesn't touch the scene is specialised to: nothing.
     pub(crate) const PIXELS: Self = Self {
-        fetch: Fetch::Texture,
+        traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
         triangles: false,
         spheres: false,
         normals: false,
         lights: false,
+        shadows: Shadows::None,
         gradient: false,
+        hits: GBuffer::Ids,
         stack_size: 0,
         verify: Verify::None,
         count: false,
     };
 
     /// What a scene needs; verification and counting are the frame's to choose.
-    pub(crate) fn of(scene: &Scene, fetch: Fetch, stack_size: u32) -> Self {
+    pub(crate) fn of(scene: &Scene, traversal: Traversal, stack_size: u32) -> Self {
         Self {
-            fetch,
+            traversal,
             triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
             spheres: !scene.spheres().is_empty(),
             normals: scene.has_normals(),
             lights: !scene.lights.is_empty(),
+            shadows: Shadows::of(scene),
             gradient: matches!(scene.sky, Sky::Gradient { .. }),
+            hits: GBuffer::Ids,
             stack_size,
             verify: Verify::All,
             count: false,
         }
+    }
+
+    /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
+    /// do not depend on it.
+    pub(crate) fn counting(self, count: bool) -> Self {
+        let rays = if count { RaysPerLane::One } else { self.traversal.rays };
+        Self { count, traversal: Traversal { rays, ..self.traversal }, ..self }
     }
 }
 
 use Access::{Read, Write};
 
 const COUNT: Part = part!("shared/count.wgsl");
+const RAY_LIST: Part = part!("shared/ray_list.wgsl");
 const PARALLAX: Part = part!("shared/parallax.wgsl");
 const TRACE_LIST: Part = part!("shared/trace_list.wgsl");
 
@@ -155,6 +213,20 @@ pub(crate) const TRACE_LISTED: Kernel = Kernel {
     extra: &[COUNT, TRACE_LIST],
     main: part!("trace_listed.wgsl"),
 };
+pub(crate) const CLOSEST_HITS: Kernel = Kernel {
+    name: "closest_hits",
+    touches: Touches::RayList,
+    storage: &[Write, Write],
+    extra: &[COUNT, RAY_LIST],
+    main: part!("closest_hits.wgsl"),
+};
+pub(crate) const ANY_HITS: Kernel = Kernel {
+    name: "any_hits",
+    touches: Touches::RayList,
+    storage: &[Write, Write],
+    extra: &[COUNT, RAY_LIST],
+    main: part!("any_hits.wgsl"),
+};
 pub(crate) const COPY_LEFT: Kernel = Kernel {
     name: "copy_left",
     touches: Touches::Pixels,
@@ -171,17 +243,29 @@ pub(crate) const COMPOSE: Kernel = Kernel {
 };
 
 impl Kernel {
+    /// Pixels of a thread's block in x and in y.
+    pub(crate) fn block(&self, with: &Specialisation) -> u32 {
+        if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
+    }
+
     /// The files a kernel is made of, in order.
     pub(crate) fn parts(&self, with: &Specialisation) -> Vec<Part> {
-        let mut parts = vec![part!("shared/types.wgsl")];
-        if self.touches != Touches::Pixels {
-            parts.push(match with.fetch {
+        let hits = match with.hits {
+            GBuffer::Ids => part!("shared/hits_ids.wgsl"),
+            GBuffer::Depth => part!("shared/hits_depth.wgsl"),
+            GBuffer::None => part!("shared/hits_none.wgsl"),
+        };
+        let mut parts = vec![part!("shared/types.wgsl"), hits];
+        if self.touches.geometry() {
+            parts.push(match with.traversal.rays {
+                RaysPerLane::One => part!("shared/rays_1.wgsl"),
+                RaysPerLane::Four => part!("shared/rays_2x2.wgsl"),
+            });
+            parts.push(part!("shared/lane.wgsl"));
+            parts.push(match with.traversal.fetch {
                 Fetch::Texture => part!("shared/fetch_texture.wgsl"),
                 Fetch::Buffer => part!("shared/fetch_buffer.wgsl"),
             });
-            // The fetch part declares the shading bindings too, so their struct comes along; a kernel that does not
-            // use them has no binding for them.
-            parts.push(part!("shared/shade_types.wgsl"));
             parts.extend(geometry_parts(with));
         }
         if self.touches == Touches::Geometry {
@@ -195,10 +279,10 @@ impl Kernel {
                 true => part!("shared/sky_gradient.wgsl"),
                 false => part!("shared/sky_constant.wgsl"),
             });
-            parts.push(match with.lights {
-                true => part!("shared/lights.wgsl"),
-                false => part!("shared/lights_none.wgsl"),
-            });
+            match with.lights {
+                true => parts.extend([with.shadows.part(), part!("shared/lights.wgsl")]),
+                false => parts.push(part!("shared/lights_none.wgsl")),
+            }
             parts.push(part!("shared/shade.wgsl"));
         }
         parts.extend(self.extra);
@@ -220,7 +304,11 @@ fn geometry_parts(with: &Specialisation) -> Vec<Part> {
     if !with.triangles && !with.spheres {
         return vec![part!("shared/bvh_empty.wgsl")];
     }
-    let mut parts = vec![part!("shared/bvh.wgsl")];
+    let boxes = match with.traversal.boxes {
+        Boxes::Grid16 => part!("shared/boxes_16bit.wgsl"),
+        Boxes::F32 => part!("shared/boxes_f32.wgsl"),
+    };
+    let mut parts = vec![part!("shared/bvh.wgsl"), boxes];
     if with.triangles {
         parts.push(part!("shared/triangle.wgsl"));
         parts.push(match with.normals {
@@ -248,7 +336,9 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 9] = [
+    const ALL: [&Kernel; 11] = [
+        &CLOSEST_HITS,
+        &ANY_HITS,
         &TRACE_LEFT,
         &REPROJECT,
         &REPROJECT_SLOTS,
@@ -262,17 +352,19 @@ mod tests {
 
     fn specialisations() -> Vec<Specialisation> {
         let mut all = Vec::new();
-        for bits in 0..128_u32 {
+        for (bits, traversal) in (0..64_u32).flat_map(|bits| Traversal::ALL.map(|traversal| (bits, traversal))) {
             let bit = |n: u32| bits >> n & 1 == 1;
             all.push(Specialisation {
-                fetch: if bit(0) { Fetch::Texture } else { Fetch::Buffer },
-                triangles: bit(1),
-                spheres: bit(2),
-                normals: bit(3),
-                lights: bit(4),
-                gradient: bit(5),
+                traversal,
+                shadows: [Shadows::None, Shadows::FromLight, Shadows::FromSurface][bits as usize / 2 % 3],
+                hits: [GBuffer::Ids, GBuffer::Depth, GBuffer::None][bits as usize % 3],
+                triangles: bit(0),
+                spheres: bit(1),
+                normals: bit(2),
+                lights: bit(3),
+                gradient: bit(4),
                 stack_size: 40,
-                verify: if bit(6) { Verify::All } else { Verify::None },
+                verify: if bit(5) { Verify::All } else { Verify::None },
                 count: false,
             });
         }
@@ -315,18 +407,16 @@ mod tests {
     #[test]
     fn every_specialised_kernel_makes_a_pipeline() {
         let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
-        for fetch in [Fetch::Texture, Fetch::Buffer] {
-            let make = || {
-                let pipelines = crate::gpu::Pipelines::new(&gpu, fetch);
-                for with in specialisations().into_iter().filter(|with| with.fetch == fetch) {
-                    for kernel in ALL {
-                        pipelines.get(&gpu, kernel, Specialisation { count: with.lights, ..with });
-                    }
+        let make = || {
+            let pipelines = crate::gpu::Pipelines::new(&gpu);
+            for with in specialisations() {
+                for kernel in ALL {
+                    pipelines.get(&gpu, kernel, Specialisation { count: with.lights, ..with });
                 }
-                Ok(())
-            };
-            pollster::block_on(gpu.checked(make)).unwrap();
-        }
+            }
+            Ok(())
+        };
+        pollster::block_on(gpu.checked(make)).unwrap();
     }
 
     #[test]
@@ -418,7 +508,6 @@ mod tests {
             }
         );
         assert_layout!(module, Bvh { grid_origin, extent, grid_cell, _pad });
-        assert_layout!(module, Shading { ambient, light_count, sky_nadir, _pad0, sky_zenith, _pad1 });
         assert_layout!(module, PixelHit { depth, primitive });
         let listed = parse(&TRACE_LISTED, &with);
         let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {

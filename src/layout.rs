@@ -34,19 +34,7 @@ pub(crate) struct Bvh {
     pub(crate) _pad: u32,
 }
 
-/// `Shading` of `shaders/shared/shade_types.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Shading {
-    pub(crate) ambient: [f32; 3],
-    pub(crate) light_count: u32,
-    pub(crate) sky_nadir: [f32; 3],
-    pub(crate) _pad0: u32,
-    pub(crate) sky_zenith: [f32; 3],
-    pub(crate) _pad1: u32,
-}
-
-/// `PixelHit` of shaders/shared/types.wgsl.
+/// `PixelHit` of `shaders/shared/hits_ids.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct PixelHit {

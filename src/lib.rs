@@ -31,7 +31,7 @@
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
-//! StereoCamera ─▶ trace_left     one thread a pixel: closest hit, shade, keep depth and primitive
+//! StereoCamera ─▶ trace_left     one thread a pixel or block of 2x2: closest hit, shade, keep depth and primitive
 //!              ─▶ reproject      atomicMax of the left column into the right-eye index buffer
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
 //!              ─▶ compose        8-bit sRGB of both views
@@ -58,6 +58,7 @@ mod bvh;
 pub mod camera;
 #[cfg(feature = "json")]
 mod camera_file;
+pub mod cast;
 pub mod cpu;
 mod error;
 pub mod gpu;
@@ -69,12 +70,16 @@ pub mod output;
 pub mod pair;
 pub mod scene;
 pub mod stereo;
+pub mod traversal;
 
+pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
+pub use cast::{Cast, Ray, RayHit};
 pub use error::Error;
 pub use gpu::Gpu;
 pub use method::{BufferDepth, Method, Overlap, Verify};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, Statistics, StereoPair, View, Work};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, Sphere, Triangle};
-pub use stereo::{Options, Progress, Renderer, UploadedScene, render_stereo};
+pub use stereo::{GBuffer, Options, Progress, Renderer, UploadInfo, UploadedScene, render_stereo};
+pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};

@@ -1,15 +1,21 @@
 //! The renderer: the passes of one frame, in order.
 
-use std::{ops::ControlFlow, sync::Arc};
+use std::{
+    ops::ControlFlow,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use glam::{DVec3, Vec3};
 
 use crate::{
-    Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work, bvh,
-    gpu::{Gpu, Pipelines, Texels, Timestamps, check_bytes},
-    kernels::{self, Fetch, Kernel, Specialisation, Touches},
+    BvhBuild, Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work,
+    bvh,
+    gpu::{Gpu, Pipelines, Timestamps, bind_group, check_bytes},
+    kernels::{self, Kernel, Specialisation},
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
+    traversal::{Fetch, Traversal},
 };
 
 /// Pixels of one dispatch, in whole workgroups of rows: with 5 lights some 1.5 million rays, a tenth of a second on a slow
@@ -26,12 +32,32 @@ pub struct Options {
     pub method: Method,
     /// Count BVH nodes and primitive tests (slower).
     pub count: bool,
+    /// What is kept of each pixel besides its colour.
+    pub g_buffer: GBuffer,
+}
+
+/// What is kept of each pixel besides its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GBuffer {
+    /// Depth and the ids of primitive and object.
+    #[default]
+    Ids,
+    /// Depth alone: [`View::primitive`] and [`View::object`] stay empty.
+    Depth,
+    /// Nothing: [`View::depth`] stays empty too. The reuse methods keep depth on the device all the same.
+    None,
 }
 
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false }
+        Self { method, count: false, g_buffer: GBuffer::Ids }
+    }
+
+    /// Keeps no more of each pixel than said.
+    pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
+        self.g_buffer = g_buffer;
+        self
     }
 
     /// Counts BVH nodes and primitive tests too.
@@ -61,12 +87,46 @@ pub struct Progress {
 /// A scene on a device, to be rendered from any number of cameras.
 #[derive(Debug)]
 pub struct UploadedScene {
-    geometry: wgpu::BindGroup,
+    pub(crate) geometry: wgpu::BindGroup,
     shading: wgpu::BindGroup,
-    specialisation: Specialisation,
+    pub(crate) specialisation: Specialisation,
     objects: Vec<u32>,
     lights: u32,
     gpu: Gpu,
+    info: UploadInfo,
+}
+
+/// How a scene was brought to a device.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct UploadInfo {
+    /// How its rays are traced. It is read in the other way than the renderer's where it does not fit that one.
+    pub traversal: Traversal,
+    /// Time to build and pack the BVH.
+    pub build: Duration,
+    /// Time to hand it to the driver.
+    pub upload: Duration,
+    /// Bytes of the BVH's nodes.
+    pub node_bytes: u64,
+    /// Bytes of the primitives.
+    pub primitive_bytes: u64,
+}
+
+impl UploadedScene {
+    /// How it was brought to the device.
+    pub fn info(&self) -> UploadInfo {
+        self.info
+    }
+
+    /// # Errors
+    /// [`Error::Scene`] if another [`Gpu`] holds it.
+    pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {
+        if self.gpu.is(gpu) {
+            return Ok(());
+        }
+        let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
+        Err(Error::Scene { element: "uploaded scene".into(), reason })
+    }
 }
 
 /// Renders stereo pairs; keeps pipelines and buffers from frame to frame.
@@ -86,8 +146,9 @@ pub struct UploadedScene {
 /// ```
 #[derive(Debug)]
 pub struct Renderer {
-    gpu: Gpu,
-    pipelines: Pipelines,
+    pub(crate) gpu: Gpu,
+    traversal: Traversal,
+    pub(crate) pipelines: Pipelines,
     picture: Option<Arc<Picture>>,
     slots: Option<Arc<wgpu::Buffer>>,
     timestamps: Option<Timestamps>,
@@ -98,6 +159,9 @@ pub struct Renderer {
 #[derive(Debug)]
 struct Picture {
     size: [u32; 2],
+    kept: GBuffer,
+    /// Whether it has what the reuse methods need besides.
+    reuse: bool,
     frame: wgpu::Buffer,
     left_color: wgpu::Buffer,
     right_color: wgpu::Buffer,
@@ -110,7 +174,7 @@ struct Picture {
 }
 
 impl Picture {
-    fn new(gpu: &Gpu, size: [u32; 2], band_pixels: u32) -> Result<Self, Error> {
+    fn new(gpu: &Gpu, size: [u32; 2], kept: GBuffer, reuse: bool, band_pixels: u32) -> Result<Self, Error> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let allowed = gpu.binding_limit();
         let what = format!("a {}x{} picture", size[0], size[1]);
@@ -131,12 +195,14 @@ impl Picture {
         let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
         Ok(Self {
             size,
+            kept,
+            reuse,
             frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
             left_color: storage("left_color", pixels * 16),
             right_color: storage("right_color", pixels * 16),
-            hits: storage("hits", pixels * 16),
-            right_source: storage("right_source", pixels * 4),
-            to_trace: storage("to_trace", layout::TRACE_LIST_HEADER + band * 4),
+            hits: storage("hits", 2 * pixels * hit_bytes(kept)),
+            right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
+            to_trace: storage("to_trace", if reuse { layout::TRACE_LIST_HEADER + band * 4 } else { 0 }),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("indirect"),
                 size: 12,
@@ -148,10 +214,51 @@ impl Picture {
         })
     }
 
-    /// Bytes between the passes, without the pair's own pictures.
-    fn intermediate_bytes(&self) -> u64 {
-        [&self.hits, &self.right_source, &self.to_trace, &self.counters].map(wgpu::Buffer::size).iter().sum()
+    /// Bytes between the passes of a method, without the pair's own pictures.
+    fn intermediate_bytes(&self, method: Method) -> u64 {
+        let buffers: &[&wgpu::Buffer] = match method {
+            Method::Reuse { .. } => &[&self.hits, &self.counters, &self.right_source, &self.to_trace],
+            _ => &[&self.hits, &self.counters],
+        };
+        buffers.iter().map(|buffer| buffer.size()).sum()
     }
+}
+
+/// Bytes of a `PixelHit`.
+fn hit_bytes(kept: GBuffer) -> u64 {
+    match kept {
+        GBuffer::Ids => size_of::<layout::PixelHit>() as u64,
+        GBuffer::Depth => 4,
+        GBuffer::None => 0,
+    }
+}
+
+/// The way to read a scene: the wanted one, or the other one where only that can hold it.
+fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::PackedBvh) -> Result<Fetch, Error> {
+    let other = match wanted {
+        Fetch::Texture => Fetch::Buffer,
+        Fetch::Buffer => Fetch::Texture,
+    };
+    let needed = packed.nodes.len().max(packed.primitives.len()) as u64;
+    if let Some(fetch) = [wanted, other].into_iter().find(|&fetch| gpu.texel_capacity(fetch) >= needed) {
+        if fetch != wanted {
+            log::info!("the scene is too large to be read by {wanted:?}: {fetch:?} it is");
+        }
+        return Ok(fetch);
+    }
+    let (buffer, texture) = (gpu.texel_capacity(Fetch::Buffer), gpu.texel_capacity(Fetch::Texture));
+    let (limit, capacity) = match buffer > texture {
+        true => ("max_storage_buffer_binding_size", buffer),
+        false => ("max_texture_dimension_2d", texture),
+    };
+    let primitives = scene.primitive_count() as u64;
+    Err(Error::Limit {
+        what: format!("a scene of {primitives} primitives"),
+        needed: format!("{needed} texels of 16 bytes"),
+        limit,
+        allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),
+        remedy: "use fewer primitives",
+    })
 }
 
 /// Rows of a dispatch: whole workgroups of them.
@@ -163,14 +270,15 @@ fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
 impl Renderer {
     /// A renderer on a device.
     pub fn new(gpu: Gpu) -> Self {
-        let fetch = gpu.fetch();
-        Self::with_fetch(gpu, fetch)
+        let traversal = Traversal::of(&gpu);
+        Self::with_traversal(gpu, traversal)
     }
 
-    fn with_fetch(gpu: Gpu, fetch: Fetch) -> Self {
-        let pipelines = Pipelines::new(&gpu, fetch);
+    /// A renderer whose rays go through scenes in a given way: for measurements, or where [`Traversal::of`] chose badly.
+    pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
+        let pipelines = Pipelines::new(&gpu);
         let timestamps = Timestamps::new(&gpu);
-        Self { gpu, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS }
+        Self { gpu, traversal, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS }
     }
 
     /// The device.
@@ -178,44 +286,62 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Builds a scene's BVH and uploads it, blocking.
+    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
     ///
     /// # Errors
     /// As [`Renderer::upload_async`].
     pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
-        pollster::block_on(self.upload_async(scene))
+        self.upload_with(scene, BvhBuild::Balanced)
     }
 
-    /// Builds a scene's BVH and uploads it.
+    /// Builds a scene's BVH with a given effort and uploads it, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::upload_async`].
+    pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
+        pollster::block_on(self.upload_async(scene, build))
+    }
+
+    /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
+    /// textures, and the other way round.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
-    /// takes, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
-    pub async fn upload_async(&self, scene: &Scene) -> Result<UploadedScene, Error> {
+    /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         scene.check()?;
-        let packed = bvh::build(scene)?;
-        let fetch = self.pipelines.fetch;
+        let started = Instant::now();
+        let packed = bvh::build(scene, build, self.traversal.boxes)?;
+        let built = started.elapsed();
+        let fetch = fetch_that_fits(&self.gpu, self.traversal.fetch, scene, &packed)?;
+        let traversal = Traversal { fetch, ..self.traversal };
+        let layouts = self.pipelines.layouts(fetch);
         let gpu = &self.gpu;
         let upload = || {
             let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
             let primitives = gpu.upload("primitives", &packed.primitives, fetch)?;
             let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
-            let shading = gpu.uniform_buffer("shading", bytemuck::bytes_of(&shading_uniform(scene)));
-            let bind = |label, layout, uniform: &wgpu::Buffer, texels: &[&Texels]| {
-                let resources = std::iter::once(uniform.as_entire_binding()).chain(texels.iter().map(|t| t.binding()));
-                bind_group(gpu, label, layout, resources)
-            };
+            let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
-                geometry: bind("geometry", &self.pipelines.geometry, &bvh, &[&nodes, &primitives]),
-                shading: bind("shading", &self.pipelines.shading, &shading, &[&table]),
-                specialisation: Specialisation::of(scene, fetch, packed.stack_size),
+                geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
+                shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
+                specialisation: Specialisation::of(scene, traversal, packed.stack_size),
                 lights: scene.lights.len() as u32,
                 gpu: gpu.clone(),
+                info: UploadInfo {
+                    traversal,
+                    build: built,
+                    upload: Duration::ZERO,
+                    node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
+                    primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
+                },
                 objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
             })
         };
-        gpu.checked(upload).await
+        let mut uploaded = gpu.checked(upload).await?;
+        uploaded.info.upload = started.elapsed() - built;
+        Ok(uploaded)
     }
 
     /// Renders a pair, blocking.
@@ -287,21 +413,22 @@ impl Renderer {
         options: &Options,
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<(Statistics, Arc<Picture>), Error> {
-        if !scene.gpu.is(&self.gpu) {
-            let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
-            return Err(Error::Scene { element: "uploaded scene".into(), reason });
-        }
-        let picture = self.picture_of(pose.size).await?;
+        scene.belongs_to(&self.gpu)?;
+        let method =
+            if pose.interaxial == 0.0 && options.method != Method::Naive { Method::Ideal } else { options.method };
+        let kept = match (options.g_buffer, method) {
+            (GBuffer::None, Method::Reuse { .. }) => GBuffer::Depth,
+            (kept, _) => kept,
+        };
+        let picture = self.picture_of(pose.size, kept, matches!(method, Method::Reuse { .. })).await?;
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
         }
-        let method =
-            if pose.interaxial == 0.0 && options.method != Method::Naive { Method::Ideal } else { options.method };
         let mut passes = Passes {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             scene,
-            specialisation: Specialisation { count: options.count, ..scene.specialisation },
+            specialisation: Specialisation { hits: kept, ..scene.specialisation.counting(options.count) },
             picture: &picture,
             slots: &mut self.slots,
             slot_bytes: 0,
@@ -324,12 +451,14 @@ impl Renderer {
         Ok((statistics, picture))
     }
 
-    async fn picture_of(&mut self, size: [u32; 2]) -> Result<Arc<Picture>, Error> {
-        if let Some(picture) = self.picture.as_ref().filter(|picture| picture.size == size) {
+    async fn picture_of(&mut self, size: [u32; 2], kept: GBuffer, reuse: bool) -> Result<Arc<Picture>, Error> {
+        let fits = |picture: &&Arc<Picture>| (picture.size, picture.kept) == (size, kept) && picture.reuse >= reuse;
+        if let Some(picture) = self.picture.as_ref().filter(fits) {
             return Ok(picture.clone());
         }
         self.picture = None; // the old one's memory first
-        let picture = Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size, self.band_pixels)).await?);
+        let picture =
+            Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size, kept, reuse, self.band_pixels)).await?);
         self.picture = Some(picture.clone());
         Ok(picture)
     }
@@ -341,13 +470,7 @@ impl Renderer {
         let pixels = u64::from(width) * u64::from(height);
         let cut_short = sum(layout::CUT_SHORT);
         if cut_short > 0 {
-            return Err(Error::Limit {
-                what: format!("the tracing of {cut_short} pixels"),
-                needed: "more rounds of its loops".into(),
-                limit: "bound on the loops of a thread",
-                allowed: "reached (llvmpipe's is 65535)".into(),
-                remedy: "use fewer lights or a simpler scene",
-            });
+            return Err(Error::cut_short(cut_short, "pixels"));
         }
         let work = |eye: usize, primary, verification| Work {
             rays: Rays { primary, verification, shadow: sum(eye * layout::VIEW_WORDS + layout::SHADOW_RAYS) },
@@ -370,7 +493,7 @@ impl Renderer {
             bad,
             missed,
             lost_candidates: sum(layout::LOST_CANDIDATES),
-            intermediate_bytes: picture.intermediate_bytes(),
+            intermediate_bytes: picture.intermediate_bytes(method),
             ..Statistics::default()
         })
     }
@@ -384,11 +507,19 @@ impl Renderer {
         statistics: Statistics,
     ) -> Result<StereoPair, Error> {
         let pixels = picture.size[0] as usize * picture.size[1] as usize;
-        let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
+        let hits: Vec<layout::PixelHit> = match (options.g_buffer, picture.kept) {
+            (GBuffer::None, _) | (_, GBuffer::None) => Vec::new(),
+            (_, GBuffer::Ids) => self.gpu.read(&picture.hits, 2 * pixels).await?,
+            (_, GBuffer::Depth) => {
+                let depths: Vec<f32> = self.gpu.read(&picture.hits, 2 * pixels).await?;
+                depths.into_iter().map(|depth| layout::PixelHit { depth, primitive: crate::MISS }).collect()
+            }
+        };
         let rgba8: Vec<[u8; 4]> = self.gpu.read(&picture.pictures, 2 * pixels).await?;
         let view = |eye: usize, linear| {
-            let hits = &hits[eye * pixels..(eye + 1) * pixels];
-            let depth = |hit: &layout::PixelHit| if hit.primitive == crate::MISS { f32::INFINITY } else { hit.depth };
+            let hits = hits.get(eye * pixels..(eye + 1) * pixels).unwrap_or_default();
+            let with_ids = if options.g_buffer == GBuffer::Ids { hits } else { &[] };
+            let depth = |hit: &layout::PixelHit| if hit.depth < crate::FAR { hit.depth } else { f32::INFINITY };
             let object = |hit: &layout::PixelHit| scene.objects.get(hit.primitive as usize).copied();
             View {
                 width: picture.size[0],
@@ -396,8 +527,8 @@ impl Renderer {
                 rgba8: rgba8[eye * pixels..(eye + 1) * pixels].to_vec(),
                 linear,
                 depth: hits.iter().map(depth).collect(),
-                primitive: hits.iter().map(|hit| hit.primitive).collect(),
-                object: hits.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
+                primitive: with_ids.iter().map(|hit| hit.primitive).collect(),
+                object: with_ids.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
             }
         };
         let left = view(0, self.gpu.read(&picture.left_color, pixels).await?);
@@ -631,17 +762,18 @@ impl Passes<'_> {
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&pipeline.pipeline);
-        if kernel.touches != Touches::Pixels {
+        if kernel.touches.geometry() {
             pass.set_bind_group(0, &self.scene.geometry, &[]);
         }
         pass.set_bind_group(1, &own, &[]);
-        if kernel.touches == Touches::Shading {
+        if kernel.touches.table() {
             pass.set_bind_group(2, &self.scene.shading, &[]);
         }
         match launch {
             Launch::Pixels => {
                 let rows = self.frame.row_end - self.frame.row_begin;
-                pass.dispatch_workgroups(self.picture.size[0].div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), 1);
+                let side = WORKGROUP * kernel.block(&self.specialisation);
+                pass.dispatch_workgroups(self.picture.size[0].div_ceil(side), rows.div_ceil(side), 1);
             }
             Launch::Rows(workgroups) => pass.dispatch_workgroups(1, workgroups, 1),
             Launch::Indirect => pass.dispatch_workgroups_indirect(&self.picture.indirect, 0),
@@ -665,25 +797,12 @@ impl Passes<'_> {
 
 /// How a kernel is launched over a band.
 enum Launch {
-    /// A thread a pixel of the band.
+    /// A thread a pixel of the band, or a block of pixels where the kernel traces rays.
     Pixels,
     /// A thread a row of the picture, in this many workgroups.
     Rows(u32),
     /// By the list that `resolve_right` filled.
     Indirect,
-}
-
-fn bind_group<'a>(
-    gpu: &Gpu,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
-        .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// The camera as kernels read it. Directions have length 1 along the view axis: a ray's t is the depth Z.
@@ -714,25 +833,22 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
     }
 }
 
-/// Lights (position, intensity), then albedos, a texel each.
+/// What shading reads of a scene, a texel each: see shaders/shared/shade.wgsl.
 fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
-    let texel = |v: Vec3| v.extend(0.0).to_array().map(f32::to_bits);
-    let lights = scene.lights.iter().flat_map(|light| [texel(light.position), texel(light.intensity)]);
-    lights.chain(scene.materials().iter().map(|material| texel(material.albedo))).collect()
-}
-
-fn shading_uniform(scene: &Scene) -> layout::Shading {
     let (nadir, zenith) = match scene.sky {
         Sky::Constant(color) => (color, color),
         Sky::Gradient { nadir, zenith } => (nadir, zenith),
     };
-    layout::Shading {
-        ambient: scene.ambient.to_array(),
-        light_count: scene.lights.len() as u32,
-        sky_nadir: nadir.to_array(),
-        sky_zenith: zenith.to_array(),
-        ..layout::Shading::default()
-    }
+    let head = [(scene.ambient, scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
+    let lights = scene.lights.iter().flat_map(|light| [(light.position, 0), (light.intensity, 0)]);
+    let albedos = scene.materials().iter().map(|material| (material.albedo, 0));
+    let texels = head.into_iter().chain(lights).chain(albedos);
+    texels
+        .map(|(vector, word)| {
+            let [x, y, z] = vector.to_array().map(f32::to_bits);
+            [x, y, z, word]
+        })
+        .collect()
 }
 
 /// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::ATOMIC`]. For
@@ -792,19 +908,21 @@ mod tests {
     }
 
     #[test]
-    fn textures_and_storage_buffers_give_the_same_pair() {
+    fn every_traversal_gives_the_same_pair() {
         use crate::scene::builtin::Builtin;
         let spheres_and_triangles = Builtin::Near;
         for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
             let camera = builtin.camera(65, 40);
-            let [texture, buffer] = [Fetch::Texture, Fetch::Buffer].map(|fetch| {
-                let mut renderer = Renderer::with_fetch(renderer(BAND_PIXELS).gpu, fetch);
+            let pairs = Traversal::ALL.map(|traversal| {
+                let mut renderer = Renderer::with_traversal(renderer(BAND_PIXELS).gpu, traversal);
                 let uploaded = renderer.upload(&builtin.scene()).unwrap();
-                let mut pair = renderer.render(&uploaded, &camera, &Options::default().counting()).unwrap();
+                let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
                 pair.statistics.times = None;
                 pair
             });
-            assert_eq!(texture, buffer, "{builtin}");
+            for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
+                assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
+            }
         }
     }
 
@@ -813,7 +931,7 @@ mod tests {
         let mut renderer = renderer(64 * 16);
         let scene = renderer.upload(&Scene::new()).unwrap();
         let run = async {
-            let picture = renderer.picture_of(pose.size).await?;
+            let picture = renderer.picture_of(pose.size, GBuffer::Ids, true).await?;
             let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
             renderer.gpu.queue.write_buffer(&picture.hits, 0, bytemuck::cast_slice(&hits));
             let mut passes = Passes {

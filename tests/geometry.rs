@@ -236,15 +236,20 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
 fn shadows_reach_to_their_casters_at_every_scale_and_place() {
     // A wall on a floor, lit from above: at its foot the floor is in shadow up to x = 0.26, unless the shadow rays start
     // above the wall. The other side of the acne test.
-    for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)] {
+    // The farther lights are 20 and 10,000 times the scene's side away.
+    let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)];
+    for ((scale, offset), away) in places.into_iter().flat_map(|place| [1.0, 30.0, 2e4].map(|away| (place, away))) {
         let place = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale + Vec3::splat(offset);
+        if 10.0 * away * scale > 1e8 {
+            continue; // refused
+        }
         let mut scene = Scene::new();
         let floor = vec![place(-9.0, 0.0, -9.0), place(9.0, 0.0, -9.0), place(9.0, 0.0, 9.0), place(-9.0, 0.0, 9.0)];
         scene.add_mesh(&mesh(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         let wall = vec![place(0.0, 0.0, -9.0), place(0.0, 0.5, -9.0), place(0.0, 0.5, 9.0), place(0.0, 0.0, 9.0)];
         scene.add_mesh(&mesh(wall, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         scene.ambient = Vec3::ZERO;
-        scene.lights = vec![PointLight { position: place(-5.0, 10.0, 0.0), intensity: Vec3::ONE }];
+        scene.lights = vec![PointLight { position: place(-5.0 * away, 10.0 * away, 0.0), intensity: Vec3::ONE }];
         let camera = StereoCamera::look_at(place(0.1, 4.0, 0.0), place(0.1, 0.0, 0.0))
             .up(Vec3::Z)
             .size(64, 64)
@@ -254,7 +259,41 @@ fn shadows_reach_to_their_casters_at_every_scale_and_place() {
         let floor = pair.left.object.iter().zip(&pair.left.linear).filter(|(object, _)| **object == 0);
         let lit = floor.clone().filter(|(_, color)| color[..3] != [0.0; 3]).count();
         assert!(floor.count() > 3000);
-        assert_eq!(lit, 0, "scale {scale}, offset {offset}: light leaks under the wall");
+        assert_eq!(lit, 0, "scale {scale}, offset {offset}, light {away}: light leaks under the wall");
+    }
+}
+
+#[test]
+fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
+    for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3)] {
+        let center = Vec3::splat(offset);
+        let mut scene = Scene::new();
+        scene.add_mesh(&ball(center, scale, 60)).unwrap();
+        scene.ambient = Vec3::ZERO;
+        let camera = StereoCamera::look_at(center + 4.0 * scale * Vec3::Z, center).size(96, 96).interaxial(0.0);
+        for away in [3.0, 30.0, 120.0, 1e3, 1e5] {
+            let towards = Vec3::new(0.5, 0.7, 0.6).normalize();
+            let position = center + towards * (away * scale);
+            if position.abs().max_element() > 1e8 {
+                continue; // refused
+            }
+            scene.lights = vec![PointLight { position, intensity: Vec3::ONE }];
+            let pair = render(&scene, &camera, Method::Ideal);
+            let frame = stereotrace::cpu::Frame::new(&pair.pose);
+            let mut lit = 0;
+            for (index, (depth, color)) in pair.left.depth.iter().zip(&pair.left.linear).enumerate() {
+                let direction = frame.direction(stereotrace::cpu::Eye::Left, index % 96, index / 96);
+                let point = frame.eye(stereotrace::cpu::Eye::Left) + direction * depth.min(1e9);
+                // Facing the light by more than a triangle's normal can be off.
+                let facing = depth.is_finite() && (point - center).dot((position - point).normalize()) > 0.1 * scale;
+                lit += usize::from(facing);
+                assert!(
+                    !facing || color[0] > 0.0,
+                    "pixel {index} is dark: scale {scale}, offset {offset}, light {away}"
+                );
+            }
+            assert!(lit > 500, "{lit}");
+        }
     }
 }
 

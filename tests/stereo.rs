@@ -4,8 +4,8 @@ mod common;
 
 use common::{gpu, render, renderer};
 use stereotrace::{
-    BufferDepth, Error, Gpu, MISS, Method, Options, Overlap, PixelSource, PointLight, Renderer, Scene, StereoCamera,
-    StereoPair, Verify,
+    BufferDepth, BvhBuild, Error, Fetch, GBuffer, Gpu, MISS, Method, Options, Overlap, PixelSource, PointLight,
+    RaysPerLane, Renderer, Scene, StereoCamera, StereoPair, Traversal, Verify,
     glam::Vec3,
     method::lemma1,
     metrics::{Difference, compare},
@@ -362,4 +362,114 @@ fn degenerate_triangles_are_counted_and_not_traced_and_ids_keep_their_numbers() 
     let pair = render(&scene, &camera, Method::Naive);
     assert!(pair.left.primitive.iter().all(|&id| id == 2 || id == MISS));
     assert_eq!(pair.left.primitive[10 * 21 + 10], 2);
+}
+
+#[test]
+fn a_smaller_g_buffer_changes_no_picture() {
+    let camera = Builtin::Fence.camera(61, 45);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
+    for (name, method) in Method::ALL {
+        let mut render =
+            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).keeping(g_buffer)).unwrap();
+        let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
+        for less in [&depth, &none] {
+            assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{name}");
+            assert_eq!((&less.left.rgba8, &less.right.rgba8), (&full.left.rgba8, &full.right.rgba8), "{name}");
+            assert_eq!(less.source, full.source, "{name}");
+            assert!(less.left.primitive.is_empty() && less.right.object.is_empty(), "{name}");
+            assert!(less.statistics.intermediate_bytes < full.statistics.intermediate_bytes, "{name}");
+        }
+        assert_eq!((&depth.left.depth, &depth.right.depth), (&full.left.depth, &full.right.depth), "{name}");
+        assert!(none.left.depth.is_empty() && none.right.depth.is_empty(), "{name}");
+        let error = compare(&none.right, &full.right, &full.pose).unwrap_err().to_string();
+        assert!(error.contains("0 pixels"), "{error}");
+    }
+}
+
+#[test]
+fn without_shadows_every_light_in_front_of_a_surface_reaches_it() {
+    let camera = Builtin::Hall.camera(80, 60);
+    let mut scene = Builtin::Hall.scene();
+    let with = render(&scene, &camera, Method::Naive);
+    scene.shadows = false;
+    let without = render(&scene, &camera, Method::Naive);
+    assert!(with.statistics.left.rays.shadow > 0);
+    assert_eq!(without.statistics.left.rays.shadow + without.statistics.right.rays.shadow, 0);
+    let pairs = || with.left.linear.iter().zip(&without.left.linear);
+    assert!(pairs().all(|(with, without)| (0..3).all(|c| without[c] >= with[c])));
+    assert!(pairs().filter(|(with, without)| with != without).count() > 500);
+    assert_eq!(with.left.depth, without.left.depth);
+    // A surface that no light is hidden from looks the same: a lone sphere lit from the eye.
+    let mut lone = Scene::new();
+    let grey = lone.add_material("grey", Vec3::splat(0.5));
+    lone.add_sphere(stereotrace::Sphere { center: Vec3::ZERO, radius: 1.0, material: grey }).unwrap();
+    lone.lights = vec![PointLight { position: 5.0 * Vec3::Z, intensity: Vec3::ONE }];
+    let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(48, 48);
+    let with = render(&lone, &camera, Method::Naive);
+    lone.shadows = false;
+    assert_eq!(render(&lone, &camera, Method::Naive).left.linear, with.left.linear);
+}
+
+#[test]
+fn every_effort_at_the_tree_gives_the_same_picture() {
+    let camera = Builtin::Hall.camera(64, 48);
+    let mut renderer = renderer();
+    let exact = common::is_exact(&renderer);
+    let pairs = BvhBuild::ALL.map(|build| {
+        let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).unwrap();
+        let info = uploaded.info();
+        assert!(info.node_bytes > 0 && info.primitive_bytes > 0 && !info.build.is_zero() && !info.upload.is_zero());
+        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).counting()).unwrap();
+        (pair.left.linear, pair.right.primitive, pair.statistics.left.nodes)
+    });
+    for (build, pair) in BvhBuild::ALL.iter().zip(&pairs) {
+        assert!(!exact || (&pair.0, &pair.1) == (&pairs[0].0, &pairs[0].1), "{build:?}");
+    }
+    assert!(pairs[2].2 < pairs[0].2, "more effort, fewer nodes: {} {}", pairs[2].2, pairs[0].2);
+}
+
+/// A device of the tests' adapter with lower limits.
+fn limited(bytes: u64, side: u32) -> Gpu {
+    let gpu = gpu();
+    let mut limits = gpu.device().limits();
+    limits.max_storage_buffer_binding_size = bytes;
+    limits.max_texture_dimension_2d = side;
+    limits.max_texture_dimension_1d = limits.max_texture_dimension_1d.min(side);
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let same = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        (&info.name, info.backend) == (&gpu.adapter_info().name, gpu.adapter_info().backend)
+    };
+    let adapter = adapters.into_iter().find(same).expect("the adapter that was just opened");
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Gpu::from_device(device, queue)
+}
+
+#[test]
+fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_count_that_fits() {
+    // The hall's primitives take 12 MiB.
+    let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(33, 20));
+    let buffers = Traversal { fetch: Fetch::Buffer, rays: RaysPerLane::One, ..Traversal::of(&gpu()) };
+    let whole = {
+        let mut renderer = Renderer::with_traversal(gpu(), buffers);
+        let uploaded = renderer.upload(&scene).unwrap();
+        assert_eq!(uploaded.info().traversal, buffers);
+        renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap()
+    };
+    let mut small = Renderer::with_traversal(limited(1 << 20, 8192), buffers);
+    let uploaded = small.upload(&scene).unwrap();
+    assert_eq!(uploaded.info().traversal.fetch, Fetch::Texture);
+    let pair = small.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap();
+    assert_eq!(pair.right.primitive, whole.right.primitive);
+
+    let tiny = Renderer::with_traversal(limited(1 << 20, 2048), buffers);
+    let error = tiny.upload(&scene).unwrap_err();
+    let message = error.to_string();
+    assert!(matches!(error, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{message}");
+    // 1 MiB holds 65,536 texels, four a primitive with normals: a little less for its degenerate triangles, if any.
+    assert!(message.starts_with(&format!("a scene of {} primitives needs ", scene.primitive_count())), "{message}");
+    assert!(message.contains("enough for 65536, about 16384 primitives"), "{message}");
 }

@@ -8,7 +8,11 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-use crate::{measure::Measured, options::Plan, output::Provenance, scenes};
+use crate::{
+    common::{provenance::Provenance, scenes},
+    measure::Measured,
+    options::Plan,
+};
 
 const SIZE: (u32, u32) = (800, 500);
 /// Where the legend's column begins and the plot ends.

@@ -5,11 +5,11 @@
 //! at all. `cargo bench --bench stereo -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
 
 mod chart;
+#[path = "../common/mod.rs"]
+mod common;
 mod measure;
-mod obvhs_tracer;
 mod options;
 mod output;
-mod scenes;
 mod tables;
 
 use std::{error::Error, process::ExitCode};
@@ -17,7 +17,11 @@ use std::{error::Error, process::ExitCode};
 use clap::Parser;
 use stereotrace::{Gpu, Renderer};
 
-use crate::{measure::Measured, options::Options, output::Provenance};
+use crate::{
+    common::{provenance::Provenance, scenes},
+    measure::Measured,
+    options::Options,
+};
 
 fn main() -> ExitCode {
     match run(&Options::parse()) {
@@ -35,16 +39,13 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let provenance = Provenance::of(renderer.gpu());
     let mut measured: Vec<Measured> = Vec::new();
     for name in options.scenes() {
-        match scenes::load(&name, &plan)? {
+        match scenes::load(&name, plan.size, plan.e_px, plan.lights)? {
             Some(scene) => {
                 let figures = measure::measure(&mut renderer, &scene, &plan)?;
                 println!("{}", tables::of(&figures, &plan, &provenance));
                 measured.push(figures);
             }
-            None => println!(
-                "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {}\n",
-                scenes::FOLDER_VARIABLE
-            ),
+            None => println!("{}\n", scenes::skipped(&name)),
         }
     }
     if measured.is_empty() {

@@ -4,48 +4,16 @@ use std::{
     error::Error,
     fs,
     path::{Path, PathBuf},
-    process::Command,
-    time::{SystemTime, UNIX_EPOCH},
 };
 
 use serde_json::{Value, json};
-use stereotrace::Gpu;
 
 use crate::{
     chart,
+    common::provenance::Provenance,
     measure::{Measured, MethodFigures},
     options::Plan,
 };
-
-/// Where and when figures were taken.
-pub(crate) struct Provenance {
-    pub(crate) adapter: String,
-    pub(crate) driver: String,
-    /// Of the source, or "unknown".
-    commit: String,
-    /// UTC, as 2012-06-30T23:59:59Z.
-    date: String,
-}
-
-impl Provenance {
-    pub(crate) fn of(gpu: &Gpu) -> Self {
-        let git = Command::new("git").args(["rev-parse", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
-        let commit = git.ok().filter(|output| output.status.success());
-        let commit = commit.and_then(|output| String::from_utf8(output.stdout).ok());
-        let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-        Self {
-            adapter: gpu.adapter_name(),
-            driver: gpu.driver(),
-            commit: commit.map_or("unknown".into(), |commit| commit.trim().to_owned()),
-            date: utc(seconds),
-        }
-    }
-
-    /// The date without the time.
-    pub(crate) fn day(&self) -> &str {
-        self.date.split('T').next().unwrap_or(&self.date)
-    }
-}
 
 /// Writes the three files and returns their paths. All are made before the first is written.
 pub(crate) fn write_all(
@@ -96,6 +64,7 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("pair_ms_min", json!(figures.pair_ms.min)),
         ("pair_ms_max", json!(figures.pair_ms.max)),
         ("pair_wall_ms", json!(figures.wall_ms)),
+        ("passes_ms", json!(passes(figures))),
         ("second_eye", json!(figures.second_eye)),
         ("second_eye_counters", json!(figures.second_eye_counters())),
         ("speed_up", json!(figures.speed_up)),
@@ -117,13 +86,16 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("lost_candidates", json!(statistics.lost_candidates)),
         ("buffer_depth", json!(statistics.buffer_depth)),
         ("intermediate_bytes_per_pixel", json!(statistics.intermediate_bytes as f64 / pixels)),
-        ("primary_mrays_per_s", json!(scene.primary.device)),
-        ("primary_mrays_per_s_obvhs", json!(scene.primary.obvhs)),
         ("adapter", json!(provenance.adapter)),
         ("driver", json!(provenance.driver)),
         ("commit", json!(provenance.commit)),
         ("date", json!(provenance.date)),
     ]
+}
+
+/// As `trace_left 12.3; reproject 0.4`.
+fn passes(figures: &MethodFigures) -> String {
+    figures.passes.iter().map(|(name, ms)| format!("{name} {ms:.3}")).collect::<Vec<_>>().join("; ")
 }
 
 fn csv(records: &[Record]) -> String {
@@ -147,18 +119,4 @@ fn json(records: &[Record]) -> String {
         format!("  {{ {} }}", fields.collect::<Vec<_>>().join(", "))
     };
     format!("[\n{}\n]\n", records.iter().map(object).collect::<Vec<_>>().join(",\n"))
-}
-
-/// Seconds since 1970 as a date, after Hinnant's `civil_from_days`.
-fn utc(seconds: u64) -> String {
-    let (days, time) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    // Years begin in March here, so that the leap day is their last.
-    let march_month = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * march_month + 2) / 5 + 1;
-    let month = if march_month < 10 { march_month + 3 } else { march_month - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", time / 3600, time / 60 % 60, time % 60)
 }

@@ -3,13 +3,12 @@
 use std::fmt::Write;
 
 use crate::{
+    common::{provenance::Provenance, scenes},
     measure::{Measured, MethodFigures},
     options::Plan,
-    output::Provenance,
-    scenes,
 };
 
-/// A scene's tables: time, accuracy, counted work, and the rate of primary rays.
+/// A scene's tables: time, accuracy and counted work.
 pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> String {
     let [width, height] = plan.size;
     let mut text = format!("## {}\n\n", scenes::title(&measured.scene));
@@ -28,16 +27,7 @@ pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> S
     text += &time(measured);
     text += &accuracy(measured);
     text += &work(measured, plan);
-    let primary = &measured.primary;
-    let _ = writeln!(
-        text,
-        "primary rays: {:.2} million/s on the device, {:.2} by obvhs on {} threads: {:.2} of its rate; depths agree in {:.2}% of the pixels",
-        primary.device,
-        primary.obvhs,
-        primary.obvhs_threads,
-        primary.device / primary.obvhs,
-        primary.same_depth_percent,
-    );
+    text += &passes(measured, plan);
     text
 }
 
@@ -125,6 +115,18 @@ fn work(measured: &Measured, plan: &Plan) -> String {
             format!("{:.1}", statistics.intermediate_bytes as f64 / pixels),
         ]
     })
+}
+
+/// Each pass's time, and what it is a pixel.
+fn passes(measured: &Measured, plan: &Plan) -> String {
+    let pixels = f64::from(plan.size[0]) * f64::from(plan.size[1]);
+    let mut text = "passes, ms (ns a pixel)\n".to_owned();
+    for figures in &measured.methods {
+        let pass = |(name, ms): &(&str, f64)| format!("{name} {ms:.1} ({:.0})", ms * 1e6 / pixels);
+        let passes: Vec<_> = figures.passes.iter().map(pass).collect();
+        let _ = writeln!(text, "{}: {}", figures.method, passes.join(", "));
+    }
+    text
 }
 
 /// A row a method, columns as wide as they need to be.

@@ -3,8 +3,7 @@
 @group(0) @binding(0) var<uniform> bvh: Bvh;
 @group(0) @binding(1) var<storage, read> nodes: array<vec4u>;
 @group(0) @binding(2) var<storage, read> primitives: array<vec4u>;
-@group(2) @binding(0) var<uniform> shading: Shading;
-@group(2) @binding(1) var<storage, read> shading_table: array<vec4u>;
+@group(2) @binding(0) var<storage, read> table: array<vec4u>;
 
 fn node_texel(index: u32) -> vec4u {
     return nodes[index];
@@ -14,6 +13,6 @@ fn primitive_texel(index: u32) -> vec4u {
     return primitives[index];
 }
 
-fn shading_texel(index: u32) -> vec4f {
-    return bitcast<vec4f>(shading_table[index]);
+fn table_texel(index: u32) -> vec4u {
+    return table[index];
 }

@@ -1,11 +1,11 @@
-// The scene behind textures: on CPU adapters a texture load is an unrolled gather, faster than a
-// storage-buffer load (1.2 to 5.8 times, docs/TRAVERSAL.md). Twin of fetch_buffer.wgsl: same functions.
+// The scene behind textures, for CPU adapters: there a texel is an unrolled gather, faster than a storage-buffer load
+// (docs/TRAVERSAL.md). Storage textures, since a sampled one's load looks its mip level up for every lane. Twin of
+// fetch_buffer.wgsl: same functions.
 
 @group(0) @binding(0) var<uniform> bvh: Bvh;
-@group(0) @binding(1) var nodes: texture_2d<u32>;
-@group(0) @binding(2) var primitives: texture_2d<u32>;
-@group(2) @binding(0) var<uniform> shading: Shading;
-@group(2) @binding(1) var shading_table: texture_2d<u32>;
+@group(0) @binding(1) var nodes: texture_storage_2d<rgba32uint, read>;
+@group(0) @binding(2) var primitives: texture_storage_2d<rgba32uint, read>;
+@group(2) @binding(0) var table: texture_storage_2d<rgba32uint, read>;
 
 // Texels stand row by row in textures 8192 wide, the least width that every WebGPU device offers.
 fn texel_position(index: u32) -> vec2u {
@@ -13,13 +13,13 @@ fn texel_position(index: u32) -> vec2u {
 }
 
 fn node_texel(index: u32) -> vec4u {
-    return textureLoad(nodes, texel_position(index), 0);
+    return textureLoad(nodes, texel_position(index));
 }
 
 fn primitive_texel(index: u32) -> vec4u {
-    return textureLoad(primitives, texel_position(index), 0);
+    return textureLoad(primitives, texel_position(index));
 }
 
-fn shading_texel(index: u32) -> vec4f {
-    return bitcast<vec4f>(textureLoad(shading_table, texel_position(index), 0));
+fn table_texel(index: u32) -> vec4u {
+    return textureLoad(table, texel_position(index));
 }

@@ -1,35 +1,39 @@
-// Omnidirectional point lights, each with a shadow ray (DESIGN, section 3).
+// Omnidirectional point lights (DESIGN, section 3); who sees them is for one of shadows_*.wgsl to say.
 
-// A shadow ray starts off the surface by these shares of its point's distance from the eye and from the world's origin:
-// what the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has
-// the measurement.
+// A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
+// the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
+// measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 
-var<private> shadow_rays: u32;
-
-fn direct_light(surface: Surface, eye: vec3f) -> vec3f {
-    let reach = abs(surface.point) * OFFSET_BY_PLACE + abs(surface.point - eye) * OFFSET_BY_DISTANCE;
-    let offset = max(max(reach.x, reach.y), reach.z);
-    let origin = surface.point + surface.geometric_normal * offset;
-    var sum = vec3f(0.0);
+fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
+    let point = surfaces.point;
+    let reach_x = abs(point.x) * OFFSET_BY_PLACE + abs(point.x - eye.x) * OFFSET_BY_DISTANCE;
+    let reach_y = abs(point.y) * OFFSET_BY_PLACE + abs(point.y - eye.y) * OFFSET_BY_DISTANCE;
+    let reach_z = abs(point.z) * OFFSET_BY_PLACE + abs(point.z - eye.z) * OFFSET_BY_DISTANCE;
+    let reach = max(max(reach_x, reach_y), reach_z);
+    var sum = all3(vec3f(0.0));
+    let light_count = table_texel(AMBIENT).w;
     var light = 0u;
     loop {
-        let position = shading_texel(2u * light).xyz;
-        let intensity = shading_texel(2u * light + 1u).xyz;
-        let to_light = position - origin;
-        let distance = length(to_light);
-        let cosine = dot(surface.shading_normal, to_light) / distance;
+        let position = shading_vector(LIGHTS + 2u * light);
+        let intensity = shading_vector(LIGHTS + 2u * light + 1u);
+        let straight = minus3(point, all3(position));
+        let offset = reach + max(max(abs(straight.x), abs(straight.y)), abs(straight.z)) * OFFSET_BY_LIGHT;
+        let aside = times3(surfaces.geometric_normal, offset);
+        let from_light = add3(straight, aside);
+        let distance = sqrt(dot3(from_light, from_light));
+        let direction = times3(from_light, 1.0 / distance);
+        let cosine = -dot3(surfaces.shading_normal, direction);
         // Behind the triangle itself there is no light, whatever a smooth normal says.
-        if cosine > 0.0 && dot(surface.geometric_normal, to_light) > 0.0 {
-            shadow_rays += 1u;
-            if !any_hit(Ray(origin, to_light), 0.0, 1.0) {
-                sum += intensity * cosine;
-            }
+        let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & surfaces.there;
+        if any_ray(faces) {
+            let lit = faces & !shadowed(position, add3(point, aside), direction, distance, faces);
+            sum = add3(sum, times3(all3(intensity), select(F(0.0), cosine, lit)));
         }
         light += 1u;
-        if light >= shading.light_count { break; }
+        if light >= light_count { break; }
     }
-    cut_short |= light < shading.light_count;
+    cut_short |= light < light_count;
     return sum;
 }

@@ -2,12 +2,13 @@
 
 const PRIMITIVE_TEXELS: u32 = 3u;
 
-fn intersect_primitive(slot: u32, ray: ShearedRay, t_min: f32) -> Candidate {
+fn intersect_primitive(slot: u32, rays: Rays, per_length_squared: F, t_min: F) -> Candidate {
     let first = primitive_texel(slot * PRIMITIVE_TEXELS);
     let radius = bitcast<f32>(primitive_texel(slot * PRIMITIVE_TEXELS + 1u).x);
-    return Candidate(intersect_sphere(ray, bitcast<vec3f>(first.xyz), radius, t_min), first.w);
+    let center = bitcast<vec3f>(first.xyz);
+    return Candidate(intersect_sphere(rays, per_length_squared, center, radius, t_min), first.w);
 }
 
-fn surface_at(ray: ShearedRay, hit: Hit) -> Surface {
-    return sphere_surface(ray, hit);
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return sphere_surface(rays, hits, ray);
 }

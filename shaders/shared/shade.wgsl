@@ -1,21 +1,62 @@
 // Diffuse shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V), linear, clamped to 0..1.
 
-struct Sample {
-    color: vec4f,
-    hit: PixelHit,
+// What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
+// driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
+const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
+const SKY_NADIR: u32 = 1u;    // linear RGB straight down
+const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
+const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials' albedos
+
+fn shading_vector(index: u32) -> vec3f {
+    return bitcast<vec3f>(table_texel(index).xyz);
 }
 
-// One primary ray from an eye, shaded. The shading table holds the lights (position, intensity), then the albedos.
-fn trace_pixel(eye: vec3f, direction: vec3f) -> Sample {
-    let ray = Ray(eye, direction);
-    let hit = closest_hit(ray, 0.0, FAR);
-    var color = vec3f(0.0);
-    if hit.primitive == MISS {
-        color = sky(direction);
-    } else {
-        let surface = surface_at(shear(ray), hit);
-        let albedo = shading_texel(2u * shading.light_count + surface.material).xyz;
-        color = albedo * (shading.ambient + direct_light(surface, eye));
+// What a lane's primary rays saw.
+struct Samples {
+    color: F3,
+    depth: F,
+    primitive: U,
+}
+
+// What lights need of the points that a lane's rays hit. Rays that hit nothing have zeros.
+struct Surfaces {
+    there: B,
+    point: F3,
+    geometric_normal: F3,   // unit, towards the viewer
+    shading_normal: F3,     // unit, on the geometric normal's side
+    albedo: F3,
+}
+
+// Primary rays from an eye, shaded; those that are not wanted see the sky.
+fn trace_pixels(rays: Rays, wanted: B) -> Samples {
+    let hits = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
+    let surfaces = surfaces_at(rays, hits);
+    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), direct_light(surfaces, rays.origin)));
+    color = select3(sky(rays.direction), color, surfaces.there);
+    let low = F(0.0);
+    let high = F(1.0);
+    let clamped = F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
+    return Samples(clamped, select(F(FAR), hits.t, surfaces.there), hits.primitive);
+}
+
+// Normals and albedos are fetched here, once a hit.
+fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
+    let there = hits.primitive != U(MISS);
+    let albedos = LIGHTS + 2u * table_texel(AMBIENT).w;
+    var geometric: F3;
+    var smooth_normal: F3;
+    var albedo: F3;
+    var ray = 0u;
+    loop {
+        if of_ray_b(there, ray) {
+            let surface = surface_at(rays, hits, ray);
+            geometric = with_ray3(geometric, ray, surface.geometric_normal);
+            smooth_normal = with_ray3(smooth_normal, ray, surface.shading_normal);
+            albedo = with_ray3(albedo, ray, shading_vector(albedos + surface.material));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
     }
-    return Sample(vec4f(clamp(color, vec3f(0.0), vec3f(1.0)), 1.0), PixelHit(hit.t, hit.primitive));
+    let point = add3(all3(rays.origin), times3(rays.direction, hits.t));
+    return Surfaces(there, point, geometric, smooth_normal, albedo);
 }

@@ -1,4 +1,4 @@
 // A sky of one colour.
-fn sky(direction: vec3f) -> vec3f {
-    return shading.sky_zenith;
+fn sky(direction: F3) -> F3 {
+    return all3(shading_vector(SKY_ZENITH));
 }

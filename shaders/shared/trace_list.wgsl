@@ -8,8 +8,6 @@ struct TraceList {
     pixels: array<u32>,
 }
 
-const LIST_WORKGROUP: u32 = 64u;
-
 // Marks of right_source: nothing landed here, checked and rejected, traced for want of a left sample.
 const EMPTY: u32 = 0u;
 const BAD: u32 = 0x40000000u;

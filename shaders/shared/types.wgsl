@@ -28,29 +28,24 @@ struct Frame {
 
 // Threads of a workgroup in x and in y.
 const WORKGROUP: u32 = 8u;
+// Threads of a workgroup of a launch over a list.
+const LIST_WORKGROUP: u32 = 64u;
 
 const LEFT: u32 = 0u;
 const RIGHT: u32 = 1u;
 
-// What a pixel saw: depth along the view axis (FAR: nothing) and primitive id (MISS: nothing).
-struct PixelHit {
-    depth: f32,
-    primitive: u32,
-}
-
-// Direction from an eye through the centre of a pixel.
-fn pixel_direction(corner: vec3f, pixel: vec2u) -> vec3f {
-    return corner + frame.step_x * (f32(pixel.x) + 0.5) + frame.step_y * (f32(pixel.y) + 0.5);
-}
-
-// The pixel of a thread: columns from the left, rows from the first one of this dispatch. Within a tile of 8x8, eight
-// threads in a row of the workgroup, which software adapters run as one vector, take a block of 4x2 pixels: their rays
-// stay closer together than those of eight pixels in a line.
-fn thread_pixel(id: vec3u) -> vec2u {
-    let tile = id.xy & vec2u(0xfffffff8u);
+// Where a thread of a workgroup of 8x8 works. Eight threads in a row of it, which software adapters run as one vector, take
+// a block of 4x2: their rays stay closer together than those of eight in a line.
+fn pixel_in_tile(id: vec2u) -> vec2u {
+    let tile = id & vec2u(0xfffffff8u);
     let x = (id.x & 3u) | ((id.y & 1u) << 2u);
     let y = ((id.x >> 2u) & 1u) | (id.y & 6u);
-    return tile + vec2u(x, y + frame.row_begin);
+    return tile + vec2u(x, y);
+}
+
+// The pixel of a thread of a launch over pixels: columns from the left, rows from the first one of this dispatch.
+fn thread_pixel(id: vec3u) -> vec2u {
+    return pixel_in_tile(id.xy) + vec2u(0u, frame.row_begin);
 }
 
 // A thread past the right edge or past the last row of this dispatch has no pixel.

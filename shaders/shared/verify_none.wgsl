@@ -1,4 +1,4 @@
 // Every reprojected pixel is trusted.
-fn is_bad(left_pixel: vec2u, left: PixelHit) -> bool {
-    return false;
+fn are_bad(left_pixels: Pixels, left_depth: F, wanted: B) -> B {
+    return wanted & !wanted;
 }

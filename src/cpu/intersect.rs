@@ -4,46 +4,32 @@ use glam::Vec3;
 
 use crate::{MISS, Scene};
 
-/// The ray's t at a triangle, or `None` where it misses (Woop, Benthin & Wald 2013; see shaders/shared/triangle.wgsl).
-pub fn intersect_triangle(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> Option<f32> {
-    let size = direction.abs();
-    let (axis_x, axis_y, axis_z) = if size.x >= size.y && size.x >= size.z {
-        (Vec3::Y, Vec3::Z, Vec3::X)
-    } else if size.y >= size.z {
-        (Vec3::Z, Vec3::X, Vec3::Y)
-    } else {
-        (Vec3::X, Vec3::Y, Vec3::Z)
-    };
-    let dz = direction.dot(axis_z);
-    let shear_x = axis_x - axis_z * (direction.dot(axis_x) / dz);
-    let shear_y = axis_y - axis_z * (direction.dot(axis_y) / dz);
-    let shear_z = axis_z * (1.0 / dz);
-    let [a, b, c] = [a - origin, b - origin, c - origin];
-    let [ax, bx, cx] = [a, b, c].map(|corner| shear_x.dot(corner));
-    let [ay, by, cy] = [a, b, c].map(|corner| shear_y.dot(corner));
-    let [az, bz, cz] = [a, b, c].map(|corner| shear_z.dot(corner));
-    let products = [(cx * by, cy * bx), (ax * cy, ay * cx), (bx * ay, by * ax)];
-    let inside = products.iter().all(|(plus, minus)| plus >= minus) || products.iter().all(|(p, m)| p <= m);
-    let [u, v, w] = products.map(|(plus, minus)| plus - minus);
+/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, see
+/// shaders/shared/triangle.wgsl.
+pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
+    let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
     let determinant = u + v + w;
-    if !inside || determinant == 0.0 {
+    if !((u.min(v.min(w)) >= 0.0 || u.max(v.max(w)) <= 0.0) && determinant != 0.0) {
         return None;
     }
-    let t = (u * az + v * bz + w * cz) / determinant;
-    Some(t.clamp(az.min(bz.min(cz)), az.max(bz.max(cz))))
+    let per_length_squared = 1.0 / direction.dot(direction);
+    let [t_a, t_b, t_c] = [a, b, c].map(|corner| direction.dot(corner) * per_length_squared);
+    Some((u * t_a + v * t_b + w * t_c) / determinant)
 }
 
 /// The nearest t of at least `t_min` at a sphere, or `None` where the ray misses (shaders/shared/sphere.wgsl).
 pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     let to_center = center - origin;
-    let length_squared = direction.dot(direction);
-    let middle = to_center.dot(direction) / length_squared;
+    let per_length_squared = 1.0 / direction.dot(direction);
+    let middle = to_center.dot(direction) * per_length_squared;
     let offset = to_center - direction * middle;
     let inside = radius * radius - offset.dot(offset);
     if inside < 0.0 {
         return None;
     }
-    let half = (inside / length_squared).sqrt();
+    let half = (inside * per_length_squared).sqrt();
     let near = middle - half;
     Some(if near >= t_min { near } else { middle + half })
 }

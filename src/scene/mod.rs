@@ -126,6 +126,8 @@ impl Triangle {
 pub struct Scene {
     /// Point lights. Empty: only `ambient` lights the surfaces, see [`Scene::place_lights`].
     pub lights: Vec<PointLight>,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
     /// Light that reaches every surface from everywhere, linear RGB.
     pub ambient: Vec3,
     /// What a ray sees that hits nothing.
@@ -148,6 +150,7 @@ impl Scene {
     pub fn new() -> Self {
         Self {
             lights: Vec::new(),
+            shadows: true,
             ambient: Vec3::ONE,
             sky: Sky::Constant(Vec3::ZERO),
             materials: vec![Material { name: String::new(), albedo: Vec3::splat(0.7) }],

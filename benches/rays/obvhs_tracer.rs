@@ -1,4 +1,4 @@
-//! The yardstick for primary rays: obvhs's own traversal of its own tree, on all cores.
+//! The yardstick: obvhs's own traversal of its own tree, on all cores.
 
 use std::time::Duration;
 
@@ -11,9 +11,12 @@ use obvhs::{
 };
 use rayon::prelude::*;
 use stereotrace::{
-    Pose, Scene, Sphere,
-    glam::{DVec3, Vec3, Vec3A},
+    FAR, Scene, Sphere,
+    glam::{Vec3, Vec3A},
 };
+
+/// Rays of a task.
+const TASK: usize = 1024;
 
 /// A scene as obvhs likes it: primitives in the tree's order, so that a leaf's lie side by side.
 pub(crate) struct ObvhsTracer {
@@ -25,6 +28,7 @@ pub(crate) struct ObvhsTracer {
 }
 
 impl ObvhsTracer {
+    /// Built as the library builds its own tree by default.
     pub(crate) fn new(scene: &Scene) -> Self {
         let solid = scene.triangles().iter().filter(|triangle| !triangle.is_degenerate());
         let triangles: Vec<RtTriangle> = solid
@@ -47,27 +51,54 @@ impl ObvhsTracer {
         }
     }
 
-    /// Depth along the view axis of what the left eye sees, infinite where there is nothing; row-major.
-    pub(crate) fn depths(&self, pose: &Pose) -> Vec<f32> {
-        let rays = Rays::of_left_eye(pose);
-        let width = pose.size[0] as usize;
-        let mut depths = vec![0.0; width * pose.size[1] as usize];
-        depths.par_chunks_mut(width).enumerate().for_each(|(row, depths)| {
-            for (column, depth) in depths.iter_mut().enumerate() {
-                *depth = self.closest_hit(rays.through(column, row));
-            }
-        });
-        depths
+    /// The t of each ray's nearest hit, infinite where there is none.
+    pub(crate) fn closest_hits(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<f32> {
+        let closest = |ray: &stereotrace::Ray| {
+            let mut hit = RayHit::none();
+            let found = self.tree.ray_traverse(of(origin, ray), &mut hit, |ray, index| self.intersect(ray, index));
+            if found { hit.t } else { f32::INFINITY }
+        };
+        in_parallel(rays, closest)
     }
 
-    fn closest_hit(&self, ray: Ray) -> f32 {
-        let mut hit = RayHit::none();
-        self.tree.ray_traverse(ray, &mut hit, |ray, index| match self.spheres.get(index) {
+    /// Whether each ray hits anything.
+    pub(crate) fn any_hits(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<bool> {
+        in_parallel(rays, |ray| !self.tree.ray_traverse_miss(of(origin, ray), |ray, index| self.intersect(ray, index)))
+    }
+
+    /// As [`Self::any_hits`], from the other end of each ray.
+    pub(crate) fn any_hits_reversed(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<bool> {
+        let any = |ray: &stereotrace::Ray| {
+            let end = origin + ray.direction * ray.t_max;
+            let back = Ray::new(end.into(), (-ray.direction).into(), 0.0, ray.t_max);
+            !self.tree.ray_traverse_miss(back, |ray, index| self.intersect(ray, index))
+        };
+        in_parallel(rays, any)
+    }
+
+    fn intersect(&self, ray: &Ray, index: usize) -> f32 {
+        match self.spheres.get(index) {
             Some(Some(sphere)) => intersect(sphere, ray),
             _ => self.triangles[index].intersect(ray),
-        });
-        hit.t
+        }
     }
+}
+
+fn of(origin: Vec3, ray: &stereotrace::Ray) -> Ray {
+    Ray::new(origin.into(), ray.direction.into(), ray.t_min, ray.t_max.min(FAR))
+}
+
+fn in_parallel<T: Send + Default + Clone>(
+    rays: &[stereotrace::Ray],
+    trace: impl Fn(&stereotrace::Ray) -> T + Sync,
+) -> Vec<T> {
+    let mut found = vec![T::default(); rays.len()];
+    found.par_chunks_mut(TASK).zip(rays.par_chunks(TASK)).for_each(|(found, rays)| {
+        for (found, ray) in found.iter_mut().zip(rays) {
+            *found = trace(ray);
+        }
+    });
+    found
 }
 
 fn intersect(sphere: &Sphere, ray: &Ray) -> f32 {
@@ -81,33 +112,4 @@ fn intersect(sphere: &Sphere, ray: &Ray) -> f32 {
     let near = (b - root) / a;
     let t = if near >= ray.tmin { near } else { (b + root) / a };
     if t >= ray.tmin && t <= ray.tmax { t } else { f32::INFINITY }
-}
-
-/// The left eye's rays as the library makes them: of length one along the view axis, so that t is the depth.
-struct Rays {
-    eye: Vec3A,
-    corner: Vec3,
-    step_x: Vec3,
-    step_y: Vec3,
-}
-
-impl Rays {
-    fn of_left_eye(pose: &Pose) -> Self {
-        let [forward, right, up]: [DVec3; 3] = [pose.forward, pose.right, pose.up].map(Vec3::as_dvec3);
-        let [width, height] = pose.size.map(f64::from);
-        let d = f64::from(pose.screen_distance);
-        let [screen_width, screen_height] = pose.screen_size.map(f64::from);
-        let left_edge = -0.5 * screen_width + 0.5 * f64::from(pose.interaxial);
-        Self {
-            eye: pose.eye_position(-1.0).into(),
-            corner: (forward + right * (left_edge / d) + up * (0.5 * screen_height / d)).as_vec3(),
-            step_x: (right * (screen_width / width / d)).as_vec3(),
-            step_y: (up * (-screen_height / height / d)).as_vec3(),
-        }
-    }
-
-    fn through(&self, column: usize, row: usize) -> Ray {
-        let direction = self.corner + self.step_x * (column as f32 + 0.5) + self.step_y * (row as f32 + 0.5);
-        Ray::new_inf(self.eye, direction.into())
-    }
 }

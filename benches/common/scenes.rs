@@ -4,25 +4,28 @@ use std::path::{Path, PathBuf};
 
 use stereotrace::{Error, Scene, StereoCamera, scene::builtin::Builtin};
 
-use crate::options::Plan;
-
 /// Names the folder that holds NAME/NAME.obj and cameras.json, in place of target/scenes.
-pub(crate) const FOLDER_VARIABLE: &str = "STEREOTRACE_SCENES";
+pub const FOLDER_VARIABLE: &str = "STEREOTRACE_SCENES";
 /// Lights of a scene that has none of its own, placed by the library's rule.
 const LIGHTS: usize = 5;
 
 /// A scene and the camera that it is measured with.
-pub(crate) struct BenchScene {
-    pub(crate) name: String,
-    pub(crate) scene: Scene,
-    pub(crate) camera: StereoCamera,
+pub struct BenchScene {
+    pub name: String,
+    pub scene: Scene,
+    pub camera: StereoCamera,
 }
 
-/// The scene of this name, or `None` if no such file is there.
-pub(crate) fn load(name: &str, plan: &Plan) -> Result<Option<BenchScene>, Error> {
-    let [width, height] = plan.size;
+/// The scene of this name, or `None` if no such file is there. `lights` are placed by the library's rule; without a number
+/// built-in scenes keep their own and files get five.
+pub fn load(
+    name: &str,
+    [width, height]: [u32; 2],
+    e_px: f32,
+    lights: Option<usize>,
+) -> Result<Option<BenchScene>, Error> {
     let (mut scene, camera, lights) = match name.parse::<Builtin>() {
-        Ok(builtin) => (builtin.scene(), builtin.camera(width, height), plan.lights),
+        Ok(builtin) => (builtin.scene(), builtin.camera(width, height), lights),
         Err(_) => {
             let folder = folder();
             let (obj, cameras) = (folder.join(name).join(format!("{name}.obj")), folder.join("cameras.json"));
@@ -30,10 +33,10 @@ pub(crate) fn load(name: &str, plan: &Plan) -> Result<Option<BenchScene>, Error>
                 return Ok(None);
             }
             let camera = StereoCamera::from_json(cameras, name, width, height)?;
-            (Scene::from_obj(obj)?, camera, plan.lights.or(Some(LIGHTS)))
+            (Scene::from_obj(obj)?, camera, lights.or(Some(LIGHTS)))
         }
     };
-    let camera = camera.interaxial_pixels(plan.e_px);
+    let camera = camera.interaxial_pixels(e_px);
     if let Some(lights) = lights {
         scene.place_lights(lights, &camera)?;
     }
@@ -41,7 +44,7 @@ pub(crate) fn load(name: &str, plan: &Plan) -> Result<Option<BenchScene>, Error>
 }
 
 /// What a figure calls a scene: meshes by their own name, where a test's name could pass for a better-known one.
-pub(crate) fn title(name: &str) -> &str {
+pub fn title(name: &str) -> &str {
     match name {
         "sponza" => "Dabrovic Sponza",
         "sponza_4x" => "Dabrovic Sponza 4x",
@@ -56,4 +59,11 @@ fn folder() -> PathBuf {
         Some(folder) => folder.into(),
         None => Path::new(env!("CARGO_MANIFEST_DIR")).join("target/scenes"),
     }
+}
+
+/// What to say of a scene that is not there.
+pub fn skipped(name: &str) -> String {
+    format!(
+        "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {FOLDER_VARIABLE}"
+    )
 }

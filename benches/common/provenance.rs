@@ -1,0 +1,52 @@
+//! Where and when figures were taken.
+
+use std::{
+    process::Command,
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+use stereotrace::Gpu;
+
+/// Where and when figures were taken.
+pub struct Provenance {
+    pub adapter: String,
+    pub driver: String,
+    /// Of the source, or "unknown".
+    pub commit: String,
+    /// UTC, as 2012-06-30T23:59:59Z.
+    pub date: String,
+}
+
+impl Provenance {
+    pub fn of(gpu: &Gpu) -> Self {
+        let git = Command::new("git").args(["rev-parse", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+        let commit = git.ok().filter(|output| output.status.success());
+        let commit = commit.and_then(|output| String::from_utf8(output.stdout).ok());
+        let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+        Self {
+            adapter: gpu.adapter_name(),
+            driver: gpu.driver(),
+            commit: commit.map_or("unknown".into(), |commit| commit.trim().to_owned()),
+            date: utc(seconds),
+        }
+    }
+
+    /// The date without the time.
+    pub fn day(&self) -> &str {
+        self.date.split('T').next().unwrap_or(&self.date)
+    }
+}
+
+/// Seconds since 1970 as a date, after Hinnant's `civil_from_days`.
+fn utc(seconds: u64) -> String {
+    let (days, time) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    // Years begin in March here, so that the leap day is their last.
+    let march_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * march_month + 2) / 5 + 1;
+    let month = if march_month < 10 { march_month + 3 } else { march_month - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", time / 3600, time / 60 % 60, time % 60)
+}

@@ -1,0 +1,30 @@
+//! Rounds in which everything that is compared takes its turn.
+
+/// Median, least and largest of some repeats.
+#[derive(Clone, Copy)]
+pub struct Spread {
+    pub median: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of at least one value.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.into_iter().collect();
+        values.sort_by(f64::total_cmp);
+        let middle = values.len() / 2;
+        let median = if values.len() % 2 == 1 { values[middle] } else { values[middle - 1].midpoint(values[middle]) };
+        Self { median, min: values[0], max: values[values.len() - 1] }
+    }
+}
+
+/// The order of a round's turns. The first one rotates, and so does who comes after whom: steps of a number that has
+/// no factor in common with `count` visit all of them.
+pub fn order(round: usize, count: usize) -> impl Iterator<Item = usize> {
+    let coprime =
+        |&step: &usize| (2..=step).all(|factor| !step.is_multiple_of(factor) || !count.is_multiple_of(factor));
+    let steps: Vec<usize> = (1..count).filter(coprime).collect();
+    let step = steps[round % steps.len()];
+    (0..count).map(move |turn| (round + turn * step) % count)
+}

@@ -1,0 +1,248 @@
+//! What each feature costs: off, compiled in but unused, and on; and what more effort at the BVH costs and brings.
+//!
+//! `cargo bench --bench features` prints both tables. Set `MESA_SHADER_CACHE_DISABLE=true` for the compile times of Mesa's
+//! software driver, which else keeps compiled kernels on disk. Variants of a feature take turns in interleaved rounds.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::{error::Error, time::Instant};
+
+use stereotrace::{
+    BvhBuild, GBuffer, Gpu, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sky, Sphere, StereoCamera,
+    UploadedScene, glam::Vec3,
+};
+
+use crate::common::{
+    provenance::Provenance,
+    rounds::{Spread, order},
+    scenes::{self, BenchScene},
+};
+
+/// Quads of the terrain a side.
+const TERRAIN: u32 = 300;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let quick = !std::env::args().any(|argument| argument == "--bench");
+    let (size, rounds) = if quick { ([64, 64], 1) } else { ([600, 600], 7) };
+    let gpu = Gpu::new()?;
+    let provenance = Provenance::of(&gpu);
+    println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
+    features(&gpu, size, rounds)?;
+    let names: &[&str] = if quick { &["hall"] } else { &["hall", "sponza_4x", "dragon", "buddha_1m2"] };
+    let size = if quick { size } else { [1280, 720] };
+    builds(&gpu, names, size, rounds)
+}
+
+/// One state of a feature.
+struct Variant {
+    name: &'static str,
+    scene: Scene,
+    camera: StereoCamera,
+    options: Options,
+}
+
+/// A terrain of 180,000 triangles that all look upwards, so that a light below it reaches none.
+fn terrain(smooth: u32) -> Scene {
+    let side = TERRAIN + 1;
+    let height = |x: f32, z: f32| 0.3 * (3.1 * x).sin() * (2.3 * z).cos() + 0.05 * (17.0 * x + 11.0 * z).sin();
+    let place = |i: u32| {
+        let (x, z) = ((i % side) as f32 / TERRAIN as f32 * 8.0 - 4.0, (i / side) as f32 / TERRAIN as f32 * 8.0 - 4.0);
+        Vec3::new(x, height(x, z), z)
+    };
+    let quads = (0..TERRAIN * TERRAIN).map(|i| i / TERRAIN * side + i % TERRAIN);
+    let triangles: Vec<[u32; 3]> =
+        quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+    let normals = (0..triangles.len() as u32).map(|t| if t < smooth { [Vec3::Y; 3] } else { [Vec3::ZERO; 3] });
+    let mesh = Mesh {
+        positions: (0..side * side).map(place).collect(),
+        normals: if smooth > 0 { normals.collect() } else { Vec::new() },
+        triangles,
+        materials: vec![MaterialId(0)],
+        ..Mesh::default()
+    };
+    let mut scene = Scene::new();
+    scene.add_mesh(&mesh).expect("a terrain of finite points");
+    scene
+}
+
+fn with_spheres(mut scene: Scene, count: u32, height: f32) -> Scene {
+    for i in 0..count {
+        let center = Vec3::new((i % 10) as f32 * 0.7 - 3.2, height, (i / 10) as f32 * 0.7 - 3.2);
+        let radius = if height > 0.0 { 0.2 } else { 0.01 };
+        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).expect("a sphere of finite size");
+    }
+    scene
+}
+
+fn with_lights(mut scene: Scene, height: f32, shadows: bool) -> Scene {
+    scene.shadows = shadows;
+    for i in 0..5 {
+        let position = Vec3::new(2.0 * i as f32 - 4.0, height, 3.0 - i as f32);
+        scene.lights.push(PointLight { position, intensity: Vec3::splat(0.3) });
+    }
+    scene
+}
+
+fn with_sky(mut scene: Scene) -> Scene {
+    scene.sky = Sky::Gradient { nadir: Vec3::splat(0.2), zenith: Vec3::new(0.2, 0.4, 0.9) };
+    scene
+}
+
+fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Error>> {
+    let [width, height] = size;
+    // A third of the picture is sky; downwards there is none.
+    let ahead = StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height);
+    let down = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(width, height);
+    let plain = Options::new(Method::Naive).keeping(GBuffer::None);
+    let of = |name, scene, camera: &StereoCamera, options: &Options| Variant {
+        name,
+        scene,
+        camera: *camera,
+        options: options.clone(),
+    };
+    let plainly = |name, scene| of(name, scene, &ahead, &plain);
+    let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().keeping(kept));
+    let features = [
+        (
+            "spheres",
+            vec![
+                plainly("off", terrain(0)),
+                plainly("unused: one below the ground", with_spheres(terrain(0), 1, -0.3)),
+                plainly("on: 100 in view", with_spheres(terrain(0), 100, 0.6)),
+            ],
+        ),
+        (
+            "vertex normals",
+            vec![
+                plainly("off", terrain(0)),
+                plainly("unused: on one triangle", terrain(1)),
+                plainly("on: on all", terrain(u32::MAX)),
+            ],
+        ),
+        (
+            "lights and shadows",
+            vec![
+                plainly("off", terrain(0)),
+                plainly("unused: 5 lights below the ground", with_lights(terrain(0), -9.0, true)),
+                plainly("5 lights without shadows", with_lights(terrain(0), 4.0, false)),
+                plainly("on: 5 lights with shadows", with_lights(terrain(0), 4.0, true)),
+            ],
+        ),
+        ("sky gradient", vec![plainly("off", terrain(0)), plainly("on", with_sky(terrain(0)))]),
+        (
+            "sky gradient, looking down",
+            vec![
+                of("off", terrain(0), &down, &plain),
+                of("unused: no sky in view", with_sky(terrain(0)), &down, &plain),
+            ],
+        ),
+        (
+            "G-buffer",
+            vec![
+                keeping("off", GBuffer::None),
+                keeping("depth", GBuffer::Depth),
+                keeping("depth and ids", GBuffer::Ids),
+            ],
+        ),
+        (
+            "counters",
+            vec![plainly("off", terrain(0)), of("on: one ray a lane", terrain(0), &ahead, &plain.clone().counting())],
+        ),
+    ];
+    println!("\n{width}x{height}, a terrain of {} triangles, {rounds} rounds\n", terrain(0).primitive_count());
+    println!("| feature | state | left view ms | min..max | of off | scene MiB | bytes a pixel | compile ms |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for (feature, variants) in &features {
+        let mut figures = Vec::new();
+        for variant in variants {
+            let mut renderer = Renderer::new(gpu.clone());
+            let scene = renderer.upload(&variant.scene)?;
+            let first = wall_ms(&mut renderer, &scene, variant)?;
+            figures.push((renderer, scene, first, Vec::new(), 0));
+        }
+        let mut wall = vec![f64::INFINITY; variants.len()];
+        for round in 0..rounds {
+            for turn in order(round, variants.len()) {
+                let (renderer, scene, _, times, bytes) = &mut figures[turn];
+                let start = Instant::now();
+                let statistics = renderer.trace(scene, &variants[turn].camera, &variants[turn].options)?;
+                let elapsed = start.elapsed().as_secs_f64() * 1e3;
+                wall[turn] = wall[turn].min(elapsed);
+                // Naive traces two eyes alike.
+                let pass =
+                    statistics.times.and_then(|times| times.0.into_iter().find(|(pass, _)| *pass == "trace_left"));
+                times.push(pass.map_or(0.5 * elapsed, |(_, time)| time.as_secs_f64() * 1e3));
+                *bytes = statistics.intermediate_bytes;
+            }
+        }
+        let off = Spread::of(figures[0].3.iter().copied()).median;
+        for (((_, scene, first, times, bytes), variant), wall) in figures.iter().zip(variants).zip(&wall) {
+            let time = Spread::of(times.iter().copied());
+            let info = scene.info();
+            println!(
+                "| {feature} | {} | {:.1} | {:.1}..{:.1} | {:.2} | {:.1} | {:.1} | {:.0} |",
+                variant.name,
+                time.median,
+                time.min,
+                time.max,
+                time.median / off,
+                (info.node_bytes + info.primitive_bytes) as f64 / f64::from(1 << 20),
+                *bytes as f64 / f64::from(width * height),
+                first - wall,
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The host's time of a frame without read-back.
+fn wall_ms(renderer: &mut Renderer, scene: &UploadedScene, variant: &Variant) -> Result<f64, stereotrace::Error> {
+    let start = Instant::now();
+    renderer.trace(scene, &variant.camera, &variant.options)?;
+    Ok(start.elapsed().as_secs_f64() * 1e3)
+}
+
+fn builds(gpu: &Gpu, names: &[&str], [width, height]: [u32; 2], rounds: usize) -> Result<(), Box<dyn Error>> {
+    println!(
+        "\n{width}x{height}, naive pairs with 5 lights, {rounds} rounds; seconds for one picture and for a hundred\n"
+    );
+    println!("| scene | build | build ms | upload ms | MiB | pair ms | min..max | 1 picture s | 100 pictures s |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for name in names {
+        let Some(BenchScene { scene, camera, .. }) = scenes::load(name, [width, height], 15.0, None)? else {
+            println!("{}", scenes::skipped(name));
+            continue;
+        };
+        let mut renderer = Renderer::new(gpu.clone());
+        // The first build also warms up the host's threads and memory.
+        renderer.upload(&scene)?;
+        let uploaded = BvhBuild::ALL.map(|build| renderer.upload_with(&scene, build));
+        let uploaded = uploaded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut times = vec![Vec::new(); uploaded.len()];
+        for round in 0..=rounds {
+            for turn in order(round, uploaded.len()) {
+                let start = Instant::now();
+                renderer.trace(&uploaded[turn], &camera, &Options::new(Method::Naive))?;
+                times[turn].extend((round > 0).then(|| start.elapsed().as_secs_f64() * 1e3));
+            }
+        }
+        for ((build, uploaded), times) in BvhBuild::ALL.iter().zip(&uploaded).zip(times) {
+            let (info, pair) = (uploaded.info(), Spread::of(times));
+            let once = info.build.as_secs_f64() + info.upload.as_secs_f64();
+            println!(
+                "| {} | {build:?} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1}..{:.1} | {:.2} | {:.1} |",
+                scenes::title(name),
+                info.build.as_secs_f64() * 1e3,
+                info.upload.as_secs_f64() * 1e3,
+                (info.node_bytes + info.primitive_bytes) as f64 / f64::from(1 << 20),
+                pair.median,
+                pair.min,
+                pair.max,
+                once + pair.median * 1e-3,
+                once + pair.median * 0.1,
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! The rays of each kind that a stereo pair of a scene is made of.
+
+use stereotrace::{
+    FAR, Pose, Ray, Scene,
+    cpu::{Eye, Frame},
+    glam::Vec3,
+};
+
+/// What is asked of a ray.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Query {
+    Closest,
+    Any,
+}
+
+/// The rays of one kind, in lists that start at a point each.
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
+    pub(crate) query: Query,
+    pub(crate) lists: Vec<(Vec3, Vec<Ray>)>,
+}
+
+impl Kind {
+    pub(crate) fn rays(&self) -> usize {
+        self.lists.iter().map(|(_, rays)| rays.len()).sum()
+    }
+}
+
+/// A left pixel's hit, by a search that the caller makes.
+pub(crate) type LeftHits<'a> = &'a dyn Fn(Vec3, &[Ray]) -> Vec<f32>;
+
+/// All kinds. `left_hits` gives the depth of what the left eye's rays hit, infinite for nothing.
+pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<Kind> {
+    let frame = Frame::new(pose);
+    let pixels = in_blocks(frame.size());
+    let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
+    let through = |eye| pixels.iter().map(|&[column, row]| frame.direction(eye, column, row)).collect::<Vec<_>>();
+    let (left_directions, right_directions) = (through(Eye::Left), through(Eye::Right));
+    let primary: Vec<Ray> = left_directions.iter().copied().map(Ray::new).collect();
+    let depth = left_hits(left, &primary);
+    let points: Vec<Vec3> = left_directions
+        .iter()
+        .zip(&depth)
+        .filter(|(_, depth)| depth.is_finite())
+        .map(|(direction, depth)| left + *direction * *depth)
+        .collect();
+    let towards = |from: Vec3, t_max: f32| {
+        let ray = |point: &Vec3| Ray { direction: *point - from, t_min: 0.0, t_max };
+        (from, points.iter().map(ray).collect())
+    };
+    // As a method would that knows the right eye's depth to within two percent.
+    let interval = |(direction, depth): (&Vec3, &f32)| {
+        let depth = depth.min(FAR);
+        Ray { direction: *direction, t_min: 0.98 * depth, t_max: 1.02 * depth }
+    };
+    let scattered = right_directions.iter().enumerate().filter(|(index, _)| hash(*index as u32).is_multiple_of(10));
+    vec![
+        Kind { name: "primary", query: Query::Closest, lists: vec![(left, primary)] },
+        Kind {
+            name: "shadow",
+            query: Query::Any,
+            lists: scene.lights.iter().map(|light| towards(light.position, 0.9999)).collect(),
+        },
+        Kind { name: "length-limited", query: Query::Any, lists: vec![towards(right, 0.999)] },
+        Kind {
+            name: "interval",
+            query: Query::Closest,
+            lists: vec![(right, right_directions.iter().zip(&depth).map(interval).collect())],
+        },
+        Kind {
+            name: "scattered 10%",
+            query: Query::Closest,
+            lists: vec![(right, scattered.map(|(_, direction)| Ray::new(*direction)).collect())],
+        },
+    ]
+}
+
+/// All pixels, by tiles of 8x4 and in them by blocks of 2x2: as the kernels take them.
+fn in_blocks([width, height]: [usize; 2]) -> Vec<[usize; 2]> {
+    let mut pixels = Vec::with_capacity(width * height);
+    for tile_y in (0..height).step_by(4) {
+        for tile_x in (0..width).step_by(8) {
+            for place in 0..32 {
+                let (block, within) = (place / 4, place % 4);
+                let (x, y) = (tile_x + block % 4 * 2 + within % 2, tile_y + block / 4 * 2 + within / 2);
+                if x < width && y < height {
+                    pixels.push([x, y]);
+                }
+            }
+        }
+    }
+    pixels
+}
+
+/// A pixel is in the scattered list by chance that is the same in every run (PCG; O'Neill 2014).
+fn hash(index: u32) -> u32 {
+    let state = index.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}

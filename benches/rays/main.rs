@@ -1,0 +1,231 @@
+//! Millions of rays a second, by scene and kind of ray: `cargo bench --bench rays`.
+//!
+//! The library's traversal on the adapter beside obvhs's own on all cores, in interleaved rounds whose order rotates;
+//! hits are compared too. Times are those of the tracing alone, ray lists and read-back left out. With `--variants`
+//! every variant of the traversal takes part. `--dump DIR` writes geometry and rays for scripts/embree.py.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod dump;
+mod lists;
+mod obvhs_tracer;
+
+use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
+
+use clap::Parser;
+use stereotrace::{Boxes, Fetch, Gpu, RaysPerLane, Renderer, Traversal, UploadedScene};
+
+use crate::{
+    common::{
+        provenance::Provenance,
+        rounds::{Spread, order},
+        scenes::{self, BenchScene},
+    },
+    lists::{Kind, Query},
+    obvhs_tracer::ObvhsTracer,
+};
+
+/// Millions of rays a second, by scene and kind of ray.
+#[derive(Parser, Debug)]
+#[command(name = "cargo bench --bench rays --")]
+struct Arguments {
+    /// A quick look, not for figures: 64x64, one round, the hall
+    #[arg(long)]
+    smoke: bool,
+    /// Picture size in pixels, the same both ways [default: 1024]
+    #[arg(long)]
+    size: Option<u32>,
+    /// Rounds that are timed, after one to warm up [default: 7]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: Option<u32>,
+    /// Scenes: built-in ones, or folders of OBJ files [default: hall, `sponza_4x`, dragon]
+    #[arg(long, value_delimiter = ',')]
+    scenes: Vec<String>,
+    /// Every variant of the traversal, not only the adapter's own
+    #[arg(long)]
+    variants: bool,
+    /// Write each scene's geometry and rays into this folder, for scripts/embree.py
+    #[arg(long, value_name = "DIR")]
+    dump: Option<PathBuf>,
+    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let quick = arguments.smoke || !arguments.bench;
+    let size = arguments.size.unwrap_or(if quick { 64 } else { 1024 });
+    let rounds = arguments.rounds.map_or(if quick { 1 } else { 7 }, |rounds| rounds as usize);
+    let names = match arguments.scenes.as_slice() {
+        [] if quick => vec!["hall".to_owned()],
+        [] => ["hall", "sponza_4x", "dragon"].map(str::to_owned).to_vec(),
+        named => named.to_vec(),
+    };
+    let gpu = Gpu::new()?;
+    let provenance = Provenance::of(&gpu);
+    let own = Traversal::of(&gpu);
+    let others = Traversal::ALL.into_iter().filter(|traversal| arguments.variants && *traversal != own);
+    let mut devices: Vec<Device> = std::iter::once(own).chain(others).map(|with| Device::new(&gpu, with)).collect();
+    println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
+    println!(
+        "{size}x{size}, {rounds} rounds after one to warm up, obvhs on {} threads\n",
+        rayon::current_num_threads()
+    );
+    println!(
+        "| scene | rays | millions | variant | Mrays/s | min..max | obvhs Mrays/s | min..max | ratio | same hits % |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    let mut skipped = Vec::new();
+    for name in &names {
+        match scenes::load(name, [size, size], 15.0 * size as f32 / 600.0, None)? {
+            Some(scene) => measure(&scene, &mut devices, rounds, arguments.dump.as_deref())?,
+            None => skipped.push(scenes::skipped(name)),
+        }
+    }
+    for line in &skipped {
+        println!("\n{line}");
+    }
+    if skipped.len() == names.len() { Err("no scene was measured".into()) } else { Ok(()) }
+}
+
+/// A variant of the traversal at work.
+struct Device {
+    traversal: Traversal,
+    renderer: Renderer,
+}
+
+impl Device {
+    fn new(gpu: &Gpu, traversal: Traversal) -> Self {
+        Self { traversal, renderer: Renderer::with_traversal(gpu.clone(), traversal) }
+    }
+
+    fn name(&self) -> String {
+        let Traversal { fetch, boxes, rays } = self.traversal;
+        let fetch = match fetch {
+            Fetch::Texture => "textures",
+            Fetch::Buffer => "buffers",
+        };
+        let boxes = match boxes {
+            Boxes::Grid16 => "16-bit",
+            Boxes::F32 => "f32",
+        };
+        let rays = match rays {
+            RaysPerLane::One => "1 ray",
+            RaysPerLane::Four => "4 rays",
+        };
+        format!("{fetch}, {boxes}, {rays}")
+    }
+}
+
+/// Prints a line for each kind of ray and each variant.
+fn measure(
+    bench: &BenchScene,
+    devices: &mut [Device],
+    rounds: usize,
+    dump: Option<&std::path::Path>,
+) -> Result<(), Box<dyn Error>> {
+    let BenchScene { name, scene, camera } = bench;
+    let obvhs = ObvhsTracer::new(scene);
+    let kinds = lists::kinds(scene, &camera.pose()?, &|origin, rays| obvhs.closest_hits(origin, rays));
+    if let Some(folder) = dump {
+        dump::write(&folder.join(name), scene, &kinds)?;
+    }
+    let uploaded = devices.iter().map(|device| device.renderer.upload(scene)).collect::<Result<Vec<_>, _>>()?;
+    for kind in kinds.iter().filter(|kind| kind.rays() > 0) {
+        // obvhs takes shadow rays from the end where it is faster.
+        let yardsticks = if kind.name == "shadow" { 2 } else { 1 };
+        let mut times: Vec<Vec<f64>> = vec![Vec::new(); devices.len() + yardsticks];
+        for round in 0..=rounds {
+            for turn in order(round, times.len()) {
+                let seconds = match turn.checked_sub(devices.len()) {
+                    None => on_device(&mut devices[turn].renderer, &uploaded[turn], kind)?.0,
+                    Some(yardstick) => on_host(&obvhs, kind, yardstick == 1).0,
+                };
+                times[turn].extend((round > 0).then_some(seconds));
+            }
+        }
+        let millions = kind.rays() as f64 * 1e-6;
+        let rates: Vec<Spread> =
+            times.iter().map(|times| Spread::of(times.iter().map(|seconds| millions / seconds))).collect();
+        let host = rates[devices.len()..].iter().max_by(|a, b| a.median.total_cmp(&b.median)).copied();
+        let host = host.ok_or("obvhs was not timed")?;
+        let expected = on_host(&obvhs, kind, false).1;
+        for (index, device) in devices.iter_mut().enumerate() {
+            let rate = rates[index];
+            let found = on_device(&mut device.renderer, &uploaded[index], kind)?.1;
+            println!(
+                "| {} | {} | {millions:.2} | {} | {:.2} | {:.2}..{:.2} | {:.2} | {:.2}..{:.2} | {:.2} | {:.3} |",
+                scenes::title(name),
+                kind.name,
+                device.name(),
+                rate.median,
+                rate.min,
+                rate.max,
+                host.median,
+                host.min,
+                host.max,
+                rate.median / host.median,
+                same(&found, &expected),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// t of each ray, or 1 and infinity for hit and not.
+type Found = Vec<f32>;
+
+fn as_t(occluded: Vec<bool>) -> Found {
+    occluded.into_iter().map(|occluded| if occluded { 1.0 } else { f32::INFINITY }).collect()
+}
+
+/// Seconds and hits on the adapter; without timestamps the seconds are the host's, ray lists and read-back included.
+fn on_device(renderer: &mut Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
+    let (mut seconds, mut found) = (0.0, Vec::new());
+    for (origin, rays) in &kind.lists {
+        let start = Instant::now();
+        let (time, hits) = match kind.query {
+            Query::Closest => {
+                let cast = renderer.closest_hits(scene, *origin, rays)?;
+                (cast.time, cast.hits.iter().map(|hit| hit.t).collect())
+            }
+            Query::Any => {
+                let cast = renderer.any_hits(scene, *origin, rays)?;
+                (cast.time, as_t(cast.hits))
+            }
+        };
+        seconds += time.unwrap_or_else(|| start.elapsed()).as_secs_f64();
+        found.extend(hits);
+    }
+    Ok((seconds, found))
+}
+
+fn on_host(obvhs: &ObvhsTracer, kind: &Kind, reversed: bool) -> (f64, Found) {
+    let start = Instant::now();
+    let found: Vec<Found> = kind
+        .lists
+        .iter()
+        .map(|(origin, rays)| match kind.query {
+            Query::Closest => obvhs.closest_hits(*origin, rays),
+            Query::Any if reversed => as_t(obvhs.any_hits_reversed(*origin, rays)),
+            Query::Any => as_t(obvhs.any_hits(*origin, rays)),
+        })
+        .collect();
+    (start.elapsed().as_secs_f64(), found.concat())
+}
+
+/// Percent of the rays with the same t, to a thousandth of it.
+fn same(found: &[f32], expected: &[f32]) -> f64 {
+    let close = |(a, b): &(&f32, &f32)| a == b || (*a - *b).abs() < 1e-3 * *a;
+    100.0 * found.iter().zip(expected).filter(close).count() as f64 / found.len() as f64
+}

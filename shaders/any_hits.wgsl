@@ -1,0 +1,26 @@
+// Whether each ray of a list hits anything (shared/ray_list.wgsl), for users and tests.
+//
+// launch  one thread per ray, or per four
+// writes  found     [rays]      1 where something is hit
+// adds    counters  [COUNTERS]  as of the left view
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> found: array<u32>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn any_hits(@builtin(global_invocation_id) id: vec3u) {
+    let first = id.x * RAYS;
+    if first >= frame.image_size.x { return; }
+    let listed = listed_rays(first);
+    let occluded = any_hit(listed.rays, listed.t_min, listed.t_max);
+    var ray = 0u;
+    loop {
+        if first + ray < frame.image_size.x {
+            found[first + ray] = select(0u, 1u, of_ray_b(occluded, ray));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    count_view(0u, LEFT, 0u, nodes_visited, primitives_tested);
+}

@@ -1,0 +1,10 @@
+// What is kept of each pixel: depth along the view axis (FAR: nothing hit) and primitive id (MISS: nothing hit).
+struct PixelHit {
+    depth: f32,
+    primitive: u32,
+}
+
+const KEEP_HITS: bool = true;
+
+fn pixel_hit(depth: f32, primitive: u32) -> PixelHit { return PixelHit(depth, primitive); }
+fn primitive_of(hit: PixelHit) -> u32 { return hit.primitive; }

@@ -1,0 +1,24 @@
+// Four rays a lane, those of a block of 2x2 pixels or of four entries of a list, on one stack: for CPU adapters, where
+// loads are dear and what is loaded serves all four (docs/TRAVERSAL.md). Twin of rays_1.wgsl: same names.
+
+alias F = vec4f;    // a number for each of the lane's rays
+alias U = vec4u;
+alias B = vec4<bool>;
+
+const RAYS: u32 = 4u;
+// Pixels of a lane's block in x and y, and each ray's place in it.
+const BLOCK: vec2u = vec2u(2u, 2u);
+const RAY_X: U = vec4u(0u, 1u, 0u, 1u);
+const RAY_Y: U = vec4u(0u, 0u, 1u, 1u);
+const RAY_INDEX: U = vec4u(0u, 1u, 2u, 3u);
+
+fn any_ray(b: B) -> bool { return any(b); }
+fn all_rays(b: B) -> bool { return all(b); }
+fn count_rays(b: B) -> u32 { let n = select(vec4u(0u), vec4u(1u), b); return n.x + n.y + n.z + n.w; }
+fn smallest(f: F) -> f32 { return min(min(f.x, f.y), min(f.z, f.w)); }
+
+fn of_ray(f: F, ray: u32) -> f32 { return f[ray]; }
+fn of_ray_u(u: U, ray: u32) -> u32 { return u[ray]; }
+fn of_ray_b(b: B, ray: u32) -> bool { return b[ray]; }
+fn with_ray(f: F, ray: u32, value: f32) -> F { return select(f, F(value), RAY_INDEX == U(ray)); }
+fn with_ray_u(u: U, ray: u32, value: u32) -> U { return select(u, U(value), RAY_INDEX == U(ray)); }

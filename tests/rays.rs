@@ -1,0 +1,196 @@
+//! Lists of rays of every kind, through every variant of the traversal, against searches that share no code with it.
+
+mod common;
+
+use common::{Random, ball, is_exact, mesh, renderer};
+use stereotrace::{
+    Error, FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, Sphere, StereoCamera, Traversal,
+    cpu::{Eye, Frame, intersect::closest_hit},
+    glam::Vec3,
+};
+
+/// Random triangles, some of them coincident or without area, and some spheres.
+fn random_scene(random: &mut Random, scale: f32, offset: Vec3) -> Scene {
+    let mut scene = Scene::new();
+    let mut corners = Vec::new();
+    for index in 0..150 {
+        let at = random.point(1.0);
+        let size = if index % 5 == 0 { 0.9 } else { 0.15 };
+        let triangle = [(); 3].map(|()| at + random.point(size));
+        corners.extend(triangle);
+        match index % 10 {
+            0 => corners.extend(triangle),
+            1 => corners.extend([triangle[0], triangle[0], triangle[1]]),
+            _ => {}
+        }
+    }
+    let corners: Vec<Vec3> = corners.into_iter().map(|corner| corner * scale + offset).collect();
+    let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    scene.add_mesh(&mesh(corners, faces)).unwrap();
+    for _ in 0..20 {
+        let (center, radius) = (random.point(1.0) * scale + offset, random.range(0.02, 0.2) * scale);
+        scene.add_sphere(Sphere { center, radius, material: stereotrace::MaterialId(0) }).unwrap();
+    }
+    scene
+}
+
+/// A list of rays from a point, of one kind.
+struct List {
+    kind: &'static str,
+    origin: Vec3,
+    rays: Vec<Ray>,
+}
+
+/// Every kind of ray that the methods trace, of a picture whose width is no multiple of a block.
+fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &mut Random) -> Vec<List> {
+    let pose = camera.pose().unwrap();
+    let frame = Frame::new(&pose);
+    let [width, height] = frame.size();
+    let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
+    let pixels: Vec<_> = (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).collect();
+    let through = |eye| pixels.iter().map(move |&(column, row)| frame.direction(eye, column, row));
+    let depth: Vec<f32> =
+        through(Eye::Left).map(|direction| closest_hit(scene, left, direction, 0.0, FAR).0.min(far)).collect();
+    let points: Vec<Vec3> =
+        through(Eye::Left).zip(&depth).map(|(direction, depth)| left + direction * *depth).collect();
+    let towards = |from: Vec3, t_max: f32| {
+        let ray = move |point: &Vec3| Ray { direction: *point - from, t_min: 0.0, t_max };
+        points.iter().map(ray).collect()
+    };
+    let interval = |(direction, depth): (Vec3, &f32)| Ray { direction, t_min: 0.9 * depth, t_max: 1.2 * depth };
+    let primary: Vec<Ray> = through(Eye::Left).map(Ray::new).collect();
+    let scattered = primary.iter().copied().filter(|_| random.unit() < 0.1).collect();
+    let everywhere = (0..501).map(|_| Ray::new(random.point(1.0))).collect();
+    vec![
+        List { kind: "primary", origin: left, rays: primary },
+        List { kind: "shadow", origin: light, rays: towards(light, 0.9999) },
+        List { kind: "length-limited", origin: right, rays: towards(right, 0.999) },
+        List { kind: "interval", origin: right, rays: through(Eye::Right).zip(&depth).map(interval).collect() },
+        List { kind: "scattered", origin: left, rays: scattered },
+        List { kind: "from inside, everywhere", origin: 0.5 * (light + points[points.len() / 2]), rays: everywhere },
+    ]
+}
+
+#[test]
+fn every_variant_hits_what_a_search_through_all_primitives_hits() {
+    let mut random = Random(77);
+    for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e4)] {
+        let place = |v: Vec3| v * scale + Vec3::splat(offset);
+        let scene = random_scene(&mut random, scale, Vec3::splat(offset));
+        let camera = StereoCamera::look_at(place(Vec3::new(0.3, 0.4, 3.0)), place(Vec3::ZERO))
+            .size(27, 19)
+            .interaxial_pixels(3.0);
+        let light = place(Vec3::new(-0.4, 1.8, 0.7));
+        let lists = lists(&scene, &camera, light, 20.0 * scale, &mut random);
+        let expected: Vec<Vec<RayHit>> = lists
+            .iter()
+            .map(|list| {
+                let search = |ray: &Ray| closest_hit(&scene, list.origin, ray.direction, ray.t_min, ray.t_max.min(FAR));
+                let hit = |(t, primitive)| RayHit { t: if primitive == MISS { f32::INFINITY } else { t }, primitive };
+                list.rays.iter().map(search).map(hit).collect()
+            })
+            .collect();
+        for traversal in Traversal::ALL {
+            let mut renderer = Renderer::with_traversal(renderer().gpu().clone(), traversal);
+            let exact = is_exact(&renderer);
+            let uploaded = renderer.upload(&scene).unwrap();
+            for (list, expected) in lists.iter().zip(&expected) {
+                let what = format!("{} rays, {traversal:?}, scale {scale}, offset {offset}", list.kind);
+                let closest = renderer.closest_hits(&uploaded, list.origin, &list.rays).unwrap().hits;
+                let any = renderer.any_hits(&uploaded, list.origin, &list.rays).unwrap().hits;
+                assert!(expected.iter().any(|hit| hit.primitive != MISS), "{what}: nothing is hit");
+                assert!(expected.iter().any(|hit| hit.primitive == MISS), "{what}: everything is hit");
+                let same = |(found, expected): &(&RayHit, &RayHit)| found == expected;
+                let differing = closest.iter().zip(expected).filter(|pair| !same(pair)).count();
+                let wrong = any.iter().zip(expected).filter(|(any, hit)| **any != (hit.primitive != MISS)).count();
+                // Elsewhere t is rounded otherwise, and so is what happens at an edge.
+                let allowed = if exact { 0 } else { list.rays.len() / 50 };
+                assert!(wrong <= allowed, "{what}: {wrong} of {} are occluded otherwise", any.len());
+                if exact {
+                    assert_eq!(differing, 0, "{what}: of {} hits", closest.len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
+    // The grid's cells are many triangles wide where a second ball stands far off.
+    for (scale, offset, far_off, away) in [
+        (1e-4, 0.0, 0.0, 1.0),
+        (1e5, 0.0, 0.0, 1.0),
+        (1.0, 3000.0, 0.0, 1.0),
+        (1.0, 0.0, 1e5, 1.0),
+        (1.0, -50.0, 1e3, 1.0),
+        (1.0, 0.0, 0.0, 500.0),
+    ] {
+        let center = Vec3::splat(offset);
+        let mut scene = Scene::new();
+        scene.add_mesh(&ball(center, scale, 24)).unwrap();
+        if far_off > 0.0 {
+            scene.add_mesh(&ball(center + Vec3::new(far_off, 0.0, -far_off), scale, 4)).unwrap();
+        }
+        // A sheet without thickness behind the ball, so that its boxes have none either.
+        let corner =
+            |i: u32| center + Vec3::new((i % 21) as f32 * 0.3 - 3.0, (i / 21) as f32 * 0.3 - 3.0, -2.0) * scale;
+        let quads = (0..400).map(|i| i / 20 * 21 + i % 20);
+        let sheet = quads.flat_map(|i| [[i, i + 1, i + 22], [i, i + 22, i + 21]]).collect();
+        scene.add_mesh(&mesh((0..441).map(corner).collect(), sheet)).unwrap();
+        let eye = center + Vec3::new(0.2, 0.1, 5.0) * scale * away;
+        // Through middles, corners and edges: at a corner a ray touches the very corner of a box.
+        let targets = scene.triangles().iter().flat_map(|triangle| {
+            let [a, b, c] = triangle.corners;
+            [(a + b + c) / 3.0, a, b, 0.5 * (a + b), 0.5 * (b + c)]
+        });
+        let rays: Vec<Ray> = targets.map(|target| Ray::new(target - eye)).collect();
+        let expected: Vec<u32> = rays.iter().map(|ray| closest_hit(&scene, eye, ray.direction, 0.0, FAR).1).collect();
+        for traversal in Traversal::ALL {
+            let mut renderer = Renderer::with_traversal(renderer().gpu().clone(), traversal);
+            let uploaded = renderer.upload(&scene).unwrap();
+            let found = renderer.closest_hits(&uploaded, eye, &rays).unwrap().hits;
+            let lost = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive == MISS && **id != MISS).count();
+            assert_eq!(lost, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
+            if is_exact(&renderer) {
+                let differing = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive != **id).count();
+                assert_eq!(differing, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_list_equals_the_picture_and_keeps_its_order() {
+    let mut random = Random(5);
+    let scene = random_scene(&mut random, 1.0, Vec3::ZERO);
+    let camera = StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO).size(33, 21);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let frame = Frame::new(&pair.pose);
+    let rays: Vec<Ray> = (0..33 * 21).map(|i| Ray::new(frame.direction(Eye::Left, i % 33, i / 33))).collect();
+    let cast = renderer.closest_hits(&uploaded, frame.eye(Eye::Left), &rays).unwrap();
+    let found: Vec<_> = cast.hits.iter().map(|hit| (hit.t, hit.primitive)).collect();
+    let seen: Vec<_> = pair.left.depth.iter().copied().zip(pair.left.primitive.iter().copied()).collect();
+    assert!(found == seen || !is_exact(&renderer));
+    assert!(renderer.closest_hits(&uploaded, Vec3::ZERO, &[]).unwrap().hits.is_empty());
+}
+
+#[test]
+fn rays_without_direction_or_limits_are_named() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&Scene::new()).unwrap();
+    let good = Ray::new(Vec3::Z);
+    for (bad, word) in [
+        (Ray::new(Vec3::ZERO), "direction"),
+        (Ray::new(Vec3::new(f32::NAN, 0.0, 1.0)), "direction"),
+        (Ray { t_min: -1.0, ..good }, "limits"),
+        (Ray { t_max: f32::NAN, ..good }, "limits"),
+    ] {
+        let error = renderer.closest_hits(&uploaded, Vec3::ZERO, &[good, bad]).unwrap_err();
+        let message = error.to_string();
+        assert!(matches!(error, Error::Ray { index: 1, .. }) && message.contains(word), "{message}");
+    }
+    let error = renderer.any_hits(&uploaded, Vec3::splat(f32::INFINITY), &[good]).unwrap_err();
+    assert!(error.to_string().contains("origin"), "{error}");
+}
