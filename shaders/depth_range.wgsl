@@ -14,8 +14,10 @@ fn depth_range(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= WORKGROUP || row >= frame.image_size.y { return; }
     var nearest = FAR;
     var farthest = 0.0;
-    for (var column = 0u; column < frame.image_size.x; column += 1u) {
-        let depth = hits[pixel_index(vec2u(column, row))].depth;
+    // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each width.
+    let end = (row + 1u) * frame.image_size.x;
+    for (var pixel = row * frame.image_size.x; pixel < end; pixel += 1u) {
+        let depth = hits[pixel].depth;
         nearest = min(nearest, depth);
         farthest = max(farthest, depth);
     }

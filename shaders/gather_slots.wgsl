@@ -14,8 +14,10 @@ fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let cell = (pixel.y - frame.row_begin) * frame.image_size.x + pixel.x;
     var nearest = 0u;
-    for (var slot = 0u; slot < frame.buffer_depth; slot += 1u) {
-        nearest = max(nearest, slots[cell * frame.buffer_depth + slot]);
+    // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each depth.
+    let end = (cell + 1u) * frame.buffer_depth;
+    for (var slot = cell * frame.buffer_depth; slot < end; slot += 1u) {
+        nearest = max(nearest, slots[slot]);
     }
     right_source[pixel_index(pixel)] = nearest;
 }

@@ -6,7 +6,8 @@
 // reads   left_color    [height * width]
 // updates hits          [2 * height * width]  reads the left half, writes the right: a point's depth is the same
 //                                             for both eyes
-// updates right_source  [height * width]      left column + 1, or EMPTY; BAD and MISSED are marked in the top bits
+// updates right_source  [height * width]      left column + 1, or EMPTY; BAD and MISSED are marked in the top bits (BAD
+//                                             may have been marked before, by mark_edges)
 // writes  right_color   [height * width]
 // adds    counters      [height * COUNTERS]
 // appends to_trace
@@ -25,14 +26,17 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     let inside = inside_rows(pixels);
     if !any_ray(inside) { return; }
     var source: U;
+    var marked: U;
     var depth: F;
     var primitive: U;
     var ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
             let pixel = pixel_of_ray(pixels, ray);
-            let column = right_source[pixel_index(pixel)];
+            let mark = right_source[pixel_index(pixel)];
+            let column = mark & COLUMN;
             source = with_ray_u(source, ray, column);
+            marked = with_ray_u(marked, ray, mark & BAD);
             if column != EMPTY {
                 let left = hits[pixel_index(vec2u(column - 1u, pixel.y))];
                 depth = with_ray(depth, ray, left.depth);
@@ -43,7 +47,7 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
         if ray >= RAYS { break; }
     }
     let landed = inside & (source != U(EMPTY));
-    let bad = are_bad(Pixels(source - 1u, pixels.y), depth, landed);
+    let bad = (marked != U(0u)) | are_bad(Pixels(source - 1u, pixels.y), depth, landed);
     ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
@@ -67,7 +71,9 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    count_view(of_ray_u(pixels.y, 0u), RIGHT, 0u, nodes_visited, primitives_tested);
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(right_index(first));
+    count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
 }
 
 // The order of the list depends on the threads; each entry writes only its own pixel, so the picture does not.

@@ -3,7 +3,7 @@
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  color     [height * width]      linear RGB, 1
 // writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id
-// adds    counters  [height * COUNTERS]
+// adds    counters  [height * COUNTERS]      and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> color: array<vec4f>;
@@ -30,5 +30,7 @@ fn trace_left(@builtin(global_invocation_id) id: vec3u) {
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    count_view(of_ray_u(pixels.y, 0u), frame.eye, shadow_rays, nodes_visited, primitives_tested);
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(select(right_index(first), pixel_index(first), left));
+    count_view(first.y, frame.eye, shadow_rays, nodes_visited, primitives_tested);
 }

@@ -42,5 +42,7 @@ fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    count_view(of_ray_u(pixels.y, 0u), RIGHT, shadow_rays, nodes_visited, primitives_tested);
+    let first_pixel = pixel_of_ray(pixels, 0u);
+    count_pixel(right_index(first_pixel));
+    count_view(first_pixel.y, RIGHT, shadow_rays, nodes_visited, primitives_tested);
 }

@@ -454,6 +454,7 @@ impl Pipelines {
         // A kernel that doesn't touch the scene is the same for every scene.
         let with = match kernel.touches {
             Touches::Pixels => Specialisation { hits: with.hits, ..Specialisation::PIXELS },
+            Touches::Objects => Specialisation { hits: with.hits, traversal: with.traversal, ..Specialisation::PIXELS },
             Touches::Geometry => Specialisation { lights: false, shadows: Shadows::None, gradient: false, ..with },
             Touches::Shading => Specialisation { verify: Verify::All, ..with },
             Touches::RayList => Specialisation {
@@ -490,14 +491,15 @@ impl Pipelines {
             bind_group_layouts: &groups[..if table.is_some() { 3 } else { 2 }],
             immediate_size: 0,
         });
-        let count = [("COUNT", f64::from(u8::from(with.count)))];
+        let counting = [("COUNT", with.count), ("COST_MAP", with.cost_map)];
+        let counting = counting.map(|(name, on)| (name, f64::from(u8::from(on))));
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(kernel.name),
             layout: Some(&layout),
             module: &module,
             entry_point: Some(kernel.name),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: if kernel.touches == Touches::Pixels { &[] } else { &count },
+                constants: if kernel.touches.geometry() { &counting } else { &[] },
                 ..Default::default()
             },
             cache: None,

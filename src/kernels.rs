@@ -43,15 +43,17 @@ pub(crate) enum Touches {
     Shading,
     /// Geometry and a table of rays.
     RayList,
+    /// A table of the primitives' objects.
+    Objects,
 }
 
 impl Touches {
     pub(crate) fn geometry(self) -> bool {
-        self != Self::Pixels
+        !matches!(self, Self::Pixels | Self::Objects)
     }
 
     pub(crate) fn table(self) -> bool {
-        matches!(self, Self::Shading | Self::RayList)
+        matches!(self, Self::Shading | Self::RayList | Self::Objects)
     }
 }
 
@@ -114,6 +116,8 @@ pub(crate) struct Specialisation {
     pub(crate) verify: Verify,
     /// Count nodes and primitive tests.
     pub(crate) count: bool,
+    /// Count them for each pixel.
+    pub(crate) cost_map: bool,
 }
 
 impl Specialisation {
@@ -130,6 +134,7 @@ impl Specialisation {
         stack_size: 0,
         verify: Verify::None,
         count: false,
+        cost_map: false,
     };
 
     /// What a scene needs; verification and counting are the frame's to choose.
@@ -146,14 +151,16 @@ impl Specialisation {
             stack_size,
             verify: Verify::All,
             count: false,
+            cost_map: false,
         }
     }
 
     /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
     /// do not depend on it.
-    pub(crate) fn counting(self, count: bool) -> Self {
+    pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
+        let count = count || cost_map;
         let rays = if count { RaysPerLane::One } else { self.traversal.rays };
-        Self { count, traversal: Traversal { rays, ..self.traversal }, ..self }
+        Self { count, cost_map, traversal: Traversal { rays, ..self.traversal }, ..self }
     }
 }
 
@@ -184,6 +191,20 @@ pub(crate) const REPROJECT_SLOTS: Kernel = Kernel {
     storage: &[Read, Write, Write],
     extra: &[PARALLAX],
     main: part!("reproject_slots.wgsl"),
+};
+pub(crate) const REPROJECT_SCANLINE: Kernel = Kernel {
+    name: "reproject_scanline",
+    touches: Touches::Pixels,
+    storage: &[Read, Write],
+    extra: &[PARALLAX],
+    main: part!("reproject_scanline.wgsl"),
+};
+pub(crate) const MARK_EDGES: Kernel = Kernel {
+    name: "mark_edges",
+    touches: Touches::Objects,
+    storage: &[Read, Write],
+    extra: &[PARALLAX, TRACE_LIST],
+    main: part!("mark_edges.wgsl"),
 };
 pub(crate) const GATHER_SLOTS: Kernel = Kernel {
     name: "gather_slots",
@@ -256,6 +277,12 @@ impl Kernel {
             GBuffer::None => part!("shared/hits_none.wgsl"),
         };
         let mut parts = vec![part!("shared/types.wgsl"), hits];
+        if self.touches != Touches::Pixels {
+            parts.push(match with.traversal.fetch {
+                Fetch::Texture => part!("shared/table_texture.wgsl"),
+                Fetch::Buffer => part!("shared/table_buffer.wgsl"),
+            });
+        }
         if self.touches.geometry() {
             parts.push(match with.traversal.rays {
                 RaysPerLane::One => part!("shared/rays_1.wgsl"),
@@ -271,7 +298,8 @@ impl Kernel {
         if self.touches == Touches::Geometry {
             parts.push(match with.verify {
                 Verify::All => part!("shared/verify_all.wgsl"),
-                Verify::None => part!("shared/verify_none.wgsl"),
+                // Gaps are no candidates any more, and edges have been marked.
+                Verify::Gaps | Verify::Edges | Verify::None => part!("shared/verify_none.wgsl"),
             });
         }
         if self.touches == Touches::Shading {
@@ -336,7 +364,9 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 11] = [
+    const ALL: [&Kernel; 13] = [
+        &REPROJECT_SCANLINE,
+        &MARK_EDGES,
         &CLOSEST_HITS,
         &ANY_HITS,
         &TRACE_LEFT,
@@ -366,6 +396,7 @@ mod tests {
                 stack_size: 40,
                 verify: if bit(5) { Verify::All } else { Verify::None },
                 count: false,
+                cost_map: false,
             });
         }
         // Normals belong to triangles: a scene of spheres has none.
@@ -411,7 +442,7 @@ mod tests {
             let pipelines = crate::gpu::Pipelines::new(&gpu);
             for with in specialisations() {
                 for kernel in ALL {
-                    pipelines.get(&gpu, kernel, Specialisation { count: with.lights, ..with });
+                    pipelines.get(&gpu, kernel, Specialisation { count: with.lights, cost_map: with.gradient, ..with });
                 }
             }
             Ok(())

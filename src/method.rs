@@ -29,6 +29,11 @@ pub enum Overlap {
     Atomic,
     /// All of them in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
     Buffer(BufferDepth),
+    /// The last one of Adelson & Hodges' sweep from left to right, which also clears what no left sample vouches for; a
+    /// thread a row (Es & Isler 2007).
+    Scanline,
+    /// The same by one thread of the host, row after row (Adelson & Hodges 1993).
+    Sequential,
 }
 
 /// Slots a right pixel of the 3D buffer.
@@ -49,6 +54,11 @@ pub enum BufferDepth {
 pub enum Verify {
     /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
     All,
+    /// None by a ray: what lies in a gap between left samples was cleared by the sweep and is traced, the rest is trusted.
+    Gaps,
+    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are traced,
+    /// the rest is trusted (thesis, future work).
+    Edges,
     /// None: what landed is trusted.
     None,
 }
@@ -58,18 +68,40 @@ impl Method {
     pub const ATOMIC: Self = Self::Reuse { overlap: Overlap::Atomic, verify: Verify::All };
     /// The thesis's buffer-based method with a 3D buffer that loses nothing.
     pub const BUFFER: Self = Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::All };
+    /// Es & Isler's method: Adelson & Hodges' sweep with a thread a row, gaps traced.
+    pub const ES_ISLER: Self = Self::Reuse { overlap: Overlap::Scanline, verify: Verify::Gaps };
+    /// Adelson & Hodges' method: the sweep on the host. The same picture as [`Method::ES_ISLER`].
+    pub const ADELSON_HODGES: Self = Self::Reuse { overlap: Overlap::Sequential, verify: Verify::Gaps };
     /// The methods by name, in the order in which tables show them.
-    pub const ALL: [(&'static str, Self); 5] = [
+    pub const ALL: [(&'static str, Self); 8] = [
         ("naive", Self::Naive),
         ("ideal", Self::Ideal),
         ("atomic", Self::ATOMIC),
         ("buffer", Self::BUFFER),
         ("buffer-2e", Self::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All }),
+        ("es-isler", Self::ES_ISLER),
+        ("adelson-hodges", Self::ADELSON_HODGES),
+        ("atomic-edges", Self::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges }),
     ];
+
+    /// Whether its choices go together (DESIGN, section 4).
+    ///
+    /// # Errors
+    /// [`Error::Choices`], naming both.
+    pub(crate) fn check(self) -> Result<(), Error> {
+        let Self::Reuse { overlap, verify } = self else { return Ok(()) };
+        let sweeps = matches!(overlap, Overlap::Scanline | Overlap::Sequential);
+        if sweeps == (verify == Verify::Gaps) {
+            return Ok(());
+        }
+        let fitting = if sweeps { "gaps" } else { "all, edges or none" };
+        Err(Error::Choices { overlap: format!("{overlap:?}"), verify: format!("{verify:?}"), fitting })
+    }
 }
 
-/// Ends the name of a method that trusts what it reuses ([`Verify::None`]).
+/// End the names of methods that trust what they reuse ([`Verify::None`]), all of it or away from edges.
 const UNCHECKED: &str = "-unchecked";
+const EDGES: &str = "-edges";
 
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -83,9 +115,12 @@ impl fmt::Display for Method {
             Overlap::Buffer(BufferDepth::Adaptive) => f.write_str("buffer")?,
             Overlap::Buffer(BufferDepth::TwiceInteraxial) => f.write_str("buffer-2e")?,
             Overlap::Buffer(BufferDepth::Fixed(depth)) => write!(f, "buffer-{depth}")?,
+            Overlap::Scanline => f.write_str("es-isler")?,
+            Overlap::Sequential => f.write_str("adelson-hodges")?,
         }
         f.write_str(match verify {
-            Verify::All => "",
+            Verify::All | Verify::Gaps => "",
+            Verify::Edges => EDGES,
             Verify::None => UNCHECKED,
         })
     }
@@ -94,11 +129,13 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Error;
 
-    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` behind a reuse method's name makes it
-    /// trust what it reuses.
+    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` or `-edges` behind `atomic` or a `buffer` makes
+    /// it trust what it reuses, all of it or away from edges.
     fn from_str(name: &str) -> Result<Self, Error> {
-        if let Some(Ok(Self::Reuse { overlap, .. })) = name.strip_suffix(UNCHECKED).map(str::parse) {
-            return Ok(Self::Reuse { overlap, verify: Verify::None });
+        for (suffix, verify) in [(UNCHECKED, Verify::None), (EDGES, Verify::Edges)] {
+            if let Some(Ok(Self::Reuse { overlap, verify: Verify::All })) = name.strip_suffix(suffix).map(str::parse) {
+                return Ok(Self::Reuse { overlap, verify });
+            }
         }
         if let Some((_, method)) = Self::ALL.iter().find(|(known, _)| *known == name) {
             return Ok(*method);
@@ -110,7 +147,7 @@ impl FromStr for Method {
             _ => {
                 let mut known: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
                 known.push("buffer-N for N slots");
-                known.push("the last four with -unchecked behind");
+                known.push("atomic and buffers with -unchecked or -edges behind");
                 Err(Error::unknown_name("method", name, &known))
             }
         }
@@ -148,12 +185,45 @@ mod tests {
             assert_eq!(name.parse::<Method>().unwrap(), method);
             assert_eq!(method.to_string(), name);
         }
-        for name in ["buffer-8", "atomic-unchecked", "buffer-unchecked", "buffer-2e-unchecked", "buffer-8-unchecked"] {
+        for name in [
+            "buffer-8",
+            "atomic-unchecked",
+            "buffer-unchecked",
+            "buffer-2e-unchecked",
+            "buffer-8-unchecked",
+            "buffer-edges",
+            "buffer-8-edges",
+        ] {
             assert_eq!(name.parse::<Method>().unwrap().to_string(), name);
         }
-        for wrong in ["", "Naive2", "buffer-0", "buffer-x", "naive-unchecked", "-unchecked", "x-unchecked"] {
+        for wrong in [
+            "",
+            "Naive2",
+            "buffer-0",
+            "buffer-x",
+            "naive-unchecked",
+            "-unchecked",
+            "x-unchecked",
+            "es-isler-edges",
+            "atomic-edges-unchecked",
+        ] {
             let message = wrong.parse::<Method>().unwrap_err().to_string();
             assert!(message.contains("naive, ideal, atomic, buffer"), "{message}");
+        }
+    }
+
+    #[test]
+    fn choices_that_do_not_go_together_are_named() {
+        for (_, method) in Method::ALL {
+            method.check().unwrap();
+        }
+        for (overlap, verify, words) in [
+            (Overlap::Scanline, Verify::All, ["Scanline", "All", "gaps"]),
+            (Overlap::Sequential, Verify::None, ["Sequential", "None", "gaps"]),
+            (Overlap::Atomic, Verify::Gaps, ["Atomic", "Gaps", "all, edges or none"]),
+        ] {
+            let message = Method::Reuse { overlap, verify }.check().unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
         }
     }
 }

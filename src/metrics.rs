@@ -125,6 +125,7 @@ mod tests {
             linear: vec![[0.127, 0.127, 0.127, 1.0]; pixels],
             depth: vec![5.0; pixels],
             primitive: vec![0; pixels],
+            cost: Vec::new(),
             object: vec![0; pixels],
         };
         view.depth[pixels - 1] = f32::INFINITY;

@@ -25,6 +25,9 @@ pub struct View {
     pub primitive: Vec<u32>,
     /// Id of the object it belongs to, or [`MISS`].
     pub object: Vec<u32>,
+    /// BVH nodes visited and primitives tested for this pixel, all its rays; empty unless [`Options::cost_map`](crate::Options)
+    /// asked for it.
+    pub cost: Vec<u32>,
 }
 
 /// Where a right pixel's colour came from.

@@ -12,7 +12,7 @@ use crate::{
     BvhBuild, Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work,
     bvh,
     gpu::{Gpu, Pipelines, Timestamps, bind_group, check_bytes},
-    kernels::{self, Kernel, Specialisation},
+    kernels::{self, Kernel, Specialisation, Touches},
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
     traversal::{Fetch, Traversal},
@@ -32,6 +32,8 @@ pub struct Options {
     pub method: Method,
     /// Count BVH nodes and primitive tests (slower).
     pub count: bool,
+    /// Keep what each pixel cost, as [`View::cost`]; counts too.
+    pub cost_map: bool,
     /// What is kept of each pixel besides its colour.
     pub g_buffer: GBuffer,
 }
@@ -51,12 +53,18 @@ pub enum GBuffer {
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false, g_buffer: GBuffer::Ids }
+        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids }
     }
 
     /// Keeps no more of each pixel than said.
     pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
         self.g_buffer = g_buffer;
+        self
+    }
+
+    /// Keeps what each pixel cost.
+    pub fn mapping_costs(mut self) -> Self {
+        self.cost_map = true;
         self
     }
 
@@ -89,6 +97,7 @@ pub struct Progress {
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     shading: wgpu::BindGroup,
+    object_table: wgpu::BindGroup,
     pub(crate) specialisation: Specialisation,
     objects: Vec<u32>,
     lights: u32,
@@ -155,6 +164,15 @@ pub struct Renderer {
     band_pixels: u32,
 }
 
+/// What a frame needs of its picture.
+#[derive(Clone, Copy)]
+struct Need {
+    size: [u32; 2],
+    kept: GBuffer,
+    reuse: bool,
+    cost_map: bool,
+}
+
 /// The buffers of one picture size.
 #[derive(Debug)]
 struct Picture {
@@ -162,6 +180,8 @@ struct Picture {
     kept: GBuffer,
     /// Whether it has what the reuse methods need besides.
     reuse: bool,
+    /// Whether it has a map of costs.
+    cost_map: bool,
     frame: wgpu::Buffer,
     left_color: wgpu::Buffer,
     right_color: wgpu::Buffer,
@@ -174,11 +194,12 @@ struct Picture {
 }
 
 impl Picture {
-    fn new(gpu: &Gpu, size: [u32; 2], kept: GBuffer, reuse: bool, band_pixels: u32) -> Result<Self, Error> {
+    fn new(gpu: &Gpu, need: Need, band_pixels: u32) -> Result<Self, Error> {
+        let Need { size, kept, reuse, cost_map } = need;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let allowed = gpu.binding_limit();
         let what = format!("a {}x{} picture", size[0], size[1]);
-        let counters = u64::from(size[1]) * layout::COUNTERS as u64 * 4;
+        let counters = 4 * (u64::from(size[1]) * layout::COUNTERS as u64 + if cost_map { 2 * pixels } else { 0 });
         check_bytes(&what, pixels.saturating_mul(16).max(counters), allowed, "render a smaller one")?;
         let workgroups = size[0].div_ceil(WORKGROUP);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
@@ -197,6 +218,7 @@ impl Picture {
             size,
             kept,
             reuse,
+            cost_map,
             frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
             left_color: storage("left_color", pixels * 16),
             right_color: storage("right_color", pixels * 16),
@@ -321,10 +343,13 @@ impl Renderer {
             let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
             let primitives = gpu.upload("primitives", &packed.primitives, fetch)?;
             let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
+            let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
+            let object_table = gpu.upload("object_table", &object_texels(&objects), fetch)?;
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
+                object_table: bind_group(gpu, "object_table", &layouts.table, std::iter::once(object_table.binding())),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
                 specialisation: Specialisation::of(scene, traversal, packed.stack_size),
                 lights: scene.lights.len() as u32,
@@ -336,7 +361,7 @@ impl Renderer {
                     node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
                     primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
                 },
-                objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
+                objects,
             })
         };
         let mut uploaded = gpu.checked(upload).await?;
@@ -416,11 +441,16 @@ impl Renderer {
         scene.belongs_to(&self.gpu)?;
         let method =
             if pose.interaxial == 0.0 && options.method != Method::Naive { Method::Ideal } else { options.method };
+        method.check()?;
         let kept = match (options.g_buffer, method) {
+            // Edges are told by objects.
+            (_, Method::Reuse { verify: Verify::Edges, .. }) => GBuffer::Ids,
             (GBuffer::None, Method::Reuse { .. }) => GBuffer::Depth,
             (kept, _) => kept,
         };
-        let picture = self.picture_of(pose.size, kept, matches!(method, Method::Reuse { .. })).await?;
+        let need =
+            Need { size: pose.size, kept, reuse: matches!(method, Method::Reuse { .. }), cost_map: options.cost_map };
+        let picture = self.picture_of(need).await?;
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
         }
@@ -428,7 +458,10 @@ impl Renderer {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             scene,
-            specialisation: Specialisation { hits: kept, ..scene.specialisation.counting(options.count) },
+            specialisation: Specialisation {
+                hits: kept,
+                ..scene.specialisation.counting(options.count, options.cost_map)
+            },
             picture: &picture,
             slots: &mut self.slots,
             slot_bytes: 0,
@@ -451,14 +484,16 @@ impl Renderer {
         Ok((statistics, picture))
     }
 
-    async fn picture_of(&mut self, size: [u32; 2], kept: GBuffer, reuse: bool) -> Result<Arc<Picture>, Error> {
-        let fits = |picture: &&Arc<Picture>| (picture.size, picture.kept) == (size, kept) && picture.reuse >= reuse;
+    async fn picture_of(&mut self, need: Need) -> Result<Arc<Picture>, Error> {
+        let fits = |picture: &&Arc<Picture>| {
+            let same = (picture.size, picture.kept, picture.cost_map) == (need.size, need.kept, need.cost_map);
+            same && picture.reuse >= need.reuse
+        };
         if let Some(picture) = self.picture.as_ref().filter(fits) {
             return Ok(picture.clone());
         }
         self.picture = None; // the old one's memory first
-        let picture =
-            Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, size, kept, reuse, self.band_pixels)).await?);
+        let picture = Arc::new(self.gpu.checked(|| Picture::new(&self.gpu, need, self.band_pixels)).await?);
         self.picture = Some(picture.clone());
         Ok(picture)
     }
@@ -516,6 +551,11 @@ impl Renderer {
             }
         };
         let rgba8: Vec<[u8; 4]> = self.gpu.read(&picture.pictures, 2 * pixels).await?;
+        let counters = picture.size[1] as usize * layout::COUNTERS;
+        let costs: Vec<u32> = match options.cost_map {
+            true => self.gpu.read(&picture.counters, counters + 2 * pixels).await?.split_off(counters),
+            false => Vec::new(),
+        };
         let view = |eye: usize, linear| {
             let hits = hits.get(eye * pixels..(eye + 1) * pixels).unwrap_or_default();
             let with_ids = if options.g_buffer == GBuffer::Ids { hits } else { &[] };
@@ -528,6 +568,7 @@ impl Renderer {
                 linear,
                 depth: hits.iter().map(depth).collect(),
                 primitive: with_ids.iter().map(|hit| hit.primitive).collect(),
+                cost: costs.get(eye * pixels..(eye + 1) * pixels).unwrap_or_default().to_vec(),
                 object: with_ids.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
             }
         };
@@ -557,7 +598,9 @@ fn pixel_source(mark: u32) -> PixelSource {
 fn passes_of(method: Method) -> u32 {
     match method {
         Method::Naive | Method::Ideal => 3,
+        Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::Edges } => 6,
         Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), .. } => 5,
+        Method::Reuse { verify: Verify::Edges, .. } => 5,
         Method::Reuse { .. } => 4,
     }
 }
@@ -598,6 +641,9 @@ impl Passes<'_> {
             Method::Reuse { overlap, verify } => {
                 self.specialisation.verify = verify;
                 buffer_depth = self.reproject(pose, overlap).await?;
+                if verify == Verify::Edges {
+                    self.pass("mark_edges", &kernels::MARK_EDGES, &[&p.hits, &p.right_source]).await?;
+                }
                 self.resolve_right().await?;
             }
         }
@@ -613,6 +659,19 @@ impl Passes<'_> {
                 self.pass("reproject", &kernels::REPROJECT, &[&p.hits, &p.right_source]).await?;
                 Ok(0)
             }
+            Overlap::Scanline => {
+                let height = p.size[1];
+                self.bands(height, kernels::REPROJECT.name, |this, encoder| {
+                    let launch = Launch::Rows(height.div_ceil(WORKGROUP * WORKGROUP));
+                    this.dispatch(encoder, &kernels::REPROJECT_SCANLINE, &[&p.hits, &p.right_source], launch);
+                })
+                .await?;
+                Ok(0)
+            }
+            Overlap::Sequential => {
+                self.reproject_on_the_host(pose).await?;
+                Ok(0)
+            }
             Overlap::Buffer(depth) => {
                 let range = match depth {
                     BufferDepth::Adaptive => self.depth_range().await?,
@@ -623,6 +682,18 @@ impl Passes<'_> {
                 Ok(slots)
             }
         }
+    }
+
+    /// Pass 2 of `AdelsonHodges`, row after row.
+    async fn reproject_on_the_host(&mut self, pose: &Pose) -> Result<(), Error> {
+        let p = self.picture;
+        let pixels = p.size[0] as usize * p.size[1] as usize;
+        let stride = hit_bytes(p.kept) as usize / 4;
+        let words: Vec<f32> = self.gpu.read(&p.hits, pixels * stride).await?;
+        let depths: Vec<f32> = words.iter().step_by(stride).copied().collect();
+        let right_source = crate::cpu::adelson_hodges::sweep(&crate::cpu::Frame::new(pose), &depths);
+        self.gpu.queue.write_buffer(&p.right_source, 0, bytemuck::cast_slice(&right_source));
+        self.bands(p.size[1], kernels::REPROJECT.name, |_, _| {}).await
     }
 
     /// Pass 3: check and take over, then trace what is left, band by band.
@@ -767,7 +838,8 @@ impl Passes<'_> {
         }
         pass.set_bind_group(1, &own, &[]);
         if kernel.touches.table() {
-            pass.set_bind_group(2, &self.scene.shading, &[]);
+            let objects = kernel.touches == Touches::Objects;
+            pass.set_bind_group(2, if objects { &self.scene.object_table } else { &self.scene.shading }, &[]);
         }
         match launch {
             Launch::Pixels => {
@@ -851,6 +923,12 @@ fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
         .collect()
 }
 
+/// The object of each primitive, four a texel.
+fn object_texels(objects: &[u32]) -> Vec<bvh::Texel> {
+    let texel = |four: &[u32]| std::array::from_fn(|index| four.get(index).copied().unwrap_or(crate::MISS));
+    if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }
+}
+
 /// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::ATOMIC`]. For
 /// more than one picture keep a [`Renderer`].
 ///
@@ -931,7 +1009,8 @@ mod tests {
         let mut renderer = renderer(64 * 16);
         let scene = renderer.upload(&Scene::new()).unwrap();
         let run = async {
-            let picture = renderer.picture_of(pose.size, GBuffer::Ids, true).await?;
+            let picture =
+                renderer.picture_of(Need { size: pose.size, kept: GBuffer::Ids, reuse: true, cost_map: false }).await?;
             let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
             renderer.gpu.queue.write_buffer(&picture.hits, 0, bytemuck::cast_slice(&hits));
             let mut passes = Passes {

@@ -8,3 +8,11 @@ fn count_view(row: u32, eye: u32, shadow: u32, nodes: u32, primitives: u32) {
         atomicAdd(&counters[words + PRIMITIVES_TESTED], primitives);
     }
 }
+
+override COST_MAP: bool = false;
+
+// Adds what this thread did to its pixel of `hits`' order, both views; such a pipeline has one ray a lane. The map stands behind
+// the rows' counters.
+fn count_pixel(pixel: u32) {
+    if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel], nodes_visited + primitives_tested); }
+}

@@ -3,7 +3,6 @@
 @group(0) @binding(0) var<uniform> bvh: Bvh;
 @group(0) @binding(1) var<storage, read> nodes: array<vec4u>;
 @group(0) @binding(2) var<storage, read> primitives: array<vec4u>;
-@group(2) @binding(0) var<storage, read> table: array<vec4u>;
 
 fn node_texel(index: u32) -> vec4u {
     return nodes[index];
@@ -11,8 +10,4 @@ fn node_texel(index: u32) -> vec4u {
 
 fn primitive_texel(index: u32) -> vec4u {
     return primitives[index];
-}
-
-fn table_texel(index: u32) -> vec4u {
-    return table[index];
 }

@@ -5,12 +5,6 @@
 @group(0) @binding(0) var<uniform> bvh: Bvh;
 @group(0) @binding(1) var nodes: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(2) var primitives: texture_storage_2d<rgba32uint, read>;
-@group(2) @binding(0) var table: texture_storage_2d<rgba32uint, read>;
-
-// Texels stand row by row in textures 8192 wide, the least width that every WebGPU device offers.
-fn texel_position(index: u32) -> vec2u {
-    return vec2u(index & 8191u, index >> 13u);
-}
 
 fn node_texel(index: u32) -> vec4u {
     return textureLoad(nodes, texel_position(index));
@@ -18,8 +12,4 @@ fn node_texel(index: u32) -> vec4u {
 
 fn primitive_texel(index: u32) -> vec4u {
     return textureLoad(primitives, texel_position(index));
-}
-
-fn table_texel(index: u32) -> vec4u {
-    return textureLoad(table, texel_position(index));
 }

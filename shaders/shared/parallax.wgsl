@@ -12,3 +12,8 @@ fn right_column(column: u32, z: f32) -> i32 {
     if !(x >= 0.0 && x < f32(frame.image_size.x)) { return -1; }
     return i32(floor(x));
 }
+
+// The same without the picture's edges, bounded so that it fits.
+fn landing(column: u32, z: f32) -> i32 {
+    return i32(floor(clamp(f32(column) + 0.5 + parallax(z), -1e9, 1e9)));
+}

@@ -8,7 +8,7 @@ struct TraceList {
     pixels: array<u32>,
 }
 
-// Marks of right_source: nothing landed here, checked and rejected, traced for want of a left sample.
-const EMPTY: u32 = 0u;
+// Marks of right_source: checked and rejected, traced for want of a left sample; and what is left for the column.
 const BAD: u32 = 0x40000000u;
 const MISSED: u32 = 0x80000000u;
+const COLUMN: u32 = 0x3fffffffu;

@@ -31,6 +31,9 @@ const WORKGROUP: u32 = 8u;
 // Threads of a workgroup of a launch over a list.
 const LIST_WORKGROUP: u32 = 64u;
 
+// In right_source: no left sample landed here.
+const EMPTY: u32 = 0u;
+
 const LEFT: u32 = 0u;
 const RIGHT: u32 = 1u;
 

@@ -4,6 +4,7 @@
 //! They do the same arithmetic in the same order, so on adapters that don't contract or reorder f32 the results agree
 //! bit for bit.
 
+pub mod adelson_hodges;
 pub mod intersect;
 pub mod reproject;
 pub mod resolve_right;

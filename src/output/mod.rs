@@ -31,6 +31,22 @@ impl View {
     }
 }
 
+impl View {
+    /// The time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests on. `None` if the
+    /// view was rendered without costs.
+    pub fn cost_picture(&self, white: u32) -> Option<Picture> {
+        let grey = |&cost: &u32| {
+            let level = (255 * u64::from(cost.min(white)) / u64::from(white.max(1))) as u8;
+            [level, level, level, 255]
+        };
+        (!self.cost.is_empty()).then(|| Picture {
+            width: self.width,
+            height: self.height,
+            rgba8: self.cost.iter().map(grey).collect(),
+        })
+    }
+}
+
 impl StereoPair {
     /// [`StereoPair::retrace_map`] as a picture, the size of the right view.
     pub fn retrace_picture(&self) -> Picture {
@@ -93,6 +109,7 @@ mod tests {
                 .collect(),
             depth: vec![f32::INFINITY; colors.len()],
             primitive: vec![MISS; colors.len()],
+            cost: Vec::new(),
             object: vec![MISS; colors.len()],
         }
     }
