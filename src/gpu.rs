@@ -10,7 +10,7 @@ use std::{
 use crate::{
     Error, GBuffer,
     bvh::Texel,
-    kernels::{Access, Kernel, Shadows, Specialisation, Touches},
+    kernels::{Access, Kernel, Shadows, SkyKind, Specialisation, Touches},
     method::Verify,
     traversal::Fetch,
 };
@@ -455,12 +455,14 @@ impl Pipelines {
         let with = match kernel.touches {
             Touches::Pixels => Specialisation { hits: with.hits, ..Specialisation::PIXELS },
             Touches::Objects => Specialisation { hits: with.hits, traversal: with.traversal, ..Specialisation::PIXELS },
-            Touches::Geometry => Specialisation { lights: false, shadows: Shadows::None, gradient: false, ..with },
+            Touches::Geometry => {
+                Specialisation { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, ..with }
+            }
             Touches::Shading => Specialisation { verify: Verify::All, ..with },
             Touches::RayList => Specialisation {
                 lights: false,
                 shadows: Shadows::None,
-                gradient: false,
+                sky: SkyKind::Constant,
                 hits: GBuffer::None,
                 verify: Verify::All,
                 ..with

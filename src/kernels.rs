@@ -100,6 +100,24 @@ impl Shadows {
     }
 }
 
+/// How a sky is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum SkyKind {
+    Constant,
+    Gradient,
+    Map,
+}
+
+impl SkyKind {
+    fn of(sky: &Sky) -> Self {
+        match sky {
+            Sky::Constant(_) => Self::Constant,
+            Sky::Gradient { .. } => Self::Gradient,
+            Sky::Map(_) => Self::Map,
+        }
+    }
+}
+
 /// What a pipeline is specialised to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Specialisation {
@@ -109,7 +127,7 @@ pub(crate) struct Specialisation {
     pub(crate) normals: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
-    pub(crate) gradient: bool,
+    pub(crate) sky: SkyKind,
     pub(crate) hits: GBuffer,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
@@ -129,7 +147,7 @@ impl Specialisation {
         normals: false,
         lights: false,
         shadows: Shadows::None,
-        gradient: false,
+        sky: SkyKind::Constant,
         hits: GBuffer::Ids,
         stack_size: 0,
         verify: Verify::None,
@@ -146,7 +164,7 @@ impl Specialisation {
             normals: scene.has_normals(),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
-            gradient: matches!(scene.sky, Sky::Gradient { .. }),
+            sky: SkyKind::of(&scene.sky),
             hits: GBuffer::Ids,
             stack_size,
             verify: Verify::All,
@@ -303,9 +321,10 @@ impl Kernel {
             });
         }
         if self.touches == Touches::Shading {
-            parts.push(match with.gradient {
-                true => part!("shared/sky_gradient.wgsl"),
-                false => part!("shared/sky_constant.wgsl"),
+            parts.push(match with.sky {
+                SkyKind::Constant => part!("shared/sky_constant.wgsl"),
+                SkyKind::Gradient => part!("shared/sky_gradient.wgsl"),
+                SkyKind::Map => part!("shared/sky_map.wgsl"),
             });
             match with.lights {
                 true => parts.extend([with.shadows.part(), part!("shared/lights.wgsl")]),
@@ -392,7 +411,7 @@ mod tests {
                 spheres: bit(1),
                 normals: bit(2),
                 lights: bit(3),
-                gradient: bit(4),
+                sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][bits as usize / 4 % 3],
                 stack_size: 40,
                 verify: if bit(5) { Verify::All } else { Verify::None },
                 count: false,
@@ -442,7 +461,7 @@ mod tests {
             let pipelines = crate::gpu::Pipelines::new(&gpu);
             for with in specialisations() {
                 for kernel in ALL {
-                    pipelines.get(&gpu, kernel, Specialisation { count: with.lights, cost_map: with.gradient, ..with });
+                    pipelines.get(&gpu, kernel, Specialisation { count: with.lights, cost_map: with.normals, ..with });
                 }
             }
             Ok(())

@@ -48,7 +48,7 @@
 //!
 //! # Features
 //!
-//! `obj` (read OBJ and MTL), `png` (write PNG) and `json` (read cameras) are on by default; the core builds without.
+//! `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras) are on by default; the core builds without.
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
 pub use glam;
@@ -80,6 +80,6 @@ pub use gpu::Gpu;
 pub use method::{BufferDepth, Method, Overlap, Verify};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, Statistics, StereoPair, View, Work};
 pub use scene::builtin::Builtin;
-pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, Sphere, Triangle};
+pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use stereo::{GBuffer, Options, Progress, Renderer, UploadInfo, UploadedScene, render_stereo};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};

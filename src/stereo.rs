@@ -910,17 +910,22 @@ fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
     let (nadir, zenith) = match scene.sky {
         Sky::Constant(color) => (color, color),
         Sky::Gradient { nadir, zenith } => (nadir, zenith),
+        Sky::Map(_) => (Vec3::ZERO, Vec3::ZERO), // its header stands in the place of nadir
     };
     let head = [(scene.ambient, scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
     let lights = scene.lights.iter().flat_map(|light| [(light.position, 0), (light.intensity, 0)]);
     let albedos = scene.materials().iter().map(|material| (material.albedo, 0));
-    let texels = head.into_iter().chain(lights).chain(albedos);
-    texels
-        .map(|(vector, word)| {
-            let [x, y, z] = vector.to_array().map(f32::to_bits);
-            [x, y, z, word]
-        })
-        .collect()
+    let texel = |(vector, word): (Vec3, u32)| {
+        let [x, y, z] = vector.to_array().map(f32::to_bits);
+        [x, y, z, word]
+    };
+    let mut table: Vec<bvh::Texel> = head.into_iter().chain(lights).chain(albedos).map(texel).collect();
+    if let Sky::Map(map) = &scene.sky {
+        let [width, height] = map.size();
+        table[1] = [table.len() as u32, width, height, 0];
+        table.extend(map.pixels().iter().map(|color| texel((*color, 0))));
+    }
+    table
 }
 
 /// The object of each primitive, four a texel.

@@ -3,9 +3,9 @@
 // What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
 // driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
-const SKY_NADIR: u32 = 1u;    // linear RGB straight down
+const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
-const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials' albedos
+const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials' albedos; then a map's pixels
 
 fn shading_vector(index: u32) -> vec3f {
     return bitcast<vec3f>(table_texel(index).xyz);

@@ -3,6 +3,9 @@
 pub mod builtin;
 #[cfg(feature = "obj")]
 mod obj;
+mod sky;
+
+pub use sky::SkyMap;
 
 use glam::{DVec3, Vec3};
 
@@ -37,7 +40,7 @@ pub struct PointLight {
 }
 
 /// What a ray sees that hits nothing, linear RGB.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Sky {
     /// One colour.
@@ -49,6 +52,8 @@ pub enum Sky {
         /// Colour straight up.
         zenith: Vec3,
     },
+    /// A picture.
+    Map(SkyMap),
 }
 
 /// A sphere, given by its equation.
@@ -345,9 +350,10 @@ impl Scene {
             Err(Error::Scene { element, reason: format!("{values:?} is not finite") })
         };
         finite("ambient".into(), &[self.ambient])?;
-        match self.sky {
-            Sky::Constant(color) => finite("sky".into(), &[color])?,
-            Sky::Gradient { nadir, zenith } => finite("sky".into(), &[nadir, zenith])?,
+        match &self.sky {
+            Sky::Constant(color) => finite("sky".into(), &[*color])?,
+            Sky::Gradient { nadir, zenith } => finite("sky".into(), &[*nadir, *zenith])?,
+            Sky::Map(_) => {} // checked when it was made
         }
         for (index, material) in self.materials.iter().enumerate() {
             finite(format!("material {index} '{}'", material.name), &[material.albedo])?;

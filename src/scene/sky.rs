@@ -1,0 +1,191 @@
+//! Skies from pictures.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::Error;
+
+/// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and columns
+/// go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the pixels.
+#[derive(Clone, PartialEq)]
+pub struct SkyMap {
+    width: u32,
+    height: u32,
+    pixels: Arc<[Vec3]>,
+}
+
+impl std::fmt::Debug for SkyMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "SkyMap {}x{}", self.width, self.height)
+    }
+}
+
+impl SkyMap {
+    /// A picture of `width * height` colours, row-major, linear RGB.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if their number is another, the width is odd (a pole's opposite column is half a width away) or a
+    /// colour is negative or not finite.
+    pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, Error> {
+        let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
+        if width == 0
+            || height == 0
+            || !width.is_multiple_of(2)
+            || pixels.len() as u64 != u64::from(width) * u64::from(height)
+        {
+            return fault(format!(
+                "{} colours do not make a map of {width}x{height}, with an even width",
+                pixels.len()
+            ));
+        }
+        if let Some(index) = pixels.iter().position(|color| !color.is_finite() || color.min_element() < 0.0) {
+            let (row, column) = (index / width as usize, index % width as usize);
+            return fault(format!("the colour in row {row}, column {column} is {}", pixels[index]));
+        }
+        Ok(Self { width, height, pixels: pixels.into() })
+    }
+
+    /// A sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
+    ///
+    /// # Errors
+    /// As [`SkyMap::new`], for an odd width.
+    pub fn procedural(width: u32) -> Result<Self, Error> {
+        let height = width / 2;
+        let sun = Vec3::new(0.5, 0.45, -0.75).normalize();
+        let color = |index: u32| {
+            let d = direction(width, height, index % width, index / width);
+            if d.y < 0.0 {
+                return Vec3::new(0.16, 0.14, 0.11).lerp(Vec3::new(0.3, 0.3, 0.3), (1.0 + 6.0 * d.y).max(0.0));
+            }
+            let clear = Vec3::new(0.62, 0.72, 0.85).lerp(Vec3::new(0.12, 0.27, 0.6), d.y.sqrt());
+            // Where a ray through the layer of cloud meets it; far off the streaks fade into haze.
+            let (x, z) = (d.x / (d.y + 0.15), d.z / (d.y + 0.15));
+            let streaks =
+                (2.1 * x + (1.3 * z).sin()).sin() * (1.7 * z + (0.9 * x).cos()).sin() + 0.4 * (5.3 * x - 4.1 * z).sin();
+            let cloud = (0.5 * streaks).clamp(0.0, 0.7);
+            let glow = d.dot(sun).max(0.0).powi(400) * 0.9 + d.dot(sun).max(0.0).powi(12) * 0.2;
+            clear.lerp(Vec3::splat(0.85), cloud) + Vec3::new(1.0, 0.9, 0.7) * glow
+        };
+        Self::new(width, height, (0..width * height).map(color).collect())
+    }
+
+    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear).
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read, [`Error::File`] if it is no such picture or no sky.
+    #[cfg(feature = "sky")]
+    pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
+        let fault = |reason: String| Error::file(path, None, reason);
+        let picture =
+            image::load_from_memory(&bytes).map_err(|error| fault(format!("no picture of a sky: {error}")))?;
+        let linear = matches!(picture, image::DynamicImage::ImageRgb32F(_) | image::DynamicImage::ImageRgba32F(_));
+        let picture = picture.into_rgb32f();
+        let decode = |value: f32| match linear {
+            true => value,
+            false if value <= 0.04045 => value / 12.92,
+            false => ((value + 0.055) / 1.055).powf(2.4),
+        };
+        let pixels = picture.pixels().map(|pixel| Vec3::from_array(pixel.0.map(decode))).collect();
+        Self::new(picture.width(), picture.height(), pixels).map_err(|error| fault(error.to_string()))
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    pub(crate) fn pixels(&self) -> &[Vec3] {
+        &self.pixels
+    }
+}
+
+/// The direction of a pixel's centre.
+fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
+    use std::f32::consts::{PI, TAU};
+    let around = ((column as f32 + 0.5) / width as f32 - 0.5) * TAU;
+    let down = (row as f32 + 0.5) / height as f32 * PI;
+    Vec3::new(down.sin() * around.sin(), down.cos(), -down.sin() * around.cos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu};
+
+    /// A sky whose colour is its direction.
+    fn compass(width: u32) -> SkyMap {
+        let color = |index| 0.5 + 0.5 * direction(width, width / 2, index % width, index / width);
+        SkyMap::new(width, width / 2, (0..width * width / 2).map(color).collect()).unwrap()
+    }
+
+    #[test]
+    fn every_direction_has_its_colour_poles_and_seam_included() {
+        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+        let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+        let mut scene = Scene::new();
+        scene.sky = Sky::Map(compass(256));
+        let uploaded = renderer.upload(&scene).unwrap();
+        for target in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::Y, -Vec3::Y, Vec3::new(0.01, -0.3, 1.0)] {
+            let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
+            let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
+            let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+            let frame = cpu::Frame::new(&pair.pose);
+            for (index, color) in pair.left.linear.iter().enumerate() {
+                let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();
+                let found = Vec3::new(color[0], color[1], color[2]);
+                // Between pixels 1.4 degrees apart a chord is 7.5e-5 short of its arc, in both directions; twice that.
+                assert!((found - (0.5 + 0.5 * d)).abs().max_element() < 3e-4, "{target} {index}: {found} {d}");
+            }
+        }
+    }
+
+    #[test]
+    fn maps_that_are_none_are_refused() {
+        for (width, height, count) in [(4, 2, 7), (3, 2, 6), (0, 2, 0)] {
+            let message = SkyMap::new(width, height, vec![Vec3::ONE; count]).unwrap_err().to_string();
+            assert!(message.contains(&format!("{count} colours do not make a map of {width}x{height}")), "{message}");
+        }
+        let mut pixels = vec![Vec3::ONE; 8];
+        pixels[6].y = f32::NAN;
+        let message = SkyMap::new(4, 2, pixels).unwrap_err().to_string();
+        assert!(message.contains("row 1, column 2"), "{message}");
+    }
+
+    #[test]
+    fn the_procedural_sky_has_a_bright_sun_and_no_seam() {
+        let sky = SkyMap::procedural(128).unwrap();
+        let row = |row: usize| &sky.pixels()[row * 128..(row + 1) * 128];
+        for y in 0..64 {
+            let step = |a: Vec3, b: Vec3| (a - b).abs().max_element();
+            let widest = row(y).windows(2).map(|pair| step(pair[0], pair[1])).fold(0.0, f32::max);
+            assert!(step(row(y)[127], row(y)[0]) <= widest.max(0.02), "row {y}");
+        }
+        assert!(sky.pixels().iter().any(|color| color.min_element() > 1.0));
+        assert!(SkyMap::procedural(7).is_err());
+    }
+
+    #[cfg(feature = "sky")]
+    #[test]
+    fn a_sky_is_read_from_png_and_a_broken_file_is_named() {
+        let path = std::env::temp_dir().join(format!("stereotrace_{}_sky.png", std::process::id()));
+        let mut picture = image::RgbImage::new(4, 2);
+        picture.put_pixel(1, 0, image::Rgb([255, 188, 0]));
+        picture.save(&path).unwrap();
+        let sky = SkyMap::open(&path).unwrap();
+        assert_eq!(sky.size(), [4, 2]);
+        assert!((sky.pixels()[1] - Vec3::new(1.0, 0.5029, 0.0)).abs().max_element() < 1e-3, "{}", sky.pixels()[1]);
+        let odd = image::RgbImage::new(3, 2);
+        odd.save(&path).unwrap();
+        let odd = SkyMap::open(&path).unwrap_err().to_string();
+        std::fs::write(&path, b"no picture at all").unwrap();
+        let broken = SkyMap::open(&path).unwrap_err().to_string();
+        std::fs::remove_file(&path).unwrap();
+        let missing = SkyMap::open(&path).unwrap_err().to_string();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!([&odd, &broken, &missing].iter().all(|message| message.contains(name)), "{odd} {broken} {missing}");
+        assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
+    }
+}
