@@ -47,22 +47,19 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
         if ray >= RAYS { break; }
     }
     let landed = inside & (source != U(EMPTY));
+    let missed = inside & (source == U(EMPTY));
     let bad = (marked != U(0u)) | are_bad(Pixels(source - 1u, pixels.y), depth, landed);
+    var place = reserve(count_rays(missed | bad));
     ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
             let pixel = pixel_of_ray(pixels, ray);
             let index = pixel_index(pixel);
-            let row = pixel.y * COUNTERS;
             let column = of_ray_u(source, ray);
-            if column == EMPTY {
-                right_source[index] = MISSED;
-                atomicAdd(&counters[row + MISSED_PIXELS], 1u);
-                append(index);
-            } else if of_ray_b(bad, ray) {
-                right_source[index] = column | BAD;
-                atomicAdd(&counters[row + BAD_PIXELS], 1u);
-                append(index);
+            if of_ray_b(missed | bad, ray) {
+                right_source[index] = select(column | BAD, MISSED, column == EMPTY);
+                to_trace.pixels[place] = index;
+                place += 1u;
             } else {
                 right_color[index] = left_color[pixel_index(vec2u(column - 1u, pixel.y))];
                 hits[right_index(pixel)] = pixel_hit(of_ray(depth, ray), of_ray_u(primitive, ray));
@@ -72,13 +69,20 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
         if ray >= RAYS { break; }
     }
     let first = pixel_of_ray(pixels, 0u);
+    let row = first.y * COUNTERS;
+    if any_ray(missed) { atomicAdd(&counters[row + MISSED_PIXELS], count_rays(missed)); }
+    if any_ray(bad) { atomicAdd(&counters[row + BAD_PIXELS], count_rays(bad)); }
     count_pixel(right_index(first));
     count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
 }
 
-// The order of the list depends on the threads; each entry writes only its own pixel, so the picture does not.
-fn append(index: u32) {
-    let place = atomicAdd(&to_trace.count, 1u);
-    to_trace.pixels[place] = index;
-    if place % (LIST_WORKGROUP * RAYS) == 0u { atomicAdd(&to_trace.workgroups_x, 1u); }
+// Places in the list for a lane's pixels, side by side, so that neighbours are traced together. The order of the list depends
+// on the threads; each entry writes only its own pixel, so the picture does not.
+fn reserve(count: u32) -> u32 {
+    if count == 0u { return 0u; }
+    let place = atomicAdd(&to_trace.count, count);
+    let workgroup = LIST_WORKGROUP * RAYS;
+    let begun = (place + count + workgroup - 1u) / workgroup - (place + workgroup - 1u) / workgroup;
+    if begun > 0u { atomicAdd(&to_trace.workgroups_x, begun); }
+    return place;
 }
