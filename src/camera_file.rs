@@ -1,11 +1,11 @@
-//! Reads cameras from JSON files.
+//! Reads cameras and lights from JSON files.
 
 use std::{fs, path::Path};
 
 use glam::Vec3;
 use serde_json::{Map, Value};
 
-use crate::{Error, StereoCamera};
+use crate::{Error, PointLight, Scene, StereoCamera};
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
@@ -22,18 +22,8 @@ impl StereoCamera {
     /// it is no JSON, has no such camera, or the camera is invalid; [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = fs::read(path).map_err(|source| Error::io(path, source))?;
-        let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
-        let cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
-            let line = Some(error.line()).filter(|&line| line > 0);
-            Error::file(path, line, format!("no JSON object of cameras: {error}"))
-        })?;
-        let fault = |reason: String| Error::file(path, None, format!("camera '{name}': {reason}"));
-        let entry = cameras.get(name).ok_or_else(|| {
-            let names: Vec<&str> = cameras.keys().map(String::as_str).collect();
-            fault(format!("not in this file, which has: {}", names.join(", ")))
-        })?;
-        let entry = entry.as_object().ok_or_else(|| fault(format!("{entry} is not an object of fields")))?;
+        let fault = |reason: String| fault(path, name, reason);
+        let entry = &entry(path, name)?;
         let camera = Self::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
             .up(vector(entry, "up").map_err(fault)?)
             .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
@@ -54,6 +44,61 @@ impl StereoCamera {
             Err(error) => Err(error),
         }
     }
+}
+
+impl Scene {
+    /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
+    /// is three numbers (linear RGB), `lights` a list of objects with `position` and `intensity` (three numbers each).
+    /// Returns whether the entry has lights; where it has not, nothing changes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::File`] as [`StereoCamera::from_json`]; [`Error::File`] for lights without ambient, too.
+    pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
+        let path = path.as_ref();
+        let fault = |reason: String| fault(path, name, reason);
+        let entry = entry(path, name)?;
+        let Some(lights) = entry.get("lights") else { return Ok(false) };
+        let list = lights.as_array().ok_or_else(|| fault(format!("lights is {lights}; it must be a list")))?;
+        let light = |(index, light): (usize, &Value)| {
+            let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
+            let vector = |name| fields.clone().and_then(|fields| checked_vector(fields, name));
+            let read =
+                vector("position").and_then(|position| Ok(PointLight { position, intensity: vector("intensity")? }));
+            read.map_err(|reason| fault(format!("light {index}: {reason}")))
+        };
+        let lights = list.iter().enumerate().map(light).collect::<Result<_, _>>()?;
+        self.ambient = checked_vector(&entry, "ambient").map_err(fault)?;
+        self.lights = lights;
+        Ok(true)
+    }
+}
+
+fn fault(path: &Path, name: &str, reason: String) -> Error {
+    Error::file(path, None, format!("camera '{name}': {reason}"))
+}
+
+/// The fields of an entry.
+fn entry(path: &Path, name: &str) -> Result<Map<String, Value>, Error> {
+    let bytes = fs::read(path).map_err(|source| Error::io(path, source))?;
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+    let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
+        let line = Some(error.line()).filter(|&line| line > 0);
+        Error::file(path, line, format!("no JSON object of cameras: {error}"))
+    })?;
+    match cameras.remove(name) {
+        Some(Value::Object(entry)) => Ok(entry),
+        Some(entry) => Err(fault(path, name, format!("{entry} is not an object of fields"))),
+        None => {
+            let names: Vec<&str> = cameras.keys().map(String::as_str).collect();
+            Err(fault(path, name, format!("not in this file, which has: {}", names.join(", "))))
+        }
+    }
+}
+
+/// A vector of finite numbers.
+fn checked_vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
+    let found = vector(entry, name)?;
+    if found.is_finite() { Ok(found) } else { Err(format!("{name} is {found}; its numbers must fit f32")) }
 }
 
 fn field<'a>(entry: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
@@ -110,6 +155,38 @@ mod tests {
         assert_eq!(read("mark", format!("\u{feff}{text}"), "hall").unwrap(), expected);
         let tilted = text.replace(r#""up": [0, 1, 0]"#, r#""up": [0, 1, 1]"#);
         assert_eq!(read("tilted", tilted, "hall").unwrap(), expected.up(Vec3::new(0.0, 1.0, 1.0)));
+    }
+
+    #[test]
+    fn lights_and_ambient_are_read_and_faults_named() {
+        let light = |test: &str, extra: &str| {
+            let path = std::env::temp_dir().join(format!("stereotrace_{}_{test}.json", std::process::id()));
+            fs::write(&path, format!(r#"{{ "hall": {} }}"#, HALL.replace(r#""note": "ignored""#, extra))).unwrap();
+            let mut scene = Scene::new();
+            let read = scene.light_from_json(&path, "hall").map_err(|error| error.to_string());
+            fs::remove_file(&path).unwrap();
+            (read, scene)
+        };
+        let lamp = r#""lights": [{ "position": [1, 2, 3], "intensity": [0.5, 0.25, 0] }]"#;
+        let (read, scene) = light("lights", &format!(r#""ambient": [0.1, 0.2, 0.3], {lamp}"#));
+        assert!(read.unwrap());
+        let expected = PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(0.5, 0.25, 0.0) };
+        assert_eq!((scene.ambient, scene.lights), (Vec3::new(0.1, 0.2, 0.3), vec![expected]));
+        let (read, scene) = light("no_lights", r#""note": 1"#);
+        assert!(!read.unwrap() && scene.lights.is_empty());
+        for (index, (extra, expected)) in [
+            (lamp.to_owned(), "ambient is missing"),
+            (r#""lights": 3"#.into(), "lights is 3; it must be a list"),
+            (r#""ambient": [0, 0, 0], "lights": [4]"#.into(), "light 0: it is 4; it must be an object"),
+            (r#""ambient": [0, 0, 0], "lights": [{}]"#.into(), "light 0: position is missing"),
+            (format!(r#""ambient": [1e99, 0, 0], {lamp}"#), "ambient is [inf, 0, 0]; its numbers must fit"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let message = light(&format!("lamp{index}"), &extra).0.unwrap_err();
+            assert!(message.contains(&format!("camera 'hall': {expected}")), "{message}");
+        }
     }
 
     #[test]

@@ -468,18 +468,22 @@ impl Renderer {
             rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights).div_ceil(6)),
             frame: frame_uniform(pose),
             timestamps: self.timestamps.as_mut(),
+            host: Duration::ZERO,
             rows_done: 0,
             rows_total: pose.size[1] * passes_of(method),
             progress,
         };
         let buffer_depth = passes.frame(pose, method).await?;
         passes.finish().await?;
-        let slot_bytes = passes.slot_bytes;
+        let (slot_bytes, host) = (passes.slot_bytes, passes.host);
         let mut statistics = self.statistics(&picture, method).await?;
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes += slot_bytes;
         if let Some(timestamps) = &self.timestamps {
             statistics.times = timestamps.read(&self.gpu).await?;
+        }
+        if let Some(times) = statistics.times.as_mut().filter(|_| !host.is_zero()) {
+            times.0.insert(1, ("reproject_on_the_host", host));
         }
         Ok((statistics, picture))
     }
@@ -618,6 +622,8 @@ struct Passes<'a> {
     rows: u32,
     frame: layout::Frame,
     timestamps: Option<&'a mut Timestamps>,
+    /// Time of what the host did in place of a pass.
+    host: Duration,
     rows_done: u32,
     rows_total: u32,
     progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
@@ -687,12 +693,15 @@ impl Passes<'_> {
     /// Pass 2 of `AdelsonHodges`, row after row.
     async fn reproject_on_the_host(&mut self, pose: &Pose) -> Result<(), Error> {
         let p = self.picture;
+        self.gpu.wait(None)?;
+        let begin = Instant::now();
         let pixels = p.size[0] as usize * p.size[1] as usize;
         let stride = hit_bytes(p.kept) as usize / 4;
         let words: Vec<f32> = self.gpu.read(&p.hits, pixels * stride).await?;
         let depths: Vec<f32> = words.iter().step_by(stride).copied().collect();
         let right_source = crate::cpu::adelson_hodges::sweep(&crate::cpu::Frame::new(pose), &depths);
         self.gpu.queue.write_buffer(&p.right_source, 0, bytemuck::cast_slice(&right_source));
+        self.host += begin.elapsed();
         self.bands(p.size[1], kernels::REPROJECT.name, |_, _| {}).await
     }
 
@@ -1029,6 +1038,7 @@ mod tests {
                 rows: band_rows(pose.size, renderer.band_pixels),
                 frame: frame_uniform(pose),
                 timestamps: None,
+                host: Duration::ZERO,
                 rows_done: 0,
                 rows_total: 1,
                 progress: &mut |_| ControlFlow::Continue(()),

@@ -2,12 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use stereotrace::{Error, Scene, StereoCamera, scene::builtin::Builtin};
+use stereotrace::{
+    Error, Scene, Sky, SkyMap, StereoCamera,
+    scene::builtin::{Builtin, spheres_turned},
+};
 
 /// Names the folder that holds NAME/NAME.obj and cameras.json, in place of target/scenes.
 pub const FOLDER_VARIABLE: &str = "STEREOTRACE_SCENES";
 /// Lights of a scene that has none of its own, placed by the library's rule.
 const LIGHTS: usize = 5;
+/// How far the animated spheres have turned in the picture that is measured, radians.
+const TURN: f32 = std::f32::consts::FRAC_PI_3;
+/// Columns of the sky that the thesis's scenes get.
+const SKY_WIDTH: u32 = 1024;
 
 /// A scene and the camera that it is measured with.
 pub struct BenchScene {
@@ -43,6 +50,35 @@ pub fn load(
     Ok(Some(BenchScene { name: name.into(), scene, camera }))
 }
 
+/// A scene of the thesis, with camera and lights from scenes/thesis.json and a sky, or `None` if no such file is there. `spheres-turned`
+/// is a picture out of the animation. Another number of lights is placed by the library's rule.
+pub fn load_thesis(
+    name: &str,
+    [width, height]: [u32; 2],
+    e_px: f32,
+    lights: Option<usize>,
+) -> Result<Option<BenchScene>, Error> {
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/thesis.json");
+    let (mut scene, entry) = match name {
+        "spheres" => (Builtin::Spheres.scene(), name),
+        "spheres-turned" => (spheres_turned(TURN), "spheres"),
+        _ => {
+            let obj = folder().join(name).join(format!("{name}.obj"));
+            if !obj.is_file() {
+                return Ok(None);
+            }
+            (Scene::from_obj(obj)?, name)
+        }
+    };
+    let camera = StereoCamera::from_json(data, entry, width, height)?.interaxial_pixels(e_px);
+    match lights {
+        Some(lights) => scene.place_lights(lights, &camera)?,
+        None => drop(scene.light_from_json(data, entry)?),
+    }
+    scene.sky = Sky::Map(SkyMap::procedural(SKY_WIDTH)?);
+    Ok(Some(BenchScene { name: name.into(), scene, camera }))
+}
+
 /// What a figure calls a scene: meshes by their own name, where a test's name could pass for a better-known one.
 pub fn title(name: &str) -> &str {
     match name {
@@ -50,6 +86,8 @@ pub fn title(name: &str) -> &str {
         "sponza_4x" => "Dabrovic Sponza 4x",
         "dragon" => "Stanford Dragon",
         "buddha_1m2" => "subdivided Buddha",
+        "spheres" => "fixed spheres",
+        "spheres-turned" => "animated spheres",
         other => other,
     }
 }

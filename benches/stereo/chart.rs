@@ -8,10 +8,10 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-use crate::{
-    common::{provenance::Provenance, scenes},
-    measure::Measured,
-    options::Plan,
+use crate::common::{
+    measure::{Measured, Plan},
+    provenance::Provenance,
+    scenes,
 };
 
 const SIZE: (u32, u32) = (800, 500);

@@ -7,7 +7,6 @@
 mod chart;
 #[path = "../common/mod.rs"]
 mod common;
-mod measure;
 mod options;
 mod output;
 mod tables;
@@ -18,8 +17,11 @@ use clap::Parser;
 use stereotrace::{Gpu, Renderer};
 
 use crate::{
-    common::{provenance::Provenance, scenes},
-    measure::Measured,
+    common::{
+        measure::{self, Measured},
+        provenance::Provenance,
+        scenes,
+    },
     options::Options,
 };
 

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use stereotrace::{Method, scene::builtin::Builtin};
 
+use crate::common::measure::Plan;
+
 /// Compares the methods in time, accuracy and counted work.
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench --bench stereo --")]
@@ -27,7 +29,7 @@ pub(crate) struct Options {
     /// Scenes: built-in ones, or folders of OBJ files [default: all built-in ones, `sponza_4x`, dragon]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     scenes: Vec<String>,
-    /// Methods; naive and ideal are always among them [default: all]
+    /// Methods; naive and ideal are always among them [default: atomic, buffer, es-isler]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     methods: Vec<Method>,
     /// Where the results go [default: target/bench/stereo]
@@ -38,25 +40,12 @@ pub(crate) struct Options {
     bench: bool,
 }
 
-/// What is measured on every scene.
-#[derive(Debug)]
-pub(crate) struct Plan {
-    pub(crate) size: [u32; 2],
-    pub(crate) e_px: f32,
-    /// `None`: built-in scenes keep their own.
-    pub(crate) lights: Option<usize>,
-    /// Naive first, ideal second: the others are held against them.
-    pub(crate) methods: Vec<Method>,
-    pub(crate) warm_ups: usize,
-    pub(crate) rounds: usize,
-}
-
 impl Options {
     pub(crate) fn plan(&self) -> Plan {
         let quick = self.quick();
         let size = self.size.unwrap_or(if quick { [128, 128] } else { [600, 600] });
         let mut methods = vec![Method::Naive, Method::Ideal];
-        let all = Method::ALL.map(|(_, method)| method);
+        let all = [Method::ATOMIC, Method::BUFFER, Method::ES_ISLER];
         for &method in if self.methods.is_empty() { &all[..] } else { &self.methods } {
             if !methods.contains(&method) {
                 methods.push(method);

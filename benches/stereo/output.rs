@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 
 use crate::{
     chart,
-    common::provenance::Provenance,
-    measure::{Measured, MethodFigures},
-    options::Plan,
+    common::{
+        measure::{Measured, MethodFigures, Plan},
+        provenance::Provenance,
+    },
 };
 
 /// Writes the three files and returns their paths. All are made before the first is written.

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::{
-    common::{provenance::Provenance, scenes},
-    measure::{Measured, MethodFigures},
-    options::Plan,
+use crate::common::{
+    measure::{Measured, MethodFigures, Plan},
+    provenance::Provenance,
+    scenes,
 };
 
 /// A scene's tables: time, accuracy and counted work.

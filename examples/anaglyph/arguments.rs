@@ -4,7 +4,7 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Method, Scene, StereoCamera,
+    Method, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -29,7 +29,8 @@ pub(crate) struct Arguments {
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e or buffer-N (slots)
+    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e, buffer-N (slots), es-isler,
+    /// adelson-hodges, atomic-edges or buffer-edges
     #[arg(long, default_value_t = Method::ATOMIC)]
     pub(crate) method: Method,
     /// Count BVH nodes and primitive tests (slower)
@@ -48,9 +49,15 @@ pub(crate) struct Arguments {
     /// Exchange the eyes in everything that is written, except the re-trace map
     #[arg(long)]
     pub(crate) swap: bool,
-    /// Write depths and primitive ids of both eyes (PFM) and the right eye's re-trace map (PNG)
+    /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map and both eyes' time views (PNG)
     #[arg(long)]
     pub(crate) dump: bool,
+    /// Sky: a PNG, JPEG or HDR file (equirectangular), or `procedural` [default: the scene's]
+    #[arg(long, value_name = "FILE")]
+    sky: Option<PathBuf>,
+    /// Render N pictures of builtin:spheres, which turn once about their axis, into numbered files
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10000))]
+    pub(crate) frames: Option<u32>,
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(crate) display_width: f32,
@@ -126,6 +133,19 @@ impl Arguments {
 
     /// Reads or builds the scene.
     pub(crate) fn scene(&self) -> Result<Scene, Box<dyn Error>> {
+        let mut scene = self.geometry()?;
+        match &self.sky {
+            None => {}
+            Some(name) if name.as_os_str() == "procedural" => scene.sky = Sky::Map(SkyMap::procedural(1024)?),
+            Some(file) => scene.sky = Sky::Map(SkyMap::open(file)?),
+        }
+        if self.frames.is_some() && self.builtin()? != Some(Builtin::Spheres) {
+            return Err("--frames turns builtin:spheres only".into());
+        }
+        Ok(scene)
+    }
+
+    fn geometry(&self) -> Result<Scene, Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
             return Ok(builtin.scene());
         }
@@ -142,10 +162,7 @@ impl Arguments {
     pub(crate) fn stereo_camera(&self, scene: &Scene) -> Result<StereoCamera, Box<dyn Error>> {
         let [width, height] = self.size;
         let camera = match (&self.camera.cameras, self.builtin()?) {
-            (Some(file), _) => {
-                let name = self.camera.camera.clone().unwrap_or_else(|| self.scene_name());
-                StereoCamera::from_json(file, &name, width, height)?
-            }
+            (Some(file), _) => StereoCamera::from_json(file, &self.camera_name(), width, height)?,
             (None, Some(builtin)) => builtin.camera(width, height),
             (None, None) => self.camera.fitting(scene, width, height)?,
         };
@@ -154,8 +171,18 @@ impl Arguments {
         Ok(camera)
     }
 
-    /// Places the lights, unless the scene brings its own and no number was asked for.
+    /// The camera's name in the file of cameras.
+    fn camera_name(&self) -> String {
+        self.camera.camera.clone().unwrap_or_else(|| self.scene_name())
+    }
+
+    /// Places the lights, unless the scene or the file of cameras brings its own and no number was asked for.
     pub(crate) fn light(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
+        if let (None, Some(file)) = (self.lights, &self.camera.cameras)
+            && scene.light_from_json(file, &self.camera_name())?
+        {
+            return Ok(());
+        }
         let count = match self.lights {
             None if self.builtin()?.is_some() => return Ok(()),
             count => count.unwrap_or(DEFAULT_LIGHTS),

@@ -24,9 +24,10 @@ use std::{
 };
 
 use stereotrace::{
-    Gpu, Method, Options, Progress, Renderer, StereoPair,
+    BvhBuild, Gpu, Method, Options, Progress, Renderer, Scene, StereoCamera, StereoPair,
     metrics::compare,
     output::{anaglyph, packed},
+    scene::builtin::spheres_turned,
 };
 
 use crate::{
@@ -68,14 +69,18 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     fs::create_dir_all(&arguments.out).map_err(|error| format!("{}: {error}", arguments.out.display()))?;
     let read = begin.elapsed();
 
-    let begin = Instant::now();
     let mut renderer = Renderer::new(Gpu::new()?);
+    if let Some(frames) = arguments.frames {
+        return film(arguments, &mut renderer, &scene, &camera, frames);
+    }
+    let begin = Instant::now();
     let uploaded = renderer.upload(&scene)?;
     let build = begin.elapsed();
 
     let begin = Instant::now();
     let mut options = Options::new(arguments.method);
     options.count = arguments.count;
+    options.cost_map = arguments.dump;
     let mut line = ProgressLine::new();
     let pair = renderer.render_with(&uploaded, &camera, &options, &mut |progress| {
         line.show(progress);
@@ -92,24 +97,62 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
         }
         false => None,
     };
-    let files = write(arguments, &pair)?;
+    let files = write(arguments, &pair, "")?;
     let adapter = renderer.gpu().adapter_name();
     Ok(Report { arguments, adapter: &adapter, scene: &scene, pair: &pair, wall, difference, files: &files }.to_string())
 }
 
-/// Writes the pictures and returns their paths.
-fn write(arguments: &Arguments, pair: &StereoPair) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+/// Renders the spheres as they turn once, a tree built anew for each picture.
+fn film(
+    arguments: &Arguments,
+    renderer: &mut Renderer,
+    still: &Scene,
+    camera: &StereoCamera,
+    frames: u32,
+) -> Result<String, Box<dyn Error>> {
+    let (mut build, mut render) = (Duration::ZERO, Duration::ZERO);
+    for frame in 0..frames {
+        let mut scene = spheres_turned(std::f32::consts::TAU * frame as f32 / frames as f32);
+        (scene.lights, scene.ambient, scene.sky) = (still.lights.clone(), still.ambient, still.sky.clone());
+        let begin = Instant::now();
+        let uploaded = renderer.upload_with(&scene, BvhBuild::Fast)?;
+        build += begin.elapsed();
+        let begin = Instant::now();
+        let pair = renderer.render(&uploaded, camera, &Options::new(arguments.method))?;
+        render += begin.elapsed();
+        write(arguments, &pair, &format!("_{frame:04}"))?;
+    }
+    let each = |time: Duration| time.as_secs_f64() * 1e3 / f64::from(frames);
+    Ok(format!(
+        "{frames} frames in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
+        arguments.out.display(),
+        arguments.method,
+        each(build),
+        each(render),
+    ))
+}
+
+/// Writes the pictures and returns their paths; `number` goes behind each name.
+fn write(arguments: &Arguments, pair: &StereoPair, number: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let (left, right) = if arguments.swap { (&pair.right, &pair.left) } else { (&pair.left, &pair.right) };
     let mut pictures = vec![
-        ("left.png".to_owned(), left.picture()),
-        ("right.png".to_owned(), right.picture()),
-        ("anaglyph.png".to_owned(), anaglyph(left, right, arguments.anaglyph)),
+        (format!("left{number}.png"), left.picture()),
+        (format!("right{number}.png"), right.picture()),
+        (format!("anaglyph{number}.png"), anaglyph(left, right, arguments.anaglyph)),
     ];
     if let Some(packing) = arguments.packing {
-        pictures.push((format!("{packing}.png"), packed(left, right, packing)));
+        pictures.push((format!("{packing}{number}.png"), packed(left, right, packing)));
     }
     if arguments.dump {
-        pictures.push(("retrace.png".to_owned(), pair.retrace_picture()));
+        pictures.push((format!("retrace{number}.png"), pair.retrace_picture()));
+        // One scale for both eyes: white is what all but a thousandth of the left pixels stay below.
+        let mut costs = pair.left.cost.clone();
+        costs.sort_unstable();
+        let white = costs.get(costs.len() * 999 / 1000).copied().unwrap_or(1);
+        for (eye, view) in [("left", left), ("right", right)] {
+            let picture = view.cost_picture(white);
+            pictures.extend(picture.map(|picture| (format!("{eye}_time_white_{white}{number}.png"), picture)));
+        }
     }
     let mut files = Vec::new();
     let mut path = |name: &str| {
@@ -119,10 +162,10 @@ fn write(arguments: &Arguments, pair: &StereoPair) -> Result<Vec<PathBuf>, Box<d
     for (name, picture) in pictures {
         picture.save_png(path(&name))?;
     }
-    if arguments.dump {
+    if arguments.dump && number.is_empty() {
         for (eye, view) in [("left", left), ("right", right)] {
-            view.save_depth(path(&format!("{eye}_depth.pfm")))?;
-            view.save_primitive_ids(path(&format!("{eye}_id.pfm")))?;
+            view.save_depth(path(&format!("{eye}_depth{number}.pfm")))?;
+            view.save_primitive_ids(path(&format!("{eye}_id{number}.pfm")))?;
         }
     }
     Ok(files)

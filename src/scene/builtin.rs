@@ -138,6 +138,17 @@ const CLOUD_HALF_HEIGHT: f32 = 4.2;
 /// The screen is at the cloud's axis, so the cloud begins at half its distance.
 const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 
+/// [`Builtin::Spheres`], turned about the y axis by an angle in radians: the frames of a film.
+pub fn spheres_turned(angle: f32) -> Scene {
+    let still = spheres();
+    let turn = glam::Mat3::from_rotation_y(angle);
+    let mut scene = Scene { spheres: Vec::new(), ..still.clone() };
+    for &sphere in still.spheres() {
+        scene.add_sphere(Sphere { center: turn * sphere.center, ..sphere }).expect("turned, it stays finite");
+    }
+    scene
+}
+
 fn spheres() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::new(0.55, 0.42, 0.34), zenith: Vec3::new(0.09, 0.22, 0.5) };

@@ -7,48 +7,58 @@ use stereotrace::{
     metrics::{self, Difference},
 };
 
-use crate::{
-    common::{
-        rounds::{Spread, order},
-        scenes::BenchScene,
-    },
-    options::Plan,
+use super::{
+    rounds::{Spread, order},
+    scenes::BenchScene,
 };
 
 /// Where naive and ideal stand among the methods.
 const NAIVE: usize = 0;
 const IDEAL: usize = 1;
 
+/// What is measured on every scene.
+#[derive(Debug)]
+pub struct Plan {
+    pub size: [u32; 2],
+    pub e_px: f32,
+    /// `None`: built-in scenes keep their own.
+    pub lights: Option<usize>,
+    /// Naive first, ideal second: the others are held against them.
+    pub methods: Vec<Method>,
+    pub warm_ups: usize,
+    pub rounds: usize,
+}
+
 /// All figures of a scene.
-pub(crate) struct Measured {
-    pub(crate) scene: String,
-    pub(crate) triangles: usize,
-    pub(crate) spheres: usize,
-    pub(crate) lights: usize,
+pub struct Measured {
+    pub scene: String,
+    pub triangles: usize,
+    pub spheres: usize,
+    pub lights: usize,
     /// Naive first, ideal second.
-    pub(crate) methods: Vec<MethodFigures>,
+    pub methods: Vec<MethodFigures>,
 }
 
 /// What a method costs and how exact it is.
-pub(crate) struct MethodFigures {
-    pub(crate) method: Method,
+pub struct MethodFigures {
+    pub method: Method,
     /// All passes of a pair, milliseconds.
-    pub(crate) pair_ms: Spread,
+    pub pair_ms: Spread,
     /// The same by the host's clock, which also sees clears, submissions and waits.
-    pub(crate) wall_ms: f64,
+    pub wall_ms: f64,
     /// The left view's pass; without timestamps it is all of `Ideal`'s of the same round.
-    pub(crate) left_ms: f64,
+    pub left_ms: f64,
     /// Each pass's time in order, milliseconds, medians; empty without timestamps.
-    pub(crate) passes: Vec<(&'static str, f64)>,
+    pub passes: Vec<(&'static str, f64)>,
     /// (pair - left) / left, median of the rounds.
-    pub(crate) second_eye: f64,
+    pub second_eye: f64,
     /// Naive pair / pair - 1, of the medians.
-    pub(crate) speed_up: f64,
-    pub(crate) ratio_to_naive: f64,
+    pub speed_up: f64,
+    pub ratio_to_naive: f64,
     /// Counted, see `Options::counting`.
-    pub(crate) statistics: Statistics,
+    pub statistics: Statistics,
     /// The right view against naive's.
-    pub(crate) difference: Difference,
+    pub difference: Difference,
 }
 
 /// Times of one frame in milliseconds.
@@ -63,17 +73,17 @@ struct Sample {
 
 impl MethodFigures {
     /// The second eye's cost relative to the first's, as counters have it.
-    pub(crate) fn second_eye_counters(&self) -> f64 {
+    pub fn second_eye_counters(&self) -> f64 {
         self.statistics.second_eye()
     }
 
     /// What the counters promise: naive traces two eyes, this method 1 + m (DESIGN, section 7).
-    pub(crate) fn speed_up_predicted(&self) -> f64 {
+    pub fn speed_up_predicted(&self) -> f64 {
         2.0 / (1.0 + self.second_eye_counters()) - 1.0
     }
 }
 
-pub(crate) fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<Measured, Box<dyn Error>> {
+pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Result<Measured, Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     eprintln!("{name}: {} primitives, {} + {} rounds", scene.primitive_count(), plan.warm_ups, plan.rounds);
     let pose = camera.pose()?;

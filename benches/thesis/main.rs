@@ -1,0 +1,302 @@
+//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench --bench thesis`.
+//!
+//! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two cores, `--full`
+//! all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes on where it stopped.
+//! Writes results.json, results.csv, an SVG a plot and report.html.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod pictures;
+mod record;
+
+mod report;
+
+use std::{
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::Parser;
+use stereotrace::{BufferDepth, Gpu, Method, Overlap, Renderer, Verify};
+
+use crate::{
+    common::{
+        measure::{self, Measured, MethodFigures, Plan},
+        provenance::Provenance,
+        scenes,
+    },
+    record::Record,
+};
+
+/// The thesis's scenes, as far as they are to be had: scenes/README.md and docs/THESIS.md say how they stand to its own.
+const SCENES: [&str; 5] = ["spheres", "spheres-turned", "sponza_4x", "buddha_1m2", "dragon"];
+/// The scene of the sweeps over interaxial and lights.
+const SWEPT: &str = "dragon";
+/// Picture size, interaxial in pixels and lights where they are not swept.
+const SIZE: u32 = 600;
+const E_PX: f32 = 15.0;
+const LIGHTS: usize = 5;
+
+/// The thesis's benchmarks, and their report.
+#[derive(Parser, Debug)]
+#[command(name = "cargo bench --bench thesis --")]
+struct Arguments {
+    /// All of the thesis's steps: hours on a CPU
+    #[arg(long, conflicts_with = "smoke")]
+    full: bool,
+    /// A quick look, not for figures: 64x64, the spheres
+    #[arg(long)]
+    smoke: bool,
+    /// Begin anew, whatever results there are
+    #[arg(long)]
+    fresh: bool,
+    /// Where results go [default: target/bench/thesis, with -full behind it or target/bench-smoke/thesis]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// One step of a sweep.
+struct Step {
+    suite: &'static str,
+    scene: &'static str,
+    width: u32,
+    e_px: f32,
+    /// `None`: the scene's own five.
+    lights: Option<usize>,
+    methods: Vec<Method>,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let smoke = arguments.smoke || !arguments.bench;
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+    let standard = match (smoke, arguments.full) {
+        (true, _) => "bench-smoke/thesis",
+        (_, true) => "bench/thesis-full",
+        _ => "bench/thesis",
+    };
+    let folder = arguments.out.clone().unwrap_or_else(|| target.join(standard));
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let provenance = Provenance::of(renderer.gpu());
+    let results = folder.join("results.json");
+    let mut records = if arguments.fresh || smoke { Vec::new() } else { earlier(&results, &provenance)? };
+    let rounds = if smoke {
+        1
+    } else if arguments.full {
+        7
+    } else {
+        5
+    };
+    let steps = if smoke { smoke_steps() } else { steps(arguments.full) };
+    let mut missing = Vec::new();
+    for (index, step) in steps.iter().enumerate() {
+        let done = |method: &Method| records.iter().any(|record| is_of(record, step, *method));
+        if missing.contains(&step.scene) || step.methods.iter().all(done) {
+            continue;
+        }
+        let Some(scene) = scenes::load_thesis(step.scene, [step.width; 2], step.e_px, step.lights)? else {
+            println!("{}", scenes::skipped(step.scene));
+            missing.push(step.scene);
+            continue;
+        };
+        println!(
+            "{}/{}: {} of {}, {}x{}, e = {} px",
+            index + 1,
+            steps.len(),
+            step.suite,
+            step.scene,
+            step.width,
+            step.width,
+            step.e_px
+        );
+        let plan = Plan {
+            size: [step.width; 2],
+            e_px: step.e_px,
+            lights: step.lights,
+            methods: step.methods.clone(),
+            warm_ups: 1,
+            rounds,
+        };
+        let measured = measure::measure(&mut renderer, &scene, &plan)?;
+        records.retain(|record| !step.methods.iter().any(|method| is_of(record, step, *method)));
+        records.extend(measured.methods.iter().map(|figures| record(step, &measured, figures, &plan, &provenance)));
+        write(&results, &serde_json::to_string_pretty(&records)?)?;
+    }
+    write(&folder.join("results.csv"), &csv(&records)?)?;
+    let side = if smoke { 64 } else { 400 };
+    let names: Vec<&str> =
+        SCENES.into_iter().filter(|name| records.iter().any(|record| record.scene == *name)).collect();
+    let pictures = pictures::of(&mut renderer, &names, side, E_PX * side as f32 / SIZE as f32)?;
+    println!("wrote {}", results.display());
+    records.extend(errors(&records));
+    for path in report::write(&records, &pictures, &folder)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+fn buffer(depth: u32) -> Method {
+    Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All }
+}
+
+/// What is measured everywhere.
+fn main_methods() -> Vec<Method> {
+    vec![Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::ES_ISLER]
+}
+
+/// The main methods, and the choices within them.
+fn all_methods() -> Vec<Method> {
+    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
+    let twice = Method::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All };
+    let mut methods = main_methods();
+    methods.extend([buffer(2), buffer(4), buffer(8), twice, Method::ADELSON_HODGES, edges]);
+    methods
+}
+
+fn steps(full: bool) -> Vec<Step> {
+    let sizes: Vec<u32> = if full { (200..=1600).step_by(50).collect() } else { vec![200, 400, 600, 1000] };
+    let distances: Vec<f32> =
+        if full { (1..=10).map(|e| 10.0 * e as f32).collect() } else { vec![10.0, 15.0, 30.0, 60.0, 100.0] };
+    let lights: Vec<usize> = if full { (1..=10).collect() } else { vec![1, 5, 10] };
+    let step = |suite, scene, width, e_px, lights, methods| Step { suite, scene, width, e_px, lights, methods };
+    let by_size = SCENES.into_iter().flat_map(|scene| sizes.iter().map(move |&width| (scene, width)));
+    let dimensions = by_size.map(|(scene, width)| {
+        step("dimensions", scene, width, E_PX, None, if width == SIZE { all_methods() } else { main_methods() })
+    });
+    let interaxial = distances.iter().map(|&e_px| step("interaxial", SWEPT, SIZE, e_px, None, all_methods()));
+    let lights = lights.iter().map(|&count| step("lights", SWEPT, SIZE, E_PX, Some(count), main_methods()));
+    dimensions.chain(interaxial).chain(lights).collect()
+}
+
+fn smoke_steps() -> Vec<Step> {
+    let step = |suite| Step { suite, scene: SCENES[0], width: 64, e_px: 2.0, lights: None, methods: all_methods() };
+    ["dimensions", "interaxial", "lights"].map(step).into()
+}
+
+/// The thesis's benchmarks of errors: the same measurements, of the scene that it shows.
+fn errors(records: &[Record]) -> Vec<Record> {
+    let suites = [("dimensions", "mse-dimensions"), ("interaxial", "mse-interaxial")];
+    let of = |(from, to): (&'static str, &str)| {
+        let to = to.to_owned();
+        let found = records.iter().filter(move |record| record.suite == from && record.scene == SWEPT);
+        found.map(move |record| Record { suite: to.clone(), ..record.clone() })
+    };
+    suites.into_iter().flat_map(of).collect()
+}
+
+fn is_of(record: &Record, step: &Step, method: Method) -> bool {
+    (record.suite.as_str(), record.scene.as_str(), record.width, record.e_px, record.lights, &record.method)
+        == (step.suite, step.scene, step.width, step.e_px, step.lights.unwrap_or(LIGHTS), &method.to_string())
+}
+
+/// The records of a run that was interrupted.
+fn earlier(path: &Path, provenance: &Provenance) -> Result<Vec<Record>, Box<dyn Error>> {
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(format!("{}: {error}", path.display()).into()),
+    };
+    let records: Vec<Record> = serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+    let other =
+        records.iter().find(|record| (&record.adapter, &record.commit) != (&provenance.adapter, &provenance.commit));
+    match other {
+        Some(record) => Err(format!(
+            "{} has results of {} at commit {}; give another --out, or --fresh to replace them",
+            path.display(),
+            record.adapter,
+            record.commit
+        )
+        .into()),
+        None => Ok(records),
+    }
+}
+
+fn record(step: &Step, measured: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &Provenance) -> Record {
+    let (statistics, difference) = (&figures.statistics, &figures.difference);
+    let pixels = f64::from(plan.size[0]) * f64::from(plan.size[1]);
+    let pass = |name: &str| figures.passes.iter().find(|(pass, _)| *pass == name).map(|(_, ms)| *ms);
+    let both = |count: fn(&stereotrace::Work) -> u64| count(&statistics.left) + count(&statistics.right);
+    let slots_ms = pass("reproject_slots").zip(pass("gather_slots")).map(|(store, search)| store + search);
+    Record {
+        suite: step.suite.into(),
+        scene: measured.scene.clone(),
+        triangles: measured.triangles,
+        spheres: measured.spheres,
+        method: figures.method.to_string(),
+        width: plan.size[0],
+        height: plan.size[1],
+        e_px: plan.e_px,
+        lights: measured.lights,
+        rounds: plan.rounds,
+        left_ms: figures.left_ms,
+        pair_ms: figures.pair_ms.median,
+        pair_ms_min: figures.pair_ms.min,
+        pair_ms_max: figures.pair_ms.max,
+        fps: 1e3 / figures.pair_ms.median,
+        copy_ms: pass("copy_left"),
+        second_eye: figures.second_eye,
+        second_eye_counters: figures.second_eye_counters(),
+        speed_up: figures.speed_up,
+        speed_up_counters: figures.speed_up_predicted(),
+        identical: difference.identical_percent,
+        differing: difference.differing_percent,
+        wrong_surface: difference.wrong_surface_percent,
+        mean_difference: difference.mean_difference,
+        mse: difference.mse,
+        psnr: difference.psnr.is_finite().then_some(difference.psnr),
+        rays_primary: both(|work| work.rays.primary),
+        rays_verification: both(|work| work.rays.verification),
+        rays_shadow: both(|work| work.rays.shadow),
+        nodes: both(|work| work.nodes),
+        primitive_tests: both(|work| work.primitive_tests),
+        retraced: statistics.retraced_share(),
+        bad: statistics.bad,
+        missed: statistics.missed,
+        lost_candidates: statistics.lost_candidates,
+        buffer_depth: statistics.buffer_depth,
+        slot_ns: slots_ms.map(|ms| ms * 1e6 / pixels / f64::from(statistics.buffer_depth.max(1))),
+        intermediate_bytes_per_pixel: statistics.intermediate_bytes as f64 / pixels,
+        passes_ms: figures.passes.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect(),
+        adapter: provenance.adapter.clone(),
+        driver: provenance.driver.clone(),
+        commit: provenance.commit.clone(),
+        date: provenance.date.clone(),
+    }
+}
+
+/// One line a record; the passes are left to results.json.
+fn csv(records: &[Record]) -> Result<String, Box<dyn Error>> {
+    let mut text = String::new();
+    for (index, record) in records.iter().enumerate() {
+        let serde_json::Value::Object(mut fields) = serde_json::to_value(record)? else { continue };
+        fields.remove("passes_ms");
+        if index == 0 {
+            text += &(fields.keys().cloned().collect::<Vec<_>>().join(",") + "\n");
+        }
+        let cells = fields.values().map(|value| if value.is_null() { String::new() } else { value.to_string() });
+        text += &(cells.collect::<Vec<_>>().join(",") + "\n");
+    }
+    Ok(text)
+}
+
+/// Written whole or not at all.
+fn write(path: &Path, text: &str) -> Result<(), Box<dyn Error>> {
+    let partial = path.with_extension("partial");
+    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
+    written.map_err(|error| format!("{}: {error}", path.display()).into())
+}

@@ -1,0 +1,79 @@
+//! The report's pictures: what each method sees, how far it is from naive, and what it costs.
+
+use std::{error::Error, io::Cursor};
+
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use stereotrace::{
+    Method, Options, Overlap, Renderer, StereoPair, Verify, View,
+    output::{Anaglyph, Picture as Pixels},
+};
+
+use crate::{common::scenes, report::Picture};
+
+/// Differences are shown this many times as large.
+const GAIN: u32 = 8;
+
+/// Of every scene and of the methods that differ in their pictures.
+pub(crate) fn of(
+    renderer: &mut Renderer,
+    names: &[&str],
+    side: u32,
+    e_px: f32,
+) -> Result<Vec<Picture>, Box<dyn Error>> {
+    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
+    let mut pictures = Vec::new();
+    for name in names {
+        let Some(bench) = scenes::load_thesis(name, [side; 2], e_px, None)? else { continue };
+        let uploaded = renderer.upload(&bench.scene)?;
+        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method).mapping_costs());
+        let naive = render(Method::Naive)?;
+        let white = white(&naive.left);
+        let mut add = |method: &str, kind: &str, caption: String, picture: &Pixels| {
+            let (scene, method, kind) = ((*name).to_owned(), method.to_owned(), kind.to_owned());
+            png(picture).map(|png| pictures.push(Picture { scene, method, kind, caption, png }))
+        };
+        add("naive", "left", "the left eye, which all methods trace".into(), &naive.left.picture())?;
+        add("naive", "right", "the right eye, traced: the truth".into(), &naive.right.picture())?;
+        add("naive", "anaglyph", "for red and cyan glasses".into(), &naive.anaglyph(Anaglyph::Dubois))?;
+        let time = format!("nodes and primitive tests of each pixel, black 0, white {white} and more");
+        for (eye, view) in [("cost left", &naive.left), ("cost right", &naive.right)] {
+            if let Some(picture) = view.cost_picture(white) {
+                add("naive", eye, time.clone(), &picture)?;
+            }
+        }
+        for method in [Method::ATOMIC, Method::ES_ISLER, edges] {
+            let pair = render(method)?;
+            let method = method.to_string();
+            add(&method, "right", "the right eye".into(), &pair.right.picture())?;
+            let caption = format!("right eye less naive's, {GAIN} times as large");
+            add(&method, &format!("difference x{GAIN}"), caption, &difference(&pair, &naive))?;
+            let caption = "green reused, red rejected and yellow missed, both traced".into();
+            add(&method, "re-trace map", caption, &pair.retrace_picture())?;
+            if let Some(picture) = pair.right.cost_picture(white) {
+                add(&method, "cost right", time.clone(), &picture)?;
+            }
+        }
+    }
+    Ok(pictures)
+}
+
+/// What all but a thousandth of the pixels cost less than.
+fn white(view: &View) -> u32 {
+    let mut costs = view.cost.clone();
+    costs.sort_unstable();
+    costs.get(costs.len() * 999 / 1000).copied().unwrap_or(1).max(1)
+}
+
+fn difference(pair: &StereoPair, naive: &StereoPair) -> Pixels {
+    let channel = |a: u8, b: u8| (u32::from(a.abs_diff(b)) * GAIN).min(255) as u8;
+    let pixels = pair.right.rgba8.iter().zip(&naive.right.rgba8);
+    let rgba8 = pixels.map(|(a, b)| [channel(a[0], b[0]), channel(a[1], b[1]), channel(a[2], b[2]), 255]).collect();
+    Pixels { width: pair.right.width, height: pair.right.height, rgba8 }
+}
+
+fn png(picture: &Pixels) -> Result<Vec<u8>, image::ImageError> {
+    let mut bytes = Cursor::new(Vec::new());
+    let pixels = picture.rgba8.as_flattened();
+    PngEncoder::new(&mut bytes).write_image(pixels, picture.width, picture.height, ExtendedColorType::Rgba8)?;
+    Ok(bytes.into_inner())
+}
