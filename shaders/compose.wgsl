@@ -1,14 +1,17 @@
-// Pass 4 of 4: encode both views as 8-bit sRGB. Anaglyphs, packings and maps are made of the pair on the host
-// (src/output/): a user tries several kinds on one pair, and none is worth a second render.
+// Pass 4 of 4: encode both views as 8-bit sRGB. Reused right pixels take their colour from the left view here, by reference:
+// nothing is copied before. Anaglyphs, packings and maps are made of the pair on the host (src/output/): a user tries several
+// kinds on one pair, and none is worth a second render.
 //
 // launch  one thread per pixel
-// reads   left_color, right_color  [height * width]      linear RGB in 0..1
+// reads   left_color, right_color  [height * width]      linear RGB in 0..1; the right one where it was traced
+// reads   right_source             [height * width]      where right pixels come from, by the reuse methods
 // writes  pictures                 [2 * height * width]  RGBA8, red in the low byte; left view, then right
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> left_color: array<vec4f>;
 @group(1) @binding(2) var<storage, read> right_color: array<vec4f>;
-@group(1) @binding(3) var<storage, read_write> pictures: array<u32>;
+@group(1) @binding(3) var<storage, read> right_source: array<u32>;
+@group(1) @binding(4) var<storage, read_write> pictures: array<u32>;
 
 fn srgb(linear: vec3f) -> vec3f {
     let high = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;
@@ -24,7 +27,7 @@ fn pack(color: vec4f) -> u32 {
 fn compose(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let index = pixel_index(pixel);
-    pictures[index] = pack(left_color[index]);
-    pictures[right_index(pixel)] = pack(right_color[index]);
+    let left = pack(left_color[pixel_index(pixel)]);
+    pictures[pixel_index(pixel)] = left;
+    pictures[right_index(pixel)] = right_picture(pixel, left);
 }

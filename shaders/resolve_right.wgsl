@@ -1,24 +1,19 @@
-// Pass 3 of 4, first half: check what was reprojected and take over what is good; list the rest, which
-// trace_listed.wgsl then traces. A list keeps the few traced pixels of neighbouring threads together: traced here,
-// they would hold up whole subgroups of reused ones.
+// Pass 3 of 4, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then traces. A list
+// keeps the few traced pixels of neighbouring threads together: traced here, they would hold up whole subgroups of reused
+// ones. Of a good pixel nothing is copied: compose and the host follow right_source.
 //
 // launch  one thread per block of right pixels (a pixel, or 2x2) of the rows at work
-// reads   left_color    [height * width]
-// updates hits          [2 * height * width]  reads the left half, writes the right: a point's depth is the same
-//                                             for both eyes
+// reads   hits          [2 * height * width]  left half: a point's depth is the same for both eyes
 // updates right_source  [height * width]      left column + 1, or EMPTY; BAD and MISSED are marked in the top bits (BAD
 //                                             may have been marked before, by mark_edges)
-// writes  right_color   [height * width]
 // adds    counters      [height * COUNTERS]
 // appends to_trace
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> left_color: array<vec4f>;
-@group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
-@group(1) @binding(3) var<storage, read_write> right_source: array<u32>;
-@group(1) @binding(4) var<storage, read_write> right_color: array<vec4f>;
-@group(1) @binding(5) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(6) var<storage, read_write> to_trace: TraceList;
+@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
+@group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> to_trace: TraceList;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
@@ -28,7 +23,6 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     var source: U;
     var marked: U;
     var depth: F;
-    var primitive: U;
     var ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
@@ -38,9 +32,7 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
             source = with_ray_u(source, ray, column);
             marked = with_ray_u(marked, ray, mark & BAD);
             if column != EMPTY {
-                let left = hits[pixel_index(vec2u(column - 1u, pixel.y))];
-                depth = with_ray(depth, ray, left.depth);
-                primitive = with_ray_u(primitive, ray, primitive_of(left));
+                depth = with_ray(depth, ray, hits[pixel_index(vec2u(column - 1u, pixel.y))].depth);
             }
         }
         ray += 1u;
@@ -52,18 +44,12 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     var place = reserve(count_rays(missed | bad));
     ray = 0u;
     loop {
-        if of_ray_b(inside, ray) {
-            let pixel = pixel_of_ray(pixels, ray);
-            let index = pixel_index(pixel);
+        if of_ray_b(missed | bad, ray) {
+            let index = pixel_index(pixel_of_ray(pixels, ray));
             let column = of_ray_u(source, ray);
-            if of_ray_b(missed | bad, ray) {
-                right_source[index] = select(column | BAD, MISSED, column == EMPTY);
-                to_trace.pixels[place] = index;
-                place += 1u;
-            } else {
-                right_color[index] = left_color[pixel_index(vec2u(column - 1u, pixel.y))];
-                hits[right_index(pixel)] = pixel_hit(of_ray(depth, ray), of_ray_u(primitive, ray));
-            }
+            right_source[index] = select(column | BAD, MISSED, column == EMPTY);
+            to_trace.pixels[place] = index;
+            place += 1u;
         }
         ray += 1u;
         if ray >= RAYS { break; }

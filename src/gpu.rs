@@ -453,7 +453,7 @@ impl Pipelines {
     pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Specialisation) -> Arc<Pipeline> {
         // A kernel that doesn't touch the scene is the same for every scene.
         let with = match kernel.touches {
-            Touches::Pixels => Specialisation { hits: with.hits, ..Specialisation::PIXELS },
+            Touches::Pixels => Specialisation { hits: with.hits, right: with.right, ..Specialisation::PIXELS },
             Touches::Objects => Specialisation { hits: with.hits, traversal: with.traversal, ..Specialisation::PIXELS },
             Touches::Geometry => {
                 Specialisation { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, ..with }

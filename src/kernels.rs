@@ -4,7 +4,7 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    GBuffer, Scene, Sky,
+    GBuffer, Method, Scene, Sky,
     method::Verify,
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
@@ -118,6 +118,24 @@ impl SkyKind {
     }
 }
 
+/// Where the right view's pixels are when it is composed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum RightView {
+    Traced,
+    Left,
+    Marked,
+}
+
+impl RightView {
+    pub(crate) fn of(method: Method) -> Self {
+        match method {
+            Method::Naive => Self::Traced,
+            Method::Ideal => Self::Left,
+            Method::Reuse { .. } => Self::Marked,
+        }
+    }
+}
+
 /// What a pipeline is specialised to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Specialisation {
@@ -132,6 +150,8 @@ pub(crate) struct Specialisation {
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     pub(crate) verify: Verify,
+    /// Where right pixels come from, for compose.
+    pub(crate) right: RightView,
     /// Count nodes and primitive tests.
     pub(crate) count: bool,
     /// Count them for each pixel.
@@ -151,6 +171,7 @@ impl Specialisation {
         hits: GBuffer::Ids,
         stack_size: 0,
         verify: Verify::None,
+        right: RightView::Traced,
         count: false,
         cost_map: false,
     };
@@ -168,6 +189,7 @@ impl Specialisation {
             hits: GBuffer::Ids,
             stack_size,
             verify: Verify::All,
+            right: RightView::Traced,
             count: false,
             cost_map: false,
         }
@@ -241,7 +263,7 @@ pub(crate) const DEPTH_RANGE: Kernel = Kernel {
 pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     name: "resolve_right",
     touches: Touches::Geometry,
-    storage: &[Read, Write, Write, Write, Write, Write],
+    storage: &[Read, Write, Write, Write],
     extra: &[COUNT, TRACE_LIST],
     main: part!("resolve_right.wgsl"),
 };
@@ -266,18 +288,11 @@ pub(crate) const ANY_HITS: Kernel = Kernel {
     extra: &[COUNT, RAY_LIST],
     main: part!("any_hits.wgsl"),
 };
-pub(crate) const COPY_LEFT: Kernel = Kernel {
-    name: "copy_left",
-    touches: Touches::Pixels,
-    storage: &[Read, Write, Write],
-    extra: &[],
-    main: part!("copy_left.wgsl"),
-};
 pub(crate) const COMPOSE: Kernel = Kernel {
     name: "compose",
     touches: Touches::Pixels,
-    storage: &[Read, Read, Write],
-    extra: &[],
+    storage: &[Read, Read, Read, Write],
+    extra: &[TRACE_LIST],
     main: part!("compose.wgsl"),
 };
 
@@ -334,6 +349,13 @@ impl Kernel {
         }
         parts.extend(self.extra);
         parts.push(self.main);
+        if self.name == COMPOSE.name {
+            parts.push(match with.right {
+                RightView::Traced => part!("shared/right_traced.wgsl"),
+                RightView::Left => part!("shared/right_is_left.wgsl"),
+                RightView::Marked => part!("shared/right_marked.wgsl"),
+            });
+        }
         parts
     }
 
@@ -383,7 +405,7 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 13] = [
+    const ALL: [&Kernel; 12] = [
         &REPROJECT_SCANLINE,
         &MARK_EDGES,
         &CLOSEST_HITS,
@@ -395,7 +417,6 @@ mod tests {
         &DEPTH_RANGE,
         &RESOLVE_RIGHT,
         &TRACE_LISTED,
-        &COPY_LEFT,
         &COMPOSE,
     ];
 
@@ -414,6 +435,7 @@ mod tests {
                 sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][bits as usize / 4 % 3],
                 stack_size: 40,
                 verify: if bit(5) { Verify::All } else { Verify::None },
+                right: [RightView::Traced, RightView::Left, RightView::Marked][bits as usize % 3],
                 count: false,
                 cost_map: false,
             });

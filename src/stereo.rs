@@ -12,7 +12,7 @@ use crate::{
     BvhBuild, Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work,
     bvh,
     gpu::{Gpu, Pipelines, Timestamps, bind_group, check_bytes},
-    kernels::{self, Kernel, Specialisation, Touches},
+    kernels::{self, Kernel, RightView, Specialisation, Touches},
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
     traversal::{Fetch, Traversal},
@@ -439,8 +439,7 @@ impl Renderer {
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<(Statistics, Arc<Picture>), Error> {
         scene.belongs_to(&self.gpu)?;
-        let method =
-            if pose.interaxial == 0.0 && options.method != Method::Naive { Method::Ideal } else { options.method };
+        let method = effective(options.method, pose);
         method.check()?;
         let kept = match (options.g_buffer, method) {
             // Edges are told by objects.
@@ -560,8 +559,7 @@ impl Renderer {
             true => self.gpu.read(&picture.counters, counters + 2 * pixels).await?.split_off(counters),
             false => Vec::new(),
         };
-        let view = |eye: usize, linear| {
-            let hits = hits.get(eye * pixels..(eye + 1) * pixels).unwrap_or_default();
+        let view = |eye: usize, linear, hits: &[layout::PixelHit]| {
             let with_ids = if options.g_buffer == GBuffer::Ids { hits } else { &[] };
             let depth = |hit: &layout::PixelHit| if hit.depth < crate::FAR { hit.depth } else { f32::INFINITY };
             let object = |hit: &layout::PixelHit| scene.objects.get(hit.primitive as usize).copied();
@@ -576,16 +574,33 @@ impl Renderer {
                 object: with_ids.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
             }
         };
-        let left = view(0, self.gpu.read(&picture.left_color, pixels).await?);
-        let right = view(1, self.gpu.read(&picture.right_color, pixels).await?);
-        let source = match options.method {
-            Method::Naive => vec![PixelSource::Traced; pixels],
-            _ if statistics.reused == pixels as u64 => vec![PixelSource::Reused; pixels],
-            _ => {
+        let left_linear: Vec<[f32; 4]> = self.gpu.read(&picture.left_color, pixels).await?;
+        let (left_hits, right_hits) = hits.split_at(hits.len() / 2);
+        // Reused pixels are the left ones that right_source names.
+        let mut right_hits = right_hits.to_vec();
+        let (source, right_linear) = match effective(options.method, &pose) {
+            Method::Naive => (vec![PixelSource::Traced; pixels], self.gpu.read(&picture.right_color, pixels).await?),
+            Method::Ideal => {
+                right_hits.copy_from_slice(left_hits);
+                (vec![PixelSource::Reused; pixels], left_linear.clone())
+            }
+            Method::Reuse { .. } => {
                 let marks: Vec<u32> = self.gpu.read(&picture.right_source, pixels).await?;
-                marks.into_iter().map(pixel_source).collect()
+                let mut linear: Vec<[f32; 4]> = self.gpu.read(&picture.right_color, pixels).await?;
+                let source: Vec<_> = marks.iter().copied().map(pixel_source).collect();
+                for (index, mark) in marks.iter().enumerate().filter(|(index, _)| source[*index] == PixelSource::Reused)
+                {
+                    let taken = index - index % picture.size[0] as usize + *mark as usize - 1;
+                    linear[index] = left_linear[taken];
+                    if let Some(hit) = right_hits.get_mut(index) {
+                        *hit = left_hits[taken];
+                    }
+                }
+                (source, linear)
             }
         };
+        let left = view(0, left_linear, left_hits);
+        let right = view(1, right_linear, &right_hits);
         Ok(StereoPair { left, right, source, statistics, pose })
     }
 }
@@ -598,10 +613,16 @@ fn pixel_source(mark: u32) -> PixelSource {
     }
 }
 
+/// The method that a pair is made by: without interaxial, right equals left.
+fn effective(method: Method, pose: &Pose) -> Method {
+    if pose.interaxial == 0.0 && method != Method::Naive { Method::Ideal } else { method }
+}
+
 /// Passes over the picture that a method's frame has, for progress.
 fn passes_of(method: Method) -> u32 {
     match method {
-        Method::Naive | Method::Ideal => 3,
+        Method::Naive => 3,
+        Method::Ideal => 2,
         Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::Edges } => 6,
         Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), .. } => 5,
         Method::Reuse { verify: Verify::Edges, .. } => 5,
@@ -642,7 +663,7 @@ impl Passes<'_> {
                 self.pass("trace_right", &kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await?;
             }
             Method::Ideal => {
-                self.pass("copy_left", &kernels::COPY_LEFT, &[&p.left_color, &p.hits, &p.right_color]).await?;
+                // Nothing: compose takes the left view for the right one.
             }
             Method::Reuse { overlap, verify } => {
                 self.specialisation.verify = verify;
@@ -653,7 +674,9 @@ impl Passes<'_> {
                 self.resolve_right().await?;
             }
         }
-        self.pass("compose", &kernels::COMPOSE, &[&p.left_color, &p.right_color, &p.pictures]).await?;
+        self.specialisation.right = RightView::of(method);
+        let compose: &[_] = &[&p.left_color, &p.right_color, &p.right_source, &p.pictures];
+        self.pass("compose", &kernels::COMPOSE, compose).await?;
         Ok(buffer_depth)
     }
 
@@ -708,7 +731,7 @@ impl Passes<'_> {
     /// Pass 3: check and take over, then trace what is left, band by band.
     async fn resolve_right(&mut self) -> Result<(), Error> {
         let p = self.picture;
-        let resolve: &[_] = &[&p.left_color, &p.hits, &p.right_source, &p.right_color, &p.counters, &p.to_trace];
+        let resolve: &[_] = &[&p.hits, &p.right_source, &p.counters, &p.to_trace];
         let trace: &[_] = &[&p.to_trace, &p.hits, &p.right_color, &p.counters];
         let empty_list: [u32; 4] = [0, 1, 1, 0];
         self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {

@@ -579,3 +579,19 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
         assert!(picture.rgba8.contains(&[255; 4]) && picture.rgba8.iter().any(|pixel| pixel[0] < 128));
     }
 }
+
+#[test]
+fn the_picture_that_the_device_composes_is_the_linear_one_encoded() {
+    // The host follows right_source on its own.
+    for (name, method) in Method::ALL {
+        let pair = render_builtin(Builtin::Hall, method);
+        for view in [&pair.left, &pair.right] {
+            for (encoded, linear) in view.rgba8.iter().zip(&view.linear) {
+                for (byte, value) in encoded.iter().zip(&linear[..3]) {
+                    let srgb = if *value <= 0.0031308 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+                    assert!((f32::from(*byte) - 255.0 * srgb).abs() <= 0.51, "{name}: {byte} for {value}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,9 @@
+// The reuse methods: traced where right_source is marked so, else the left pixel that it names.
+fn right_picture(pixel: vec2u, left: u32) -> u32 {
+    let index = pixel_index(pixel);
+    let mark = right_source[index];
+    let traced = (mark & (BAD | MISSED)) != 0u;
+    let taken = pixel_index(vec2u((mark & COLUMN) - 1u, pixel.y));
+    // What is not wanted is read at a place that is there.
+    return pack(select(left_color[select(taken, index, traced)], right_color[index], traced));
+}
