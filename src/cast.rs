@@ -9,13 +9,11 @@ use crate::{
     bvh::Texel,
     gpu::{Timestamps, bind_group},
     kernels::{ANY_HITS, CLOSEST_HITS, Kernel},
-    layout,
+    layout::{self, LIST_WORKGROUP},
 };
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
 const BATCH: usize = 1 << 20;
-/// Threads of a workgroup over a list (`shaders/shared/types.wgsl`).
-const LIST_WORKGROUP: u32 = 64;
 
 /// A ray from the point that its list belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -596,6 +596,7 @@ mod tests {
         let types = format!("{}{}", part!("shared/types.wgsl").text, TRACE_LIST.text);
         for (name, value) in [
             ("WORKGROUP", layout::WORKGROUP),
+            ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
             ("COUNTERS", layout::COUNTERS as u32),
             ("VIEW_WORDS", layout::VIEW_WORDS as u32),
             ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),

@@ -47,6 +47,8 @@ pub(crate) const TRACE_LIST_HEADER: u64 = 16;
 
 /// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
+/// Threads of a workgroup of a launch over a list (`shaders/shared/types.wgsl`).
+pub(crate) const LIST_WORKGROUP: u32 = 64;
 
 /// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
 pub(crate) const COUNTERS: usize = 12;

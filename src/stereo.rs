@@ -2,7 +2,7 @@
 
 use std::{
     ops::ControlFlow,
-    sync::Arc,
+    sync::{Arc, OnceLock},
     time::{Duration, Instant},
 };
 
@@ -97,7 +97,8 @@ pub struct Progress {
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     shading: wgpu::BindGroup,
-    object_table: wgpu::BindGroup,
+    /// Made when edges are first asked for.
+    object_table: OnceLock<wgpu::BindGroup>,
     pub(crate) specialisation: Specialisation,
     objects: Vec<u32>,
     lights: u32,
@@ -125,6 +126,22 @@ impl UploadedScene {
     /// How it was brought to the device.
     pub fn info(&self) -> UploadInfo {
         self.info
+    }
+
+    /// The primitives' objects, for the pass that tells edges by them.
+    async fn upload_object_table(&self, gpu: &Gpu, pipelines: &Pipelines) -> Result<(), Error> {
+        if self.object_table.get().is_some() {
+            return Ok(());
+        }
+        let fetch = self.specialisation.traversal.fetch;
+        let upload = || {
+            let table = gpu.upload("object_table", &object_texels(&self.objects), fetch)?;
+            let layout = &pipelines.layouts(fetch).table;
+            Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())))
+        };
+        let table = gpu.checked(upload).await?;
+        let _ = self.object_table.set(table); // another frame's is as good
+        Ok(())
     }
 
     /// # Errors
@@ -344,12 +361,11 @@ impl Renderer {
             let primitives = gpu.upload("primitives", &packed.primitives, fetch)?;
             let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
-            let object_table = gpu.upload("object_table", &object_texels(&objects), fetch)?;
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
-                object_table: bind_group(gpu, "object_table", &layouts.table, std::iter::once(object_table.binding())),
+                object_table: OnceLock::new(),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
                 specialisation: Specialisation::of(scene, traversal, packed.stack_size),
                 lights: scene.lights.len() as u32,
@@ -669,6 +685,7 @@ impl Passes<'_> {
                 self.specialisation.verify = verify;
                 buffer_depth = self.reproject(pose, overlap).await?;
                 if verify == Verify::Edges {
+                    self.scene.upload_object_table(self.gpu, self.pipelines).await?;
                     self.pass("mark_edges", &kernels::MARK_EDGES, &[&p.hits, &p.right_source]).await?;
                 }
                 self.resolve_right().await?;
@@ -689,12 +706,8 @@ impl Passes<'_> {
                 Ok(0)
             }
             Overlap::Scanline => {
-                let height = p.size[1];
-                self.bands(height, kernels::REPROJECT.name, |this, encoder| {
-                    let launch = Launch::Rows(height.div_ceil(WORKGROUP * WORKGROUP));
-                    this.dispatch(encoder, &kernels::REPROJECT_SCANLINE, &[&p.hits, &p.right_source], launch);
-                })
-                .await?;
+                self.rows_pass(kernels::REPROJECT.name, &kernels::REPROJECT_SCANLINE, &[&p.hits, &p.right_source])
+                    .await?;
                 Ok(0)
             }
             Overlap::Sequential => {
@@ -772,11 +785,7 @@ impl Passes<'_> {
     async fn depth_range(&mut self) -> Result<(f32, f32), Error> {
         let p = self.picture;
         let height = p.size[1];
-        self.bands(height, kernels::DEPTH_RANGE.name, |this, encoder| {
-            let workgroups = height.div_ceil(WORKGROUP * WORKGROUP);
-            this.dispatch(encoder, &kernels::DEPTH_RANGE, &[&p.hits, &p.counters], Launch::Rows(workgroups));
-        })
-        .await?;
+        self.rows_pass(kernels::DEPTH_RANGE.name, &kernels::DEPTH_RANGE, &[&p.hits, &p.counters]).await?;
         let words: Vec<u32> = self.gpu.read(&p.counters, height as usize * layout::COUNTERS).await?;
         let rows = words.chunks_exact(layout::COUNTERS);
         Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
@@ -804,6 +813,16 @@ impl Passes<'_> {
     async fn pass(&mut self, name: &'static str, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
         self.bands(self.rows, name, |this, encoder| {
             this.dispatch_as(name, encoder, kernel, buffers, Launch::Pixels);
+        })
+        .await
+    }
+
+    /// One kernel over all rows, a thread each.
+    async fn rows_pass(&mut self, name: &'static str, kernel: &Kernel, buffers: &[&wgpu::Buffer]) -> Result<(), Error> {
+        let height = self.picture.size[1];
+        self.bands(height, name, |this, encoder| {
+            let workgroups = height.div_ceil(WORKGROUP * WORKGROUP);
+            this.dispatch(encoder, kernel, buffers, Launch::Rows(workgroups));
         })
         .await
     }
@@ -870,8 +889,11 @@ impl Passes<'_> {
         }
         pass.set_bind_group(1, &own, &[]);
         if kernel.touches.table() {
-            let objects = kernel.touches == Touches::Objects;
-            pass.set_bind_group(2, if objects { &self.scene.object_table } else { &self.scene.shading }, &[]);
+            let table = match kernel.touches {
+                Touches::Objects => self.scene.object_table.get().expect("uploaded before the pass that reads it"),
+                _ => &self.scene.shading,
+            };
+            pass.set_bind_group(2, table, &[]);
         }
         match launch {
             Launch::Pixels => {

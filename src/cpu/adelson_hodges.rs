@@ -1,11 +1,10 @@
 //! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of `shaders/reproject_scanline.wgsl`.
 
-use super::Frame;
+use super::{Frame, reproject::landing_x};
 
 /// The right column that left sample `column` at depth `z` lands in, whether in the picture or not.
 pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
-    let parallax = frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / z);
-    (column as f32 + 0.5 + parallax).clamp(-1e9, 1e9).floor() as i32
+    landing_x(frame, column, z).clamp(-1e9, 1e9).floor() as i32
 }
 
 /// For each right pixel the left column + 1 that it takes over, or 0 where it must be traced. Each row from left to

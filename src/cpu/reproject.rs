@@ -2,11 +2,16 @@
 
 use super::Frame;
 
+/// X, where left sample `column` at depth `z` lands: its centre moved by the parallax (DESIGN, section 2).
+pub(super) fn landing_x(frame: &Frame, column: usize, z: f32) -> f32 {
+    let parallax = frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / z);
+    column as f32 + 0.5 + parallax
+}
+
 /// Where left sample `column` at depth `z` lands: `floor(column + 0.5 + e_px (1 - d/z))`, or `None` outside the
 /// picture (DESIGN, section 2).
 pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
-    let parallax = frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / z);
-    let x = column as f32 + 0.5 + parallax;
+    let x = landing_x(frame, column, z);
     (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
 }
 
