@@ -1,6 +1,8 @@
 //! What the benchmarks share: scenes, repeats in turn, where and when figures were taken.
 #![allow(dead_code, unreachable_pub, reason = "each benchmark uses its own part of this")]
 
+pub mod chart;
+pub mod files;
 pub mod measure;
 pub mod provenance;
 pub mod rounds;

@@ -9,6 +9,7 @@ use plotters::{
 };
 
 use crate::common::{
+    chart::{FONT, GRID, INK, Point, frontier},
     measure::{Measured, Plan},
     provenance::Provenance,
     scenes,
@@ -18,9 +19,6 @@ const SIZE: (u32, u32) = (800, 500);
 /// Where the legend's column begins and the plot ends.
 const LEGEND_X: i32 = 625;
 const LEGEND_LINE: i32 = 19;
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(40, 40, 40);
-const GRID: RGBColor = RGBColor(225, 225, 225);
 /// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow.
 const COLORS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
@@ -35,9 +33,6 @@ const COLORS: [RGBColor; 8] = [
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Pixel = (i32, i32);
-
-/// Cost of the second eye relative to the first, and percent of wrong surface.
-type Point = (f64, f64);
 
 pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -> Result<String, Box<dyn Error>> {
     let points: Vec<Vec<Point>> = measured
@@ -199,19 +194,6 @@ fn means(points: &[Vec<Point>]) -> Vec<Point> {
         points.iter().map(|scene| part(scene[method])).sum::<f64>() / points.len() as f64
     };
     (0..methods).map(|method| (mean(method, |p| p.0), mean(method, |p| p.1))).collect()
-}
-
-/// Which points no other one beats in cost without losing in accuracy, cheapest first.
-fn frontier(points: &[Point]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
-    let mut best = f64::INFINITY;
-    order.retain(|&index| {
-        let better = points[index].1 < best;
-        best = best.min(points[index].1);
-        better
-    });
-    order
 }
 
 /// A row a decade; zero is a row below the lowest one.

@@ -2,7 +2,6 @@
 
 use std::{
     error::Error,
-    fs,
     path::{Path, PathBuf},
 };
 
@@ -11,6 +10,7 @@ use serde_json::{Value, json};
 use crate::{
     chart,
     common::{
+        files::save,
         measure::{Measured, MethodFigures, Plan},
         provenance::Provenance,
     },
@@ -32,15 +32,7 @@ pub(crate) fn write_all(
         ("results.json", json(&records)),
         ("chart.svg", chart::svg(measured, plan, provenance)?),
     ];
-    let at = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
-    fs::create_dir_all(folder).map_err(|error| at(folder, error))?;
-    let paths = files.map(|(name, text)| {
-        let path = folder.join(name);
-        let partial = folder.join(format!(".{name}.partial"));
-        let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, &path));
-        written.map_err(|error| at(&path, error)).map(|()| path)
-    });
-    Ok(paths.into_iter().collect::<Result<_, _>>()?)
+    save(&files.map(|(name, text)| (name.to_owned(), text)), folder)
 }
 
 /// Names and values of one method on one scene. Counts and rays are of both eyes.

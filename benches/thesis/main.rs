@@ -23,6 +23,7 @@ use stereotrace::{BufferDepth, Gpu, Method, Overlap, Renderer, Verify};
 
 use crate::{
     common::{
+        files::save,
         measure::{self, Measured, MethodFigures, Plan},
         provenance::Provenance,
         scenes,
@@ -38,6 +39,8 @@ const SWEPT: &str = "dragon";
 const SIZE: u32 = 600;
 const E_PX: f32 = 15.0;
 const LIGHTS: usize = 5;
+/// What an interrupted run goes on from.
+const RESULTS: &str = "results.json";
 
 /// The thesis's benchmarks, and their report.
 #[derive(Parser, Debug)]
@@ -90,10 +93,9 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         _ => "bench/thesis",
     };
     let folder = arguments.out.clone().unwrap_or_else(|| target.join(standard));
-    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut renderer = Renderer::new(Gpu::new()?);
     let provenance = Provenance::of(renderer.gpu());
-    let results = folder.join("results.json");
+    let results = folder.join(RESULTS);
     let mut records = if arguments.fresh || smoke { Vec::new() } else { earlier(&results, &provenance)? };
     let rounds = if smoke {
         1
@@ -135,9 +137,9 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let measured = measure::measure(&mut renderer, &scene, &plan)?;
         records.retain(|record| !step.methods.iter().any(|method| is_of(record, step, *method)));
         records.extend(measured.methods.iter().map(|figures| record(step, &measured, figures, &plan, &provenance)));
-        write(&results, &serde_json::to_string_pretty(&records)?)?;
+        save(&[(RESULTS.into(), serde_json::to_string_pretty(&records)?)], &folder)?;
     }
-    write(&folder.join("results.csv"), &csv(&records)?)?;
+    save(&[("results.csv".into(), csv(&records)?)], &folder)?;
     let side = if smoke { 64 } else { 400 };
     let names: Vec<&str> =
         SCENES.into_iter().filter(|name| records.iter().any(|record| record.scene == *name)).collect();
@@ -292,11 +294,4 @@ fn csv(records: &[Record]) -> Result<String, Box<dyn Error>> {
         text += &(cells.collect::<Vec<_>>().join(",") + "\n");
     }
     Ok(text)
-}
-
-/// Written whole or not at all.
-fn write(path: &Path, text: &str) -> Result<(), Box<dyn Error>> {
-    let partial = path.with_extension("partial");
-    let written = fs::write(&partial, text).and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| format!("{}: {error}", path.display()).into())
 }

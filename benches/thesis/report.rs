@@ -5,7 +5,6 @@ use std::{
     collections::HashSet,
     error::Error,
     fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
 };
 
@@ -18,7 +17,14 @@ use plotters::{
     },
 };
 
-use crate::{common::scenes, record::Record};
+use crate::{
+    common::{
+        chart::{FONT, GRID, INK, Point, frontier},
+        files::save,
+        scenes,
+    },
+    record::Record,
+};
 
 /// The thesis's stated ranges of the speed-up over naive: scene, or `*` for all of them, method, lowest and highest in
 /// percent. They are drawn behind the speed-up against the picture's width.
@@ -53,30 +59,6 @@ pub(crate) fn write(records: &[Record], pictures: &[Picture], folder: &Path) -> 
     let mut files: Vec<(String, String)> = figures.map(|figure| (format!("{}.svg", figure.name), figure.svg)).collect();
     files.push(("report.html".into(), page));
     save(&files, folder)
-}
-
-/// Writes files of these names and texts. None takes its name before all are written.
-fn save(files: &[(String, String)], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let at = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
-    let partial = |name: &str| folder.join(format!(".{name}.partial"));
-    let all = || -> Result<Vec<PathBuf>, String> {
-        fs::create_dir_all(folder).map_err(|error| at(folder, error))?;
-        for (name, text) in files {
-            fs::write(partial(name), text).map_err(|error| at(&partial(name), error))?;
-        }
-        let paths = files.iter().map(|(name, _)| {
-            let path = folder.join(name);
-            fs::rename(partial(name), &path).map_err(|error| at(&path, error)).map(|()| path)
-        });
-        paths.collect()
-    };
-    let written = all();
-    if written.is_err() {
-        for (name, _) in files {
-            let _ = fs::remove_file(partial(name)); // the first error is the one to tell
-        }
-    }
-    Ok(written?)
 }
 
 /// Scenes and methods in the order in which they are shown. A method's place gives it its look, a scene's its colour.
@@ -533,9 +515,6 @@ fn count(number: usize, noun: &str) -> String {
 
 // ---- plots ----
 
-const FONT: &str = "sans-serif";
-const INK: RGBColor = RGBColor(40, 40, 40);
-const GRID: RGBColor = RGBColor(225, 225, 225);
 /// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow.
 const COLORS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
@@ -576,7 +555,6 @@ const SHAPES: [&[Pixel]; 10] = [
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Pixel = (i32, i32);
-type Point = (f64, f64);
 type Drawn = Result<(), Box<dyn Error>>;
 
 /// A method's measured points, ordered by x.
@@ -824,19 +802,6 @@ fn means(dots: &[Dot], panel: usize) -> Vec<(usize, Point)> {
         is_whole.then(|| (method, (mean(&|dot| dot.cost), mean(&|dot| dot.errors[panel]))))
     };
     methods.into_iter().filter_map(mean).collect()
-}
-
-/// Which points no other one beats in cost without losing in accuracy, cheapest first.
-fn frontier(points: &[Point]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
-    let mut best = f64::INFINITY;
-    order.retain(|&index| {
-        let better = points[index].1 < best;
-        best = best.min(points[index].1);
-        better
-    });
-    order
 }
 
 /// An SVG with a white ground.
@@ -1485,9 +1450,9 @@ mod tests {
     fn page_without_records_says_what_it_leaves_out() -> Result<(), Box<dyn Error>> {
         let folder = std::env::temp_dir().join(format!("stereotrace-report-{}", std::process::id()));
         let paths = write(&[], &[], &folder)?;
-        let page = fs::read_to_string(&paths[0])?;
-        let left = fs::read_dir(&folder)?.count();
-        fs::remove_dir_all(&folder)?;
+        let page = std::fs::read_to_string(&paths[0])?;
+        let left = std::fs::read_dir(&folder)?.count();
+        std::fs::remove_dir_all(&folder)?;
         assert_eq!((paths.len(), left), (1, 1));
         assert_eq!(page.matches("class=\"none\"").count(), QUESTIONS.len() + COSTS.len() + 2);
         Ok(())
