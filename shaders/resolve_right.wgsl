@@ -7,13 +7,13 @@
 // updates right_source  [height * width]      left column + 1, or EMPTY; BAD and MISSED are marked in the top bits (BAD
 //                                             may have been marked before, by mark_edges)
 // adds    counters      [height * COUNTERS]
-// appends to_trace
+// appends lists
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
 @group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(4) var<storage, read_write> to_trace: TraceList;
+@group(1) @binding(4) var<storage, read_write> lists: Lists;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
@@ -41,14 +41,14 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     let landed = inside & (source != U(EMPTY));
     let missed = inside & (source == U(EMPTY));
     let bad = (marked != U(0u)) | are_bad(Pixels(source - 1u, pixels.y), depth, landed);
-    var place = reserve(count_rays(missed | bad));
+    var place = reserve(TO_TRACE, count_rays(missed | bad));
     ray = 0u;
     loop {
         if of_ray_b(missed | bad, ray) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
             let column = of_ray_u(source, ray);
             right_source[index] = select(column | BAD, MISSED, column == EMPTY);
-            to_trace.pixels[place] = index;
+            append(TO_TRACE, place, index);
             place += 1u;
         }
         ray += 1u;
@@ -60,15 +60,4 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     if any_ray(bad) { atomicAdd(&counters[row + BAD_PIXELS], count_rays(bad)); }
     count_pixel(right_index(first));
     count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
-}
-
-// Places in the list for a lane's pixels, side by side, so that neighbours are traced together. The order of the list depends
-// on the threads; each entry writes only its own pixel, so the picture does not.
-fn reserve(count: u32) -> u32 {
-    if count == 0u { return 0u; }
-    let place = atomicAdd(&to_trace.count, count);
-    let workgroup = LIST_WORKGROUP * RAYS;
-    let begun = (place + count + workgroup - 1u) / workgroup - (place + workgroup - 1u) / workgroup;
-    if begun > 0u { atomicAdd(&to_trace.workgroups_x, begun); }
-    return place;
 }

@@ -2,7 +2,8 @@
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  color     [height * width]      linear RGB, 1
-// writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id
+// writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id (by bracket its place instead)
+// writes  left_samples                    texture, by bracket
 // adds    counters  [height * COUNTERS]      and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;
@@ -24,7 +25,8 @@ fn trace_left(@builtin(global_invocation_id) id: vec3u) {
         if of_ray_b(wanted, ray) {
             let pixel = pixel_of_ray(pixels, ray);
             color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
-            let hit = pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray));
+            let hit = sample_hit(samples, ray);
+            keep_sample(pixel, samples, ray);
             if KEEP_HITS { hits[select(right_index(pixel), pixel_index(pixel), left)] = hit; }
         }
         ray += 1u;

@@ -1,42 +1,30 @@
 // Pass 3 of 4, second half: trace and shade the right pixels that resolve_right listed.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
-// reads   to_trace     pixel indices
+// reads   lists        pixel indices
 // writes  hits         [2 * height * width]  right half
 // writes  right_color  [height * width]
 // adds    counters     [height * COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> to_trace: TraceList;
+@group(1) @binding(1) var<storage, read_write> lists: Lists;
 @group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
 @group(1) @binding(3) var<storage, read_write> right_color: array<vec4f>;
 @group(1) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
-    let first = id.x * RAYS;
-    let count = atomicLoad(&to_trace.count);
-    if first >= count { return; }
-    // The last lane's spare rays repeat the last entry and are left out.
-    var index: U;
-    var wanted_rays: U;
-    var ray = 0u;
-    loop {
-        index = with_ray_u(index, ray, to_trace.pixels[min(first + ray, count - 1u)]);
-        wanted_rays = with_ray_u(wanted_rays, ray, select(0u, 1u, first + ray < count));
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
-    let wanted = wanted_rays == U(1u);
-    let width = frame.image_size.x;
-    let pixels = Pixels(index % width, index / width);
+    let listed = listed_pixels(TO_TRACE, id.x);
+    if !any_ray(listed.wanted) { return; }
+    let pixels = listed.pixels;
+    let wanted = listed.wanted;
     let samples = trace_pixels(Rays(frame.right_eye, pixel_directions(frame.right_corner, pixels)), wanted);
-    ray = 0u;
+    var ray = 0u;
     loop {
         if of_ray_b(wanted, ray) {
             let pixel = pixel_of_ray(pixels, ray);
             right_color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
-            let hit = pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray));
+            let hit = sample_hit(samples, ray);
             if KEEP_HITS { hits[right_index(pixel)] = hit; }
         }
         ray += 1u;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
-use crate::{Boxes, Error, Scene, layout};
+use crate::{Boxes, Error, Scene, layout, scene::components};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
@@ -39,8 +39,8 @@ impl BvhBuild {
 const LEAF: u32 = 0x8000_0000;
 const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
-/// `w` of a primitive's second texel, see shaders/shared/triangle.wgsl.
-const KIND_SPHERE: u32 = 1;
+/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
+const IS_SPHERE: u32 = 1;
 /// Steps of the grid that boxes are stored on.
 const GRID: f64 = 65535.0;
 /// Deeper trees are refused: every level is a word of private memory a thread.
@@ -53,6 +53,8 @@ pub(crate) struct PackedBvh {
     pub(crate) nodes: Vec<Texel>,
     /// Three texels a primitive in leaf order, four if the scene has vertex normals.
     pub(crate) primitives: Vec<Texel>,
+    /// The scene's id of each primitive, in leaf order.
+    pub(crate) ids: Vec<u32>,
     /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
 }
@@ -88,7 +90,7 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
     if ids.is_empty() {
         // Textures and buffers need a texel; no kernel of an empty scene reads it.
         let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
-        return Ok(PackedBvh { uniform: layout::Bvh::default(), nodes, primitives, stack_size: 8 });
+        return Ok(PackedBvh { uniform: layout::Bvh::default(), nodes, primitives, ids: Vec::new(), stack_size: 8 });
     }
     let tree = build_bvh2(&boxes, build.params(), &mut std::time::Duration::default());
     // The best builds split large primitives: these stand in several leaves.
@@ -97,8 +99,17 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
         return Err(fault(format!("{slots} primitives, more than the {MAX_SLOTS} that a tree can name")));
     }
     let grid = Grid::around(&tree);
-    let mut packer =
-        Packer { scene, tree: &tree, ids: &ids, kind, grid, nodes: Vec::new(), primitives: Vec::new(), slots: 0 };
+    let mut packer = Packer {
+        scene,
+        tree: &tree,
+        ids: &ids,
+        components: &components::of(scene),
+        kind,
+        grid,
+        nodes: Vec::new(),
+        primitives: Vec::new(),
+        packed: Vec::new(),
+    };
     let depth = packer.pack_nodes();
     let stack_size = (depth + 1).next_multiple_of(8);
     if stack_size > max_stack {
@@ -107,7 +118,13 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
             max_stack - 1
         )));
     }
-    Ok(PackedBvh { uniform: packer.grid.uniform(), nodes: packer.nodes, primitives: packer.primitives, stack_size })
+    Ok(PackedBvh {
+        uniform: packer.grid.uniform(),
+        nodes: packer.nodes,
+        primitives: packer.primitives,
+        ids: packer.packed,
+        stack_size,
+    })
 }
 
 /// Texels of a child's box and link.
@@ -176,11 +193,13 @@ struct Packer<'a> {
     scene: &'a Scene,
     tree: &'a Bvh2,
     ids: &'a [u32],
+    components: &'a [u32],
     kind: Boxes,
     grid: Grid,
     nodes: Vec<Texel>,
     primitives: Vec<Texel>,
-    slots: u32,
+    /// Ids of what is packed, in order.
+    packed: Vec<u32>,
 }
 
 impl Packer<'_> {
@@ -230,23 +249,24 @@ impl Packer<'_> {
     }
 
     fn pack_leaf(&mut self, first: u32, count: u32) -> u32 {
-        let link = LEAF | (count - 1) << 28 | self.slots;
+        let link = LEAF | (count - 1) << 28 | self.packed.len() as u32;
         for index in first..first + count {
             self.pack_primitive(self.ids[self.tree.primitive_indices[index as usize] as usize]);
         }
-        self.slots += count;
         link
     }
 
     fn pack_primitive(&mut self, id: u32) {
+        self.packed.push(id);
         let scene = self.scene;
+        let component = self.components[id as usize] << 1;
         let words = |v: Vec3| v.to_array().map(f32::to_bits);
         let texel = |[x, y, z]: [u32; 3], w: u32| [x, y, z, w];
         let mut normals = [0; 4];
         match scene.triangles().get(id as usize) {
             Some(triangle) => {
                 let [a, b, c] = triangle.corners.map(words);
-                self.primitives.extend([texel(a, id), texel(b, 0), texel(c, triangle.material.0)]);
+                self.primitives.extend([texel(a, id), texel(b, component), texel(c, triangle.material.0)]);
                 if triangle.is_smooth() {
                     normals = texel(triangle.normals.map(pack_normal), 1);
                 }
@@ -257,7 +277,7 @@ impl Packer<'_> {
                 let material = sphere.material.0;
                 self.primitives.extend([
                     texel(words(sphere.center), id),
-                    texel(radius, KIND_SPHERE),
+                    texel(radius, component | IS_SPHERE),
                     [0, 0, 0, material],
                 ]);
             }

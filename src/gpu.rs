@@ -8,9 +8,9 @@ use std::{
 };
 
 use crate::{
-    Error, GBuffer,
+    Error, ShadowReuse,
     bvh::Texel,
-    kernels::{Access, Kernel, Shadows, SkyKind, Specialisation, Touches},
+    kernels::{Access, Kept, Kernel, SAMPLES_BINDING, Shadows, SkyKind, Specialisation, Touches},
     method::Verify,
     traversal::Fetch,
 };
@@ -421,13 +421,14 @@ fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
+fn texture_type(access: wgpu::StorageTextureAccess) -> wgpu::BindingType {
+    let (format, view_dimension) = (wgpu::TextureFormat::Rgba32Uint, wgpu::TextureViewDimension::D2);
+    wgpu::BindingType::StorageTexture { access, format, view_dimension }
+}
+
 impl Pipelines {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let texture = wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::ReadOnly,
-            format: wgpu::TextureFormat::Rgba32Uint,
-            view_dimension: wgpu::TextureViewDimension::D2,
-        };
+        let texture = texture_type(wgpu::StorageTextureAccess::ReadOnly);
         let buffer = buffer_type(wgpu::BufferBindingType::Storage { read_only: true });
         let layout = |label, types: &[wgpu::BindingType]| {
             let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
@@ -455,15 +456,19 @@ impl Pipelines {
         let with = match kernel.touches {
             Touches::Pixels => Specialisation { hits: with.hits, right: with.right, ..Specialisation::PIXELS },
             Touches::Objects => Specialisation { hits: with.hits, traversal: with.traversal, ..Specialisation::PIXELS },
-            Touches::Geometry => {
-                Specialisation { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, ..with }
-            }
+            Touches::Geometry => Specialisation {
+                lights: false,
+                shadows: Shadows::None,
+                sky: SkyKind::Constant,
+                bits: ShadowReuse::Rays,
+                ..with
+            },
             Touches::Shading => Specialisation { verify: Verify::All, ..with },
             Touches::RayList => Specialisation {
                 lights: false,
                 shadows: Shadows::None,
                 sky: SkyKind::Constant,
-                hits: GBuffer::None,
+                hits: Kept::None,
                 verify: Verify::All,
                 ..with
             },
@@ -481,6 +486,13 @@ impl Pipelines {
         for (index, access) in kernel.storage.iter().enumerate() {
             let read_only = *access == Access::Read;
             entries.push(entry(index as u32 + 1, buffer_type(wgpu::BufferBindingType::Storage { read_only })));
+        }
+        if let Some(access) = kernel.samples(&with) {
+            let access = match access {
+                Access::Read => wgpu::StorageTextureAccess::ReadOnly,
+                Access::Write => wgpu::StorageTextureAccess::WriteOnly,
+            };
+            entries.push(entry(SAMPLES_BINDING, texture_type(access)));
         }
         let own = device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(kernel.name), entries: &entries });
@@ -517,10 +529,17 @@ pub(crate) fn bind_group<'a>(
     layout: &wgpu::BindGroupLayout,
     resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
 ) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource })
-        .collect();
+    bind_group_at(gpu, label, layout, (0..).zip(resources))
+}
+
+/// A bind group of bindings and resources.
+pub(crate) fn bind_group_at<'a>(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = (u32, wgpu::BindingResource<'a>)>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 

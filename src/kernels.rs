@@ -4,7 +4,7 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    GBuffer, Method, Scene, Sky,
+    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky, layout,
     method::Verify,
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
@@ -118,6 +118,38 @@ impl SkyKind {
     }
 }
 
+/// What kernels keep of each pixel besides its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kept {
+    /// What `bracket` needs of a left sample.
+    Samples,
+    Ids,
+    Depth,
+    None,
+}
+
+impl Kept {
+    /// What a method's frame keeps on the device, at least what the user wants of it.
+    pub(crate) fn of(wanted: GBuffer, method: Method) -> Self {
+        match (wanted, method) {
+            (_, Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. }) => Self::Samples,
+            // Edges are told by objects.
+            (_, Method::Reuse { verify: Verify::Edges, .. }) | (GBuffer::Ids, _) => Self::Ids,
+            (_, Method::Reuse { .. }) | (GBuffer::Depth, _) => Self::Depth,
+            (GBuffer::None, _) => Self::None,
+        }
+    }
+
+    /// Bytes of a `PixelHit`.
+    pub(crate) fn bytes(self) -> u64 {
+        match self {
+            Self::Samples | Self::Ids => size_of::<layout::PixelHit>() as u64,
+            Self::Depth => 4,
+            Self::None => 0,
+        }
+    }
+}
+
 /// Where the right view's pixels are when it is composed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum RightView {
@@ -129,7 +161,7 @@ pub(crate) enum RightView {
 impl RightView {
     pub(crate) fn of(method: Method) -> Self {
         match method {
-            Method::Naive => Self::Traced,
+            Method::Auto | Method::Naive | Method::Reuse { overlap: Overlap::Bracket(_), .. } => Self::Traced,
             Method::Ideal => Self::Left,
             Method::Reuse { .. } => Self::Marked,
         }
@@ -146,10 +178,12 @@ pub(crate) struct Specialisation {
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     pub(crate) sky: SkyKind,
-    pub(crate) hits: GBuffer,
+    pub(crate) hits: Kept,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     pub(crate) verify: Verify,
+    /// Which shadow bits are taken over.
+    pub(crate) bits: ShadowReuse,
     /// Where right pixels come from, for compose.
     pub(crate) right: RightView,
     /// Count nodes and primitive tests.
@@ -168,9 +202,10 @@ impl Specialisation {
         lights: false,
         shadows: Shadows::None,
         sky: SkyKind::Constant,
-        hits: GBuffer::Ids,
+        hits: Kept::Ids,
         stack_size: 0,
         verify: Verify::None,
+        bits: ShadowReuse::Rays,
         right: RightView::Traced,
         count: false,
         cost_map: false,
@@ -186,9 +221,10 @@ impl Specialisation {
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),
-            hits: GBuffer::Ids,
+            hits: Kept::Ids,
             stack_size,
             verify: Verify::All,
+            bits: ShadowReuse::Rays,
             right: RightView::Traced,
             count: false,
             cost_map: false,
@@ -206,16 +242,29 @@ impl Specialisation {
 
 use Access::{Read, Write};
 
+/// Where in group 1 the texture of left samples is bound.
+pub(crate) const SAMPLES_BINDING: u32 = 15;
+
 const COUNT: Part = part!("shared/count.wgsl");
+const LIGHT_TRACED: Part = part!("shared/light_traced.wgsl");
+const LIGHT_TAKEN: Part = part!("shared/light_taken.wgsl");
+const LIGHT_TAKEN_OR_TRACED: Part = part!("shared/light_taken_or_traced.wgsl");
+const TAKEN_BITS: Part = part!("shared/taken_bits.wgsl");
+const APPEND: Part = part!("shared/append.wgsl");
+const LISTED_PIXELS: Part = part!("shared/listed_pixels.wgsl");
+const RIGHT_HITS: Part = part!("shared/right_hits.wgsl");
+const TILES: Part = part!("shared/tiles.wgsl");
+const TILE: Part = part!("shared/tile.wgsl");
 const RAY_LIST: Part = part!("shared/ray_list.wgsl");
 const PARALLAX: Part = part!("shared/parallax.wgsl");
-const TRACE_LIST: Part = part!("shared/trace_list.wgsl");
+const MARKS: Part = part!("shared/marks.wgsl");
+const LISTS: Part = part!("shared/lists.wgsl");
 
 pub(crate) const TRACE_LEFT: Kernel = Kernel {
     name: "trace_left",
     touches: Touches::Shading,
     storage: &[Write, Write, Write],
-    extra: &[COUNT],
+    extra: &[COUNT, LIGHT_TRACED],
     main: part!("trace_left.wgsl"),
 };
 pub(crate) const REPROJECT: Kernel = Kernel {
@@ -243,7 +292,7 @@ pub(crate) const MARK_EDGES: Kernel = Kernel {
     name: "mark_edges",
     touches: Touches::Objects,
     storage: &[Read, Write],
-    extra: &[PARALLAX, TRACE_LIST],
+    extra: &[PARALLAX, MARKS],
     main: part!("mark_edges.wgsl"),
 };
 pub(crate) const GATHER_SLOTS: Kernel = Kernel {
@@ -264,15 +313,50 @@ pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     name: "resolve_right",
     touches: Touches::Geometry,
     storage: &[Read, Write, Write, Write],
-    extra: &[COUNT, TRACE_LIST],
+    extra: &[COUNT, MARKS, LISTS, APPEND],
     main: part!("resolve_right.wgsl"),
 };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
     touches: Touches::Shading,
     storage: &[Write, Write, Write, Write],
-    extra: &[COUNT, TRACE_LIST],
+    extra: &[COUNT, LISTS, LISTED_PIXELS, LIGHT_TRACED],
     main: part!("trace_listed.wgsl"),
+};
+pub(crate) const BOUND_TILES: Kernel = Kernel {
+    name: "bound_tiles",
+    touches: Touches::Pixels,
+    storage: &[Read, Write, Write],
+    extra: &[PARALLAX, TILES],
+    main: part!("bound_tiles.wgsl"),
+};
+pub(crate) const SEARCH_TILES: Kernel = Kernel {
+    name: "search_tiles",
+    touches: Touches::Geometry,
+    storage: &[Read, Write, Write],
+    extra: &[COUNT, TILES, TILE],
+    main: part!("search_tiles.wgsl"),
+};
+pub(crate) const RESOLVE_TILES: Kernel = Kernel {
+    name: "resolve_tiles",
+    touches: Touches::Shading,
+    storage: &[Read, Write, Write, Write, Write],
+    extra: &[COUNT, TILES, MARKS, LISTS, APPEND, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
+    main: part!("resolve_tiles.wgsl"),
+};
+pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
+    name: "trace_bounded",
+    touches: Touches::Shading,
+    storage: &[Write, Write, Write, Write],
+    extra: &[COUNT, MARKS, LISTS, LISTED_PIXELS, PARALLAX, RIGHT_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
+    main: part!("trace_bounded.wgsl"),
+};
+pub(crate) const SHADE_LISTED: Kernel = Kernel {
+    name: "shade_listed",
+    touches: Touches::Shading,
+    storage: &[Write, Read, Write, Write],
+    extra: &[COUNT, LISTS, LISTED_PIXELS, PARALLAX, RIGHT_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
+    main: part!("shade_listed.wgsl"),
 };
 pub(crate) const CLOSEST_HITS: Kernel = Kernel {
     name: "closest_hits",
@@ -292,22 +376,37 @@ pub(crate) const COMPOSE: Kernel = Kernel {
     name: "compose",
     touches: Touches::Pixels,
     storage: &[Read, Read, Read, Write],
-    extra: &[TRACE_LIST],
+    extra: &[MARKS],
     main: part!("compose.wgsl"),
 };
 
 impl Kernel {
     /// Pixels of a thread's block in x and in y.
     pub(crate) fn block(&self, with: &Specialisation) -> u32 {
-        if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
+        if !self.touches.geometry() { 1 } else { self.rays(with).block() }
+    }
+
+    /// Rays of a lane; a search has none.
+    fn rays(&self, with: &Specialisation) -> RaysPerLane {
+        if self.name == SEARCH_TILES.name { RaysPerLane::One } else { with.traversal.rays }
+    }
+
+    /// How a kernel uses the texture of left samples, at `SAMPLES_BINDING` of group 1.
+    pub(crate) fn samples(&self, with: &Specialisation) -> Option<Access> {
+        match self.name {
+            "trace_left" if with.hits == Kept::Samples => Some(Write),
+            "resolve_tiles" | "trace_bounded" | "shade_listed" => Some(Read),
+            _ => None,
+        }
     }
 
     /// The files a kernel is made of, in order.
     pub(crate) fn parts(&self, with: &Specialisation) -> Vec<Part> {
         let hits = match with.hits {
-            GBuffer::Ids => part!("shared/hits_ids.wgsl"),
-            GBuffer::Depth => part!("shared/hits_depth.wgsl"),
-            GBuffer::None => part!("shared/hits_none.wgsl"),
+            Kept::Samples => part!("shared/hits_samples.wgsl"),
+            Kept::Ids => part!("shared/hits_ids.wgsl"),
+            Kept::Depth => part!("shared/hits_depth.wgsl"),
+            Kept::None => part!("shared/hits_none.wgsl"),
         };
         let mut parts = vec![part!("shared/types.wgsl"), hits];
         if self.touches != Touches::Pixels {
@@ -317,7 +416,7 @@ impl Kernel {
             });
         }
         if self.touches.geometry() {
-            parts.push(match with.traversal.rays {
+            parts.push(match self.rays(with) {
                 RaysPerLane::One => part!("shared/rays_1.wgsl"),
                 RaysPerLane::Four => part!("shared/rays_2x2.wgsl"),
             });
@@ -328,7 +427,7 @@ impl Kernel {
             });
             parts.extend(geometry_parts(with));
         }
-        if self.touches == Touches::Geometry {
+        if self.name == RESOLVE_RIGHT.name {
             parts.push(match with.verify {
                 Verify::All => part!("shared/verify_all.wgsl"),
                 // Gaps are no candidates any more, and edges have been marked.
@@ -343,11 +442,27 @@ impl Kernel {
             });
             match with.lights {
                 true => parts.extend([with.shadows.part(), part!("shared/lights.wgsl")]),
-                false => parts.push(part!("shared/lights_none.wgsl")),
+                false => parts.extend([Shadows::None.part(), part!("shared/lights_none.wgsl")]),
+            }
+            if matches!(self.name, "resolve_tiles" | "trace_bounded" | "shade_listed") {
+                parts.push(match with.bits {
+                    ShadowReuse::Rays => part!("shared/bits_none.wgsl"),
+                    ShadowReuse::Two => part!("shared/bits_two.wgsl"),
+                    ShadowReuse::Block => part!("shared/bits_block.wgsl"),
+                });
             }
             parts.push(part!("shared/shade.wgsl"));
         }
+        match self.samples(with) {
+            Some(Read) => parts.push(part!("shared/samples_read.wgsl")),
+            Some(Write) => parts.push(part!("shared/samples_written.wgsl")),
+            None if self.name == TRACE_LEFT.name => parts.push(part!("shared/samples_none.wgsl")),
+            None => {}
+        }
         parts.extend(self.extra);
+        if self.name == SEARCH_TILES.name {
+            parts.extend(bounds_parts(with));
+        }
         parts.push(self.main);
         if self.name == COMPOSE.name {
             parts.push(match with.right {
@@ -366,6 +481,17 @@ impl Kernel {
             text += part.text;
         }
         text
+    }
+}
+
+/// How primitives are projected onto a tile.
+fn bounds_parts(with: &Specialisation) -> Vec<Part> {
+    let (triangles, spheres) = (part!("shared/bounds_triangle.wgsl"), part!("shared/bounds_sphere.wgsl"));
+    match (with.triangles, with.spheres) {
+        (true, true) => vec![triangles, spheres, part!("shared/bounds_mixed.wgsl")],
+        (true, false) => vec![triangles, part!("shared/bounds_triangles.wgsl")],
+        (false, true) => vec![spheres, part!("shared/bounds_spheres.wgsl")],
+        (false, false) => vec![],
     }
 }
 
@@ -405,7 +531,12 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 12] = [
+    const ALL: [&Kernel; 17] = [
+        &BOUND_TILES,
+        &SEARCH_TILES,
+        &TRACE_BOUNDED,
+        &RESOLVE_TILES,
+        &SHADE_LISTED,
         &REPROJECT_SCANLINE,
         &MARK_EDGES,
         &CLOSEST_HITS,
@@ -427,7 +558,7 @@ mod tests {
             all.push(Specialisation {
                 traversal,
                 shadows: [Shadows::None, Shadows::FromLight, Shadows::FromSurface][bits as usize / 2 % 3],
-                hits: [GBuffer::Ids, GBuffer::Depth, GBuffer::None][bits as usize % 3],
+                hits: [Kept::Ids, Kept::Depth, Kept::None, Kept::Samples][bits as usize % 4],
                 triangles: bit(0),
                 spheres: bit(1),
                 normals: bit(2),
@@ -435,6 +566,7 @@ mod tests {
                 sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][bits as usize / 4 % 3],
                 stack_size: 40,
                 verify: if bit(5) { Verify::All } else { Verify::None },
+                bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits as usize / 2 % 3],
                 right: [RightView::Traced, RightView::Left, RightView::Marked][bits as usize % 3],
                 count: false,
                 cost_map: false,
@@ -442,6 +574,20 @@ mod tests {
         }
         // Normals belong to triangles: a scene of spheres has none.
         all.retain(|with| with.triangles || !with.normals);
+        all
+    }
+
+    /// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
+    fn specialisations_of(kernel: &Kernel) -> Vec<Specialisation> {
+        let mut all = specialisations();
+        if [&SEARCH_TILES, &RESOLVE_TILES, &TRACE_BOUNDED, &SHADE_LISTED].iter().any(|known| known.name == kernel.name)
+        {
+            all.retain(|with| with.triangles || with.spheres);
+            all.iter_mut().for_each(|with| with.hits = Kept::Samples);
+        }
+        if kernel.name == MARK_EDGES.name {
+            all.iter_mut().for_each(|with| with.hits = Kept::Ids);
+        }
         all
     }
 
@@ -455,7 +601,7 @@ mod tests {
     fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buffers() {
         let mut validated = BTreeSet::new();
         for kernel in ALL {
-            for with in specialisations() {
+            for with in specialisations_of(kernel) {
                 let text = kernel.text(&with);
                 if !validated.insert(text.clone()) {
                     continue;
@@ -481,8 +627,12 @@ mod tests {
         let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
         let make = || {
             let pipelines = crate::gpu::Pipelines::new(&gpu);
-            for with in specialisations() {
-                for kernel in ALL {
+            let mut built = BTreeSet::new();
+            for kernel in ALL {
+                for with in specialisations_of(kernel) {
+                    if !built.insert((kernel.text(&with), with.lights, with.normals)) {
+                        continue;
+                    }
                     pipelines.get(&gpu, kernel, Specialisation { count: with.lights, cost_map: with.normals, ..with });
                 }
             }
@@ -494,12 +644,12 @@ mod tests {
     #[test]
     fn bindings_of_group_1_are_as_the_table_says() {
         for kernel in ALL {
-            let module = parse(kernel, &specialisations()[2]);
+            let module = parse(kernel, &specialisations_of(kernel)[2]);
             let mut found: Vec<_> = module
                 .global_variables
                 .iter()
                 .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-                .filter(|(binding, _)| binding.group == 1 && binding.binding > 0)
+                .filter(|(binding, _)| binding.group == 1 && (1..SAMPLES_BINDING).contains(&binding.binding))
                 .map(|(binding, space)| match space {
                     naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
                         (binding.binding, Write)
@@ -517,7 +667,7 @@ mod tests {
     fn every_wgsl_file_is_part_of_a_kernel() {
         let mut used = BTreeSet::new();
         for kernel in ALL {
-            for with in specialisations() {
+            for with in specialisations_of(kernel) {
                 used.extend(kernel.parts(&with).iter().map(|part| part.file.to_owned()));
             }
         }
@@ -577,23 +727,23 @@ mod tests {
                 row_end,
                 image_size,
                 _pad,
+                forward,
+                _pad_after,
             }
         );
         assert_layout!(module, Bvh { grid_origin, extent, grid_cell, _pad });
         assert_layout!(module, PixelHit { depth, primitive });
         let listed = parse(&TRACE_LISTED, &with);
         let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
-            naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("TraceList") => {
-                Some(members[4].offset)
-            }
+            naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),
             _ => None,
         });
-        assert_eq!(header.map(u64::from), Some(layout::TRACE_LIST_HEADER));
+        assert_eq!(header.map(u64::from), Some(layout::LISTS_HEADS));
     }
 
     #[test]
     fn counters_and_marks_have_the_same_numbers_in_both_languages() {
-        let types = format!("{}{}", part!("shared/types.wgsl").text, TRACE_LIST.text);
+        let types = [part!("shared/types.wgsl"), MARKS, TILES].map(|part| part.text).concat();
         for (name, value) in [
             ("WORKGROUP", layout::WORKGROUP),
             ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
@@ -610,6 +760,11 @@ mod tests {
             ("CUT_SHORT", layout::CUT_SHORT as u32),
             ("BAD", layout::BAD),
             ("MISSED", layout::MISSED),
+            ("ASKED", layout::ASKED),
+            ("GAP_PIXELS", layout::GAP_PIXELS as u32),
+            ("TILE", layout::TILE),
+            ("TILE_BLOCKS", layout::TILE_BLOCKS),
+            ("LIST_WORDS", layout::LIST_WORDS),
         ] {
             let decimal = format!("const {name}: u32 = {value}u;");
             let hex = format!("const {name}: u32 = {value:#010x}u;");

@@ -22,6 +22,8 @@ pub(crate) struct Frame {
     pub(crate) row_end: u32,
     pub(crate) image_size: [u32; 2],
     pub(crate) _pad: [u32; 2],
+    pub(crate) forward: [f32; 3],
+    pub(crate) _pad_after: u32,
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.
@@ -42,16 +44,25 @@ pub(crate) struct PixelHit {
     pub(crate) primitive: u32,
 }
 
-/// Bytes of `TraceList` before its pixels (`shaders/shared/trace_list.wgsl`): an indirect dispatch and a count.
-pub(crate) const TRACE_LIST_HEADER: u64 = 16;
+/// The place in `primitives` within the word that `hits_samples.wgsl` keeps of a pixel; all bits: nothing hit.
+pub(crate) const NO_SLOT: u32 = 0x0fff_ffff;
+
+/// Bytes of `Lists` before its pixels (`shaders/shared/lists.wgsl`): two indirect dispatches with a count each.
+pub(crate) const LISTS_HEADS: u64 = 32;
+/// Blocks of a tile, and words of each one's list of primitives (`shaders/shared/tiles.wgsl`).
+pub(crate) const TILE_BLOCKS: u32 = 16;
+pub(crate) const LIST_WORDS: u32 = 64;
 
 /// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
 /// Threads of a workgroup of a launch over a list (`shaders/shared/types.wgsl`).
 pub(crate) const LIST_WORKGROUP: u32 = 64;
 
+/// Pixels of a tile's side (`shaders/shared/tiles.wgsl`).
+pub(crate) const TILE: u32 = 8;
+
 /// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
-pub(crate) const COUNTERS: usize = 12;
+pub(crate) const COUNTERS: usize = 13;
 pub(crate) const VIEW_WORDS: usize = 3;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
@@ -62,7 +73,9 @@ pub(crate) const LOST_CANDIDATES: usize = 8;
 pub(crate) const NEAREST_DEPTH: usize = 9;
 pub(crate) const FARTHEST_DEPTH: usize = 10;
 pub(crate) const CUT_SHORT: usize = 11;
+pub(crate) const GAP_PIXELS: usize = 12;
 
-/// Marks of `right_source` after `resolve_right` (`shaders/shared/trace_list.wgsl`).
+/// Marks of right pixels (`shaders/shared/marks.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
+pub(crate) const ASKED: u32 = 0x2000_0000;

@@ -54,6 +54,7 @@
 pub use glam;
 pub use wgpu;
 
+mod auto;
 mod bvh;
 pub mod camera;
 #[cfg(feature = "json")]
@@ -72,13 +73,14 @@ pub mod scene;
 pub mod stereo;
 pub mod traversal;
 
+pub use auto::Choice;
 pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use error::Error;
 pub use gpu::Gpu;
-pub use method::{BufferDepth, Method, Overlap, Verify};
-pub use pair::{MISS, PassTimes, PixelSource, Rays, Statistics, StereoPair, View, Work};
+pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};
+pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use stereo::{GBuffer, Options, Progress, Renderer, UploadInfo, UploadedScene, render_stereo};

@@ -1,13 +1,17 @@
-//! How the right view is made: the four named methods and the choices they are made of (DESIGN, section 4).
+//! How the right view is made: the named methods and the choices they are made of (DESIGN, section 4).
 
 use std::{fmt, str::FromStr};
 
 use crate::{Error, Pose};
 
 /// How the right view is made of the left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
+    /// [`Method::BRACKET`] or [`Method::Naive`], whichever a cost model predicts to be cheaper once the left view is there; see
+    /// [`Statistics::choice`](crate::Statistics).
+    #[default]
+    Auto,
     /// Both views are traced: the baseline and the ground truth.
     Naive,
     /// The left view is copied: the bound on what reuse can save, and wrong wherever there is parallax.
@@ -34,6 +38,21 @@ pub enum Overlap {
     Scanline,
     /// The same by one thread of the host, row after row (Adelson & Hodges 1993).
     Sequential,
+    /// Those that land in its tile say how deep the BVH must be searched there; what is found, the pixel's own ray meets. Nothing is
+    /// copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
+    Bracket(ShadowReuse),
+}
+
+/// Which shadow bits right pixels take over from the left view (`Overlap::Bracket`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ShadowReuse {
+    /// None: every shadow ray is traced, and the picture is `Naive`'s.
+    Rays,
+    /// Those that the two left samples beside the point agree in.
+    Two,
+    /// Those that the block of 2x3 left samples around the point agrees in, where normals are alike.
+    Block,
 }
 
 /// Slots a right pixel of the 3D buffer.
@@ -72,8 +91,15 @@ impl Method {
     pub const ES_ISLER: Self = Self::Reuse { overlap: Overlap::Scanline, verify: Verify::Gaps };
     /// Adelson & Hodges' method: the sweep on the host. The same picture as [`Method::ES_ISLER`].
     pub const ADELSON_HODGES: Self = Self::Reuse { overlap: Overlap::Sequential, verify: Verify::Gaps };
+    /// One query of the BVH a tile of right pixels, as deep as the left samples that land there; shadow bits of the two left samples
+    /// beside each point.
+    pub const BRACKET: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Two), verify: Verify::All };
+    /// The same with shadow bits of 2x3 samples.
+    pub const VERIFIED: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Block), verify: Verify::All };
+    /// The same without shadow bits: as exact as [`Method::Naive`].
+    pub const BRACKET_RAYS: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Rays), verify: Verify::All };
     /// The methods by name, in the order in which tables show them.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 12] = [
         ("naive", Self::Naive),
         ("ideal", Self::Ideal),
         ("atomic", Self::ATOMIC),
@@ -82,6 +108,10 @@ impl Method {
         ("es-isler", Self::ES_ISLER),
         ("adelson-hodges", Self::ADELSON_HODGES),
         ("atomic-edges", Self::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges }),
+        ("bracket", Self::BRACKET),
+        ("verified", Self::VERIFIED),
+        ("bracket-rays", Self::BRACKET_RAYS),
+        ("auto", Self::Auto),
     ];
 
     /// Whether its choices go together (DESIGN, section 4).
@@ -90,11 +120,14 @@ impl Method {
     /// [`Error::Choices`], naming both.
     pub(crate) fn check(self) -> Result<(), Error> {
         let Self::Reuse { overlap, verify } = self else { return Ok(()) };
-        let sweeps = matches!(overlap, Overlap::Scanline | Overlap::Sequential);
-        if sweeps == (verify == Verify::Gaps) {
+        let (fits, fitting) = match overlap {
+            Overlap::Scanline | Overlap::Sequential => (verify == Verify::Gaps, "gaps"),
+            Overlap::Bracket(_) => (verify == Verify::All, "all"),
+            Overlap::Atomic | Overlap::Buffer(_) => (verify != Verify::Gaps, "all, edges or none"),
+        };
+        if fits {
             return Ok(());
         }
-        let fitting = if sweeps { "gaps" } else { "all, edges or none" };
         Err(Error::Choices { overlap: format!("{overlap:?}"), verify: format!("{verify:?}"), fitting })
     }
 }
@@ -106,6 +139,7 @@ const EDGES: &str = "-edges";
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (overlap, verify) = match *self {
+            Self::Auto => return f.write_str("auto"),
             Self::Naive => return f.write_str("naive"),
             Self::Ideal => return f.write_str("ideal"),
             Self::Reuse { overlap, verify } => (overlap, verify),
@@ -117,6 +151,9 @@ impl fmt::Display for Method {
             Overlap::Buffer(BufferDepth::Fixed(depth)) => write!(f, "buffer-{depth}")?,
             Overlap::Scanline => f.write_str("es-isler")?,
             Overlap::Sequential => f.write_str("adelson-hodges")?,
+            Overlap::Bracket(ShadowReuse::Rays) => f.write_str("bracket-rays")?,
+            Overlap::Bracket(ShadowReuse::Two) => f.write_str("bracket")?,
+            Overlap::Bracket(ShadowReuse::Block) => f.write_str("verified")?,
         }
         f.write_str(match verify {
             Verify::All | Verify::Gaps => "",

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::Pose;
+use crate::{Choice, Method, Pose};
 
 /// Primitive or object id where nothing was hit.
 pub const MISS: u32 = u32::MAX;
@@ -25,7 +25,8 @@ pub struct View {
     pub primitive: Vec<u32>,
     /// Id of the object it belongs to, or [`MISS`].
     pub object: Vec<u32>,
-    /// BVH nodes visited and primitives tested for this pixel, all its rays; empty unless [`Options::cost_map`](crate::Options)
+    /// BVH nodes visited and primitives tested for this pixel, all its rays (the query of a tile, by `bracket`, counts for the tile's
+    /// first pixel); empty unless [`Options::cost_map`](crate::Options)
     /// asked for it.
     pub cost: Vec<u32>,
 }
@@ -34,14 +35,24 @@ pub struct View {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum PixelSource {
-    /// Taken over from the left view.
+    /// Taken over from the left view; by `bracket` found no deeper than the left samples that land in its tile.
     Reused = 0,
-    /// A left sample landed here, but something was found before it: traced.
+    /// A left sample landed here, but something was found before it; by `bracket` the hit lies deeper: traced.
     Bad = 1,
-    /// No left sample landed here: traced.
+    /// No left sample landed here; by `bracket` a list was too short, too: traced.
     Missed = 2,
     /// Traced without looking at the left view (`Naive`).
     Traced = 3,
+}
+
+/// How it is known which lights a right pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum ShadowSource {
+    /// As the left samples beside it say; or no light is in front of the surface, or there is none.
+    Taken = 0,
+    /// By shadow rays, at least one.
+    Traced = 1,
 }
 
 /// Rays of one view by kind.
@@ -97,6 +108,10 @@ impl PassTimes {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
+    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`] chose.
+    pub method: Method,
+    /// Why [`Method::Auto`] chose it; `None` by other methods.
+    pub choice: Option<Choice>,
     /// The left view's work.
     pub left: Work,
     /// The right view's work.
@@ -142,6 +157,8 @@ pub struct StereoPair {
     pub right: View,
     /// Where each right pixel came from, row-major.
     pub source: Vec<PixelSource>,
+    /// How it is known which lights each right pixel sees, row-major; by `bracket` only, else empty.
+    pub shadow_source: Vec<ShadowSource>,
     /// What it cost.
     pub statistics: Statistics,
     /// The camera it was rendered with.
@@ -167,5 +184,15 @@ impl StereoPair {
             PixelSource::Traced => [128, 128, 128, 255],
         };
         self.source.iter().map(color).collect()
+    }
+
+    /// Where `bracket` got right pixels' shadows as a picture: green = taken over from the left view, red = traced. sRGB, row-major;
+    /// empty by other methods.
+    pub fn shadow_map(&self) -> Vec<[u8; 4]> {
+        let color = |source: &ShadowSource| match source {
+            ShadowSource::Taken => [0, 128, 0, 255],
+            ShadowSource::Traced => [224, 0, 0, 255],
+        };
+        self.shadow_source.iter().map(color).collect()
     }
 }

@@ -9,10 +9,12 @@ use std::{
 use glam::{DVec3, Vec3};
 
 use crate::{
-    BvhBuild, Error, Method, PixelSource, Pose, Rays, Scene, Sky, Statistics, StereoCamera, StereoPair, View, Work,
+    BvhBuild, Choice, Error, Method, PixelSource, Pose, Rays, Scene, ShadowReuse, ShadowSource, Sky, Statistics,
+    StereoCamera, StereoPair, View, Work,
+    auto::CostModel,
     bvh,
-    gpu::{Gpu, Pipelines, Timestamps, bind_group, check_bytes},
-    kernels::{self, Kernel, RightView, Specialisation, Touches},
+    gpu::{Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
+    kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Specialisation, Touches},
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
     traversal::{Fetch, Traversal},
@@ -21,8 +23,8 @@ use crate::{
 /// Pixels of one dispatch, in whole workgroups of rows: with 5 lights some 1.5 million rays, a tenth of a second on a slow
 /// GPU, so that no watchdog trips whatever the picture's size. More lights make it less.
 const BAND_PIXELS: u32 = 1 << 18;
-/// Bands of a picture at most: five dispatches each, the most that a method has, fit one query set.
-const MAX_BANDS: u32 = 400;
+/// Bands of a picture at most: eight dispatches each, the most that a method has, fit one query set.
+const MAX_BANDS: u32 = 256;
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,9 +78,9 @@ impl Options {
 }
 
 impl Default for Options {
-    /// [`Method::ATOMIC`], nothing counted.
+    /// [`Method::Auto`], nothing counted.
     fn default() -> Self {
-        Self::new(Method::ATOMIC)
+        Self::new(Method::Auto)
     }
 }
 
@@ -101,6 +103,8 @@ pub struct UploadedScene {
     object_table: OnceLock<wgpu::BindGroup>,
     pub(crate) specialisation: Specialisation,
     objects: Vec<u32>,
+    /// The scene's id of each primitive, in the BVH's order.
+    ids: Vec<u32>,
     lights: u32,
     gpu: Gpu,
     info: UploadInfo,
@@ -185,7 +189,7 @@ pub struct Renderer {
 #[derive(Clone, Copy)]
 struct Need {
     size: [u32; 2],
-    kept: GBuffer,
+    kept: Kept,
     reuse: bool,
     cost_map: bool,
 }
@@ -194,7 +198,7 @@ struct Need {
 #[derive(Debug)]
 struct Picture {
     size: [u32; 2],
-    kept: GBuffer,
+    kept: Kept,
     /// Whether it has what the reuse methods need besides.
     reuse: bool,
     /// Whether it has a map of costs.
@@ -204,7 +208,11 @@ struct Picture {
     right_color: wgpu::Buffer,
     hits: wgpu::Buffer,
     right_source: wgpu::Buffer,
-    to_trace: wgpu::Buffer,
+    lists: wgpu::Buffer,
+    /// What `search_tiles` finds in a band.
+    found: wgpu::Buffer,
+    /// What `bracket` asks of the left view's samples.
+    samples: Option<wgpu::TextureView>,
     indirect: wgpu::Buffer,
     counters: wgpu::Buffer,
     pictures: wgpu::Buffer,
@@ -217,7 +225,18 @@ impl Picture {
         let allowed = gpu.binding_limit();
         let what = format!("a {}x{} picture", size[0], size[1]);
         let counters = 4 * (u64::from(size[1]) * layout::COUNTERS as u64 + if cost_map { 2 * pixels } else { 0 });
-        check_bytes(&what, pixels.saturating_mul(16).max(counters), allowed, "render a smaller one")?;
+        let hits = pixels.saturating_mul(2 * kept.bytes());
+        check_bytes(&what, pixels.saturating_mul(16).max(counters).max(hits), allowed, "render a smaller one")?;
+        let side = gpu.limits.max_texture_dimension_2d;
+        if kept == Kept::Samples && size[0].max(size[1]) > side {
+            return Err(Error::Limit {
+                what: format!("{what} by bracket"),
+                needed: format!("a texture of {}x{}", size[0], size[1]),
+                limit: "max_texture_dimension_2d",
+                allowed: side.to_string(),
+                remedy: "render a smaller one, or by another method",
+            });
+        }
         let workgroups = size[0].div_ceil(WORKGROUP);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
         if workgroups > allowed {
@@ -231,6 +250,8 @@ impl Picture {
         }
         let storage = |label, bytes| gpu.storage_buffer(label, bytes);
         let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
+        let tiles = u64::from(size[0].div_ceil(layout::TILE) * (band_rows(size, band_pixels) / layout::TILE));
+        let found = 4 * tiles * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS);
         Ok(Self {
             size,
             kept,
@@ -239,9 +260,11 @@ impl Picture {
             frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::Frame::default())),
             left_color: storage("left_color", pixels * 16),
             right_color: storage("right_color", pixels * 16),
-            hits: storage("hits", 2 * pixels * hit_bytes(kept)),
+            hits: storage("hits", 2 * pixels * kept.bytes()),
             right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
-            to_trace: storage("to_trace", if reuse { layout::TRACE_LIST_HEADER + band * 4 } else { 0 }),
+            lists: storage("lists", if reuse { layout::LISTS_HEADS + 2 * band * 4 } else { 0 }),
+            samples: (kept == Kept::Samples).then(|| samples_texture(gpu, size)),
+            found: storage("found", if kept == Kept::Samples { found } else { 0 }),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("indirect"),
                 size: 12,
@@ -256,20 +279,34 @@ impl Picture {
     /// Bytes between the passes of a method, without the pair's own pictures.
     fn intermediate_bytes(&self, method: Method) -> u64 {
         let buffers: &[&wgpu::Buffer] = match method {
-            Method::Reuse { .. } => &[&self.hits, &self.counters, &self.right_source, &self.to_trace],
+            Method::Reuse { overlap: Overlap::Bracket(_), .. } => {
+                &[&self.hits, &self.counters, &self.right_source, &self.lists, &self.found]
+            }
+            Method::Reuse { .. } => &[&self.hits, &self.counters, &self.right_source, &self.lists],
             _ => &[&self.hits, &self.counters],
         };
-        buffers.iter().map(|buffer| buffer.size()).sum()
+        let samples = if self.samples.is_some() { 16 * u64::from(self.size[0]) * u64::from(self.size[1]) } else { 0 };
+        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + samples
     }
 }
 
-/// Bytes of a `PixelHit`.
-fn hit_bytes(kept: GBuffer) -> u64 {
-    match kept {
-        GBuffer::Ids => size_of::<layout::PixelHit>() as u64,
-        GBuffer::Depth => 4,
-        GBuffer::None => 0,
-    }
+fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("left_samples"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Uint,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    // Else wgpu clears it at its first use, and after a clear Mesa's software driver takes every timestamp too early.
+    let bytes_per_row = 16 * width;
+    let zeros = vec![0; bytes_per_row as usize * height as usize];
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
+    gpu.queue.write_texture(texture.as_image_copy(), &zeros, layout, texture.size());
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.
@@ -378,6 +415,7 @@ impl Renderer {
                     primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
                 },
                 objects,
+                ids: packed.ids.clone(),
             })
         };
         let mut uploaded = gpu.checked(upload).await?;
@@ -455,16 +493,15 @@ impl Renderer {
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<(Statistics, Arc<Picture>), Error> {
         scene.belongs_to(&self.gpu)?;
-        let method = effective(options.method, pose);
+        let method = effective(options.method, pose, scene);
         method.check()?;
-        let kept = match (options.g_buffer, method) {
-            // Edges are told by objects.
-            (_, Method::Reuse { verify: Verify::Edges, .. }) => GBuffer::Ids,
-            (GBuffer::None, Method::Reuse { .. }) => GBuffer::Depth,
-            (kept, _) => kept,
+        let kept = Kept::of(options.g_buffer, method);
+        let need = Need {
+            size: pose.size,
+            kept,
+            reuse: !matches!(method, Method::Naive | Method::Ideal),
+            cost_map: options.cost_map,
         };
-        let need =
-            Need { size: pose.size, kept, reuse: matches!(method, Method::Reuse { .. }), cost_map: options.cost_map };
         let picture = self.picture_of(need).await?;
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
@@ -484,14 +521,17 @@ impl Renderer {
             frame: frame_uniform(pose),
             timestamps: self.timestamps.as_mut(),
             host: Duration::ZERO,
+            choice: None,
             rows_done: 0,
             rows_total: pose.size[1] * passes_of(method),
             progress,
         };
         let buffer_depth = passes.frame(pose, method).await?;
         passes.finish().await?;
-        let (slot_bytes, host) = (passes.slot_bytes, passes.host);
+        let (slot_bytes, host, choice) = (passes.slot_bytes, passes.host, passes.choice);
+        let method = choice.map_or(method, |choice| choice.method);
         let mut statistics = self.statistics(&picture, method).await?;
+        statistics.choice = choice;
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes += slot_bytes;
         if let Some(timestamps) = &self.timestamps {
@@ -520,7 +560,7 @@ impl Renderer {
     async fn statistics(&self, picture: &Picture, method: Method) -> Result<Statistics, Error> {
         let [width, height] = picture.size;
         let words: Vec<u32> = self.gpu.read(&picture.counters, height as usize * layout::COUNTERS).await?;
-        let sum = |word: usize| words.iter().skip(word).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum::<u64>();
+        let sum = |word| sum_of(&words, word);
         let pixels = u64::from(width) * u64::from(height);
         let cut_short = sum(layout::CUT_SHORT);
         if cut_short > 0 {
@@ -533,14 +573,16 @@ impl Renderer {
         };
         let (bad, missed) = (sum(layout::BAD_PIXELS), sum(layout::MISSED_PIXELS));
         let (primary, verification, reused) = match method {
-            Method::Naive => (pixels, 0, 0),
+            Method::Naive | Method::Auto => (pixels, 0, 0),
             Method::Ideal => (0, 0, pixels),
-            Method::Reuse { verify, .. } => {
+            Method::Reuse { overlap, verify } => {
                 let landed = pixels - missed;
-                (bad + missed, if verify == Verify::All { landed } else { 0 }, landed - bad)
+                let checked = verify == Verify::All && !matches!(overlap, Overlap::Bracket(_));
+                (bad + missed, if checked { landed } else { 0 }, landed - bad)
             }
         };
         Ok(Statistics {
+            method,
             left: work(0, pixels, 0),
             right: work(1, primary, verification),
             reused,
@@ -562,9 +604,14 @@ impl Renderer {
     ) -> Result<StereoPair, Error> {
         let pixels = picture.size[0] as usize * picture.size[1] as usize;
         let hits: Vec<layout::PixelHit> = match (options.g_buffer, picture.kept) {
-            (GBuffer::None, _) | (_, GBuffer::None) => Vec::new(),
-            (_, GBuffer::Ids) => self.gpu.read(&picture.hits, 2 * pixels).await?,
-            (_, GBuffer::Depth) => {
+            (GBuffer::None, _) | (_, Kept::None) => Vec::new(),
+            (_, Kept::Samples) => {
+                let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
+                let id = |word: u32| scene.ids.get((word & layout::NO_SLOT) as usize).copied().unwrap_or(crate::MISS);
+                hits.iter().map(|hit| layout::PixelHit { primitive: id(hit.primitive), ..*hit }).collect()
+            }
+            (_, Kept::Ids) => self.gpu.read(&picture.hits, 2 * pixels).await?,
+            (_, Kept::Depth) => {
                 let depths: Vec<f32> = self.gpu.read(&picture.hits, 2 * pixels).await?;
                 depths.into_iter().map(|depth| layout::PixelHit { depth, primitive: crate::MISS }).collect()
             }
@@ -594,11 +641,20 @@ impl Renderer {
         let (left_hits, right_hits) = hits.split_at(hits.len() / 2);
         // Reused pixels are the left ones that right_source names.
         let mut right_hits = right_hits.to_vec();
-        let (source, right_linear) = match effective(options.method, &pose) {
-            Method::Naive => (vec![PixelSource::Traced; pixels], self.gpu.read(&picture.right_color, pixels).await?),
+        let mut shadow_source = Vec::new();
+        let (source, right_linear) = match statistics.method {
+            Method::Naive | Method::Auto => {
+                (vec![PixelSource::Traced; pixels], self.gpu.read(&picture.right_color, pixels).await?)
+            }
             Method::Ideal => {
                 right_hits.copy_from_slice(left_hits);
                 (vec![PixelSource::Reused; pixels], left_linear.clone())
+            }
+            Method::Reuse { overlap: Overlap::Bracket(_), .. } => {
+                let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
+                let source = hits[pixels..].iter().map(|hit| pixel_source(hit.primitive)).collect();
+                shadow_source = hits[pixels..].iter().map(|hit| shadow_source_of(hit.primitive)).collect();
+                (source, self.gpu.read(&picture.right_color, pixels).await?)
             }
             Method::Reuse { .. } => {
                 let marks: Vec<u32> = self.gpu.read(&picture.right_source, pixels).await?;
@@ -617,8 +673,13 @@ impl Renderer {
         };
         let left = view(0, left_linear, left_hits);
         let right = view(1, right_linear, &right_hits);
-        Ok(StereoPair { left, right, source, statistics, pose })
+        Ok(StereoPair { left, right, source, shadow_source, statistics, pose })
     }
+}
+
+/// A counter of all rows.
+fn sum_of(counters: &[u32], word: usize) -> u64 {
+    counters.iter().skip(word).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum()
 }
 
 fn pixel_source(mark: u32) -> PixelSource {
@@ -629,14 +690,25 @@ fn pixel_source(mark: u32) -> PixelSource {
     }
 }
 
-/// The method that a pair is made by: without interaxial, right equals left.
-fn effective(method: Method, pose: &Pose) -> Method {
-    if pose.interaxial == 0.0 && method != Method::Naive { Method::Ideal } else { method }
+fn shadow_source_of(mark: u32) -> ShadowSource {
+    if mark & layout::ASKED != 0 { ShadowSource::Traced } else { ShadowSource::Taken }
+}
+
+/// The method that a pair is made by: without interaxial right equals left, and where there is nothing to hit there is nothing to
+/// bracket.
+fn effective(method: Method, pose: &Pose, scene: &UploadedScene) -> Method {
+    match method {
+        Method::Naive => Method::Naive,
+        _ if pose.interaxial == 0.0 => Method::Ideal,
+        Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. } if scene.ids.is_empty() => Method::Naive,
+        method => method,
+    }
 }
 
 /// Passes over the picture that a method's frame has, for progress.
 fn passes_of(method: Method) -> u32 {
     match method {
+        Method::Auto => 4,
         Method::Naive => 3,
         Method::Ideal => 2,
         Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::Edges } => 6,
@@ -661,6 +733,8 @@ struct Passes<'a> {
     timestamps: Option<&'a mut Timestamps>,
     /// Time of what the host did in place of a pass.
     host: Duration,
+    /// What `Auto` chose.
+    choice: Option<Choice>,
     rows_done: u32,
     rows_total: u32,
     progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
@@ -674,9 +748,15 @@ impl Passes<'_> {
         self.clear(&[&p.counters, &p.right_source]).await?;
         self.pass("trace_left", &kernels::TRACE_LEFT, &[&p.left_color, &p.hits, &p.counters]).await?;
         match method {
-            Method::Naive => {
-                self.frame.eye = 1;
-                self.pass("trace_right", &kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await?;
+            Method::Naive => self.trace_right().await?,
+            Method::Auto => {
+                self.bound_tiles().await?;
+                let choice = self.choose(pose).await?;
+                match choice.method {
+                    Method::Naive => self.trace_right().await?,
+                    _ => self.resolve_bracket(ShadowReuse::Two).await?,
+                }
+                self.choice = Some(choice);
             }
             Method::Ideal => {
                 // Nothing: compose takes the left view for the right one.
@@ -688,7 +768,10 @@ impl Passes<'_> {
                     self.scene.upload_object_table(self.gpu, self.pipelines).await?;
                     self.pass("mark_edges", &kernels::MARK_EDGES, &[&p.hits, &p.right_source]).await?;
                 }
-                self.resolve_right().await?;
+                match overlap {
+                    Overlap::Bracket(shadows) => self.resolve_bracket(shadows).await?,
+                    _ => self.resolve_right().await?,
+                }
             }
         }
         self.specialisation.right = RightView::of(method);
@@ -714,6 +797,10 @@ impl Passes<'_> {
                 self.reproject_on_the_host(pose).await?;
                 Ok(0)
             }
+            Overlap::Bracket(_) => {
+                self.bound_tiles().await?;
+                Ok(0)
+            }
             Overlap::Buffer(depth) => {
                 let range = match depth {
                     BufferDepth::Adaptive => self.depth_range().await?,
@@ -732,7 +819,7 @@ impl Passes<'_> {
         self.gpu.wait(None)?;
         let begin = Instant::now();
         let pixels = p.size[0] as usize * p.size[1] as usize;
-        let stride = hit_bytes(p.kept) as usize / 4;
+        let stride = p.kept.bytes() as usize / 4;
         let words: Vec<f32> = self.gpu.read(&p.hits, pixels * stride).await?;
         let depths: Vec<f32> = words.iter().step_by(stride).copied().collect();
         let right_source = crate::cpu::adelson_hodges::sweep(&crate::cpu::Frame::new(pose), &depths);
@@ -744,14 +831,59 @@ impl Passes<'_> {
     /// Pass 3: check and take over, then trace what is left, band by band.
     async fn resolve_right(&mut self) -> Result<(), Error> {
         let p = self.picture;
-        let resolve: &[_] = &[&p.hits, &p.right_source, &p.counters, &p.to_trace];
-        let trace: &[_] = &[&p.to_trace, &p.hits, &p.right_color, &p.counters];
-        let empty_list: [u32; 4] = [0, 1, 1, 0];
+        let resolve: &[_] = &[&p.hits, &p.right_source, &p.counters, &p.lists];
+        let trace: &[_] = &[&p.lists, &p.hits, &p.right_color, &p.counters];
+        let empty: [u32; 8] = [0, 1, 1, 0, 0, 1, 1, 0];
         self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
-            this.gpu.queue.write_buffer(&p.to_trace, 0, bytemuck::cast_slice(&empty_list));
+            this.gpu.queue.write_buffer(&p.lists, 0, bytemuck::cast_slice(&empty));
             this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
-            encoder.copy_buffer_to_buffer(&p.to_trace, 0, &p.indirect, 0, Some(12));
+            encoder.copy_buffer_to_buffer(&p.lists, 0, &p.indirect, 0, Some(12));
             this.dispatch(encoder, &kernels::TRACE_LISTED, trace, Launch::Indirect);
+        })
+        .await
+    }
+
+    /// The right view of `Naive`, traced as the left one was.
+    async fn trace_right(&mut self) -> Result<(), Error> {
+        let p = self.picture;
+        self.frame.eye = 1;
+        self.pass("trace_right", &kernels::TRACE_LEFT, &[&p.right_color, &p.hits, &p.counters]).await
+    }
+
+    /// Pass 2 of `bracket`: how deep each tile must be searched.
+    async fn bound_tiles(&mut self) -> Result<(), Error> {
+        let p = self.picture;
+        self.bands(self.rows, kernels::REPROJECT.name, |this, encoder| {
+            this.dispatch(encoder, &kernels::BOUND_TILES, &[&p.hits, &p.right_source, &p.counters], Launch::Runs);
+        })
+        .await
+    }
+
+    /// What the left view says of the right one's cost.
+    async fn choose(&self, pose: &Pose) -> Result<Choice, Error> {
+        let words: Vec<u32> = self.gpu.read(&self.picture.counters, pose.size[1] as usize * layout::COUNTERS).await?;
+        let (shadow_rays, gaps) = (sum_of(&words, layout::SHADOW_RAYS), sum_of(&words, layout::GAP_PIXELS));
+        let choice = CostModel::of(self.gpu).choose(pose, shadow_rays, gaps);
+        log::debug!("{choice}");
+        Ok(choice)
+    }
+
+    /// Pass 3 of `bracket`: primary visibility by tiles, the rest by rays; then shading, shadow rays where bits don't agree.
+    async fn resolve_bracket(&mut self, shadows: ShadowReuse) -> Result<(), Error> {
+        let p = self.picture;
+        self.specialisation.bits = shadows;
+        let search: &[_] = &[&p.right_source, &p.found, &p.counters];
+        let resolve: &[_] = &[&p.found, &p.hits, &p.right_color, &p.counters, &p.lists];
+        let listed: &[_] = &[&p.lists, &p.hits, &p.right_color, &p.counters];
+        let empty: [u32; 8] = [0, 1, 1, 0, 0, 1, 1, 0];
+        self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
+            this.gpu.queue.write_buffer(&p.lists, 0, bytemuck::cast_slice(&empty));
+            this.dispatch(encoder, &kernels::SEARCH_TILES, search, Launch::Tiles);
+            this.dispatch(encoder, &kernels::RESOLVE_TILES, resolve, Launch::Pixels);
+            encoder.copy_buffer_to_buffer(&p.lists, 0, &p.indirect, 0, Some(12));
+            this.dispatch(encoder, &kernels::TRACE_BOUNDED, listed, Launch::Indirect);
+            encoder.copy_buffer_to_buffer(&p.lists, 16, &p.indirect, 0, Some(12));
+            this.dispatch(encoder, &kernels::SHADE_LISTED, listed, Launch::Indirect);
         })
         .await
     }
@@ -879,7 +1011,10 @@ impl Passes<'_> {
     ) {
         let pipeline = self.pipelines.get(self.gpu, kernel, self.specialisation);
         let resources = std::iter::once(&self.picture.frame).chain(buffers.iter().copied());
-        let own = bind_group(self.gpu, kernel.name, &pipeline.own, resources.map(wgpu::Buffer::as_entire_binding));
+        let samples = kernel.samples(&self.specialisation).and(self.picture.samples.as_ref());
+        let samples = samples.map(|view| (SAMPLES_BINDING, wgpu::BindingResource::TextureView(view)));
+        let resources = (0..).zip(resources.map(wgpu::Buffer::as_entire_binding)).chain(samples);
+        let own = bind_group_at(self.gpu, kernel.name, &pipeline.own, resources);
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -899,6 +1034,16 @@ impl Passes<'_> {
             Launch::Pixels => {
                 let rows = self.frame.row_end - self.frame.row_begin;
                 let side = WORKGROUP * kernel.block(&self.specialisation);
+                pass.dispatch_workgroups(self.picture.size[0].div_ceil(side), rows.div_ceil(side), 1);
+            }
+            Launch::Runs => {
+                let rows = self.frame.row_end - self.frame.row_begin;
+                let runs = self.picture.size[0].div_ceil(layout::TILE);
+                pass.dispatch_workgroups(runs.div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), 1);
+            }
+            Launch::Tiles => {
+                let rows = self.frame.row_end - self.frame.row_begin;
+                let side = WORKGROUP * layout::TILE;
                 pass.dispatch_workgroups(self.picture.size[0].div_ceil(side), rows.div_ceil(side), 1);
             }
             Launch::Rows(workgroups) => pass.dispatch_workgroups(1, workgroups, 1),
@@ -925,9 +1070,13 @@ impl Passes<'_> {
 enum Launch {
     /// A thread a pixel of the band, or a block of pixels where the kernel traces rays.
     Pixels,
+    /// A thread a run of a tile's width in each row of the band.
+    Runs,
+    /// A thread a tile of the band.
+    Tiles,
     /// A thread a row of the picture, in this many workgroups.
     Rows(u32),
-    /// By the list that `resolve_right` filled.
+    /// By a list that an earlier kernel filled.
     Indirect,
 }
 
@@ -950,6 +1099,7 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
         step_x: array(right * (screen_width / w / d)),
         step_y: array(up * (-screen_height / h / d)),
         right_axis: pose.right.to_array(),
+        forward: pose.forward.to_array(),
         interaxial: pose.interaxial,
         interaxial_px: pose.interaxial_px,
         screen_distance: pose.screen_distance,
@@ -988,7 +1138,7 @@ fn object_texels(objects: &[u32]) -> Vec<bvh::Texel> {
     if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }
 }
 
-/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::ATOMIC`]. For
+/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`]. For
 /// more than one picture keep a [`Renderer`].
 ///
 /// # Errors
@@ -1008,7 +1158,7 @@ mod tests {
         for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
             let rows = band_rows(size, BAND_PIXELS);
             assert_eq!(rows % WORKGROUP, 0);
-            assert!(2 * 5 * size[1].div_ceil(rows) <= wgpu::QUERY_SET_MAX_QUERIES, "{size:?} {rows}");
+            assert!(2 * 8 * size[1].div_ceil(rows) <= wgpu::QUERY_SET_MAX_QUERIES, "{size:?} {rows}");
         }
         assert_eq!(band_rows([3840, 2160], BAND_PIXELS), 72);
     }
@@ -1069,7 +1219,7 @@ mod tests {
         let scene = renderer.upload(&Scene::new()).unwrap();
         let run = async {
             let picture =
-                renderer.picture_of(Need { size: pose.size, kept: GBuffer::Ids, reuse: true, cost_map: false }).await?;
+                renderer.picture_of(Need { size: pose.size, kept: Kept::Ids, reuse: true, cost_map: false }).await?;
             let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
             renderer.gpu.queue.write_buffer(&picture.hits, 0, bytemuck::cast_slice(&hits));
             let mut passes = Passes {
@@ -1084,6 +1234,7 @@ mod tests {
                 frame: frame_uniform(pose),
                 timestamps: None,
                 host: Duration::ZERO,
+                choice: None,
                 rows_done: 0,
                 rows_total: 1,
                 progress: &mut |_| ControlFlow::Continue(()),

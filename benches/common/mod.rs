@@ -4,6 +4,8 @@
 pub mod chart;
 pub mod files;
 pub mod measure;
+pub mod options;
 pub mod provenance;
+pub mod records;
 pub mod rounds;
 pub mod scenes;

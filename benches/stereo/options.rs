@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use stereotrace::{Method, scene::builtin::Builtin};
 
-use crate::common::measure::Plan;
+use crate::common::{measure::Plan, options::size};
 
 /// Compares the methods in time, accuracy and counted work.
 #[derive(Parser, Debug)]
@@ -83,13 +83,5 @@ impl Options {
 
     fn quick(&self) -> bool {
         self.smoke || !self.bench
-    }
-}
-
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let numbers = text.split_once('x').map(|(width, height)| [width.parse(), height.parse()]);
-    match numbers {
-        Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
-        _ => Err("give width and height, as 600x400".into()),
     }
 }

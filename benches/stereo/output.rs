@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::{
     chart,
@@ -13,6 +13,7 @@ use crate::{
         files::save,
         measure::{Measured, MethodFigures, Plan},
         provenance::Provenance,
+        records::{self, Record},
     },
 };
 
@@ -28,16 +29,14 @@ pub(crate) fn write_all(
         .flat_map(|scene| scene.methods.iter().map(|figures| record(scene, figures, plan, provenance)))
         .collect();
     let files = [
-        ("results.csv", csv(&records)),
-        ("results.json", json(&records)),
+        ("results.csv", records::csv(&records)),
+        ("results.json", records::json(&records)),
         ("chart.svg", chart::svg(measured, plan, provenance)?),
     ];
     save(&files.map(|(name, text)| (name.to_owned(), text)), folder)
 }
 
-/// Names and values of one method on one scene. Counts and rays are of both eyes.
-type Record = Vec<(&'static str, Value)>;
-
+/// One method on one scene. Counts and rays are of both eyes.
 fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &Provenance) -> Record {
     let (statistics, difference) = (&figures.statistics, &figures.difference);
     let (left, right) = (&statistics.left, &statistics.right);
@@ -89,27 +88,4 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
 /// As `trace_left 12.3; reproject 0.4`.
 fn passes(figures: &MethodFigures) -> String {
     figures.passes.iter().map(|(name, ms)| format!("{name} {ms:.3}")).collect::<Vec<_>>().join("; ")
-}
-
-fn csv(records: &[Record]) -> String {
-    let line = |cells: Vec<String>| cells.join(",") + "\n";
-    let head = records.iter().take(1).map(|record| record.iter().map(|(name, _)| (*name).to_owned()).collect());
-    let rows = records.iter().map(|record| {
-        let cells = record.iter().map(|(_, value)| match value {
-            Value::Null => String::new(),
-            Value::String(text) => format!("\"{}\"", text.replace('"', "\"\"")),
-            number => number.to_string(),
-        });
-        cells.collect()
-    });
-    head.chain(rows).map(line).collect()
-}
-
-/// A record a line, its fields in the order of `record`.
-fn json(records: &[Record]) -> String {
-    let object = |record: &Record| {
-        let fields = record.iter().map(|(name, value)| format!("\"{name}\": {value}"));
-        format!("  {{ {} }}", fields.collect::<Vec<_>>().join(", "))
-    };
-    format!("[\n{}\n]\n", records.iter().map(object).collect::<Vec<_>>().join(",\n"))
 }

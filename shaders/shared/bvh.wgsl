@@ -31,10 +31,13 @@ struct Child {
     link: u32,
 }
 
-// A primitive's t on each ray, -1 where it is missed, and its id.
-struct Candidate {
-    t: F,
-    primitive: u32,
+// What an intersection needs of a primitive. A sphere has its centre in a and its radius in b.x.
+struct Primitive {
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+    id: u32,          // in the scene's order
+    component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
 }
 
 // Where one ray hit.
@@ -42,8 +45,11 @@ struct Surface {
     geometric_normal: vec3f,   // unit, towards the viewer
     shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
+    component: u32,            // of connected primitives
 }
 
+// Lowest bit of a component.
+const IS_SPHERE: u32 = 1u;
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;
 const DONE: u32 = 0xffffffffu;
@@ -79,6 +85,11 @@ fn along(direction: F3, v: vec3f) -> F {
 // Reciprocals stay within ±1e30: WGSL promises nothing for a division by zero.
 fn reciprocal(v: F) -> F {
     return 1.0 / select(v, F(1e-30), abs(v) < F(1e-30));
+}
+
+// Of equal t the smallest id wins, whatever the order of the tests.
+fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
+    return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
 }
 
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
@@ -125,12 +136,11 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         var last = slot + ((link >> 28u) & 7u);
         loop {
             if COUNT { primitives_tested += 1u; }
-            let candidate = intersect_primitive(slot, rays, per_length_squared, t_min);
-            let primitive = U(candidate.primitive);
-            let nearer = (candidate.t < hits.t) | ((candidate.t == hits.t) & (primitive < hits.primitive));
-            let hit = (candidate.t >= t_min) & nearer;
-            hits.t = select(hits.t, select(candidate.t, F(NEVER), any_is_enough), hit);
-            hits.primitive = select(hits.primitive, primitive, hit);
+            let primitive = primitive_at(slot);
+            let t = intersect(primitive, rays, per_length_squared, t_min);
+            let hit = is_nearer(hits, t, t_min, primitive.id);
+            hits.t = select(hits.t, select(t, F(NEVER), any_is_enough), hit);
+            hits.primitive = select(hits.primitive, U(primitive.id), hit);
             hits.slot = select(hits.slot, U(slot), hit);
             slot += 1u;
             if slot > last {

@@ -3,7 +3,7 @@
 struct Bvh { grid_origin: vec3f, extent: f32, grid_cell: vec3f, _pad: u32 }
 struct Rays { origin: vec3f, direction: F3 }
 struct Hits { t: F, primitive: U, slot: U }
-struct Surface { geometric_normal: vec3f, shading_normal: vec3f, material: u32 }
+struct Surface { geometric_normal: vec3f, shading_normal: vec3f, material: u32, component: u32 }
 
 const NEVER: f32 = -3.402e38;
 override COUNT: bool = false;
@@ -12,7 +12,7 @@ const primitives_tested: u32 = 0u;
 var<private> cut_short: bool;
 
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
-    return Surface(vec3f(0.0), vec3f(0.0), 0u);
+    return Surface(vec3f(0.0), vec3f(0.0), 0u, 0u);
 }
 
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {

@@ -4,6 +4,7 @@ struct PixelHit {
 }
 
 const KEEP_HITS: bool = false;
+const KEEP_BITS: bool = false;
 
-fn pixel_hit(depth: f32, primitive: u32) -> PixelHit { return PixelHit(depth); }
+fn pixel_hit(depth: f32, primitive: u32, slot: u32) -> PixelHit { return PixelHit(depth); }
 fn primitive_of(hit: PixelHit) -> u32 { return MISS; }

@@ -6,6 +6,14 @@
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 
+// From a light to the points that a lane's rays hit.
+struct ShadowRay {
+    light: vec3f,
+    end: F3,
+    direction: F3,    // unit, from the light
+    distance: F,
+}
+
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
     let point = surfaces.point;
     let reach_x = abs(point.x) * OFFSET_BY_PLACE + abs(point.x - eye.x) * OFFSET_BY_DISTANCE;
@@ -28,7 +36,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
         // Behind the triangle itself there is no light, whatever a smooth normal says.
         let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & surfaces.there;
         if any_ray(faces) {
-            let lit = faces & !shadowed(position, add3(point, aside), direction, distance, faces);
+            let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
             sum = add3(sum, times3(all3(intensity), select(F(0.0), cosine, lit)));
         }
         light += 1u;

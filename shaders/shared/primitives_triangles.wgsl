@@ -1,10 +1,14 @@
 // A scene of triangles only.
 
-fn intersect_primitive(slot: u32, rays: Rays, per_length_squared: F, t_min: F) -> Candidate {
+fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot * PRIMITIVE_TEXELS);
-    let a = bitcast<vec3f>(first.xyz);
-    let t = intersect_triangle(rays, per_length_squared, a, triangle_corner(slot, 1u), triangle_corner(slot, 2u));
-    return Candidate(t, first.w);
+    let second = primitive_texel(slot * PRIMITIVE_TEXELS + 1u);
+    let third = primitive_texel(slot * PRIMITIVE_TEXELS + 2u);
+    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), bitcast<vec3f>(third.xyz), first.w, second.w);
+}
+
+fn intersect(primitive: Primitive, rays: Rays, per_length_squared: F, t_min: F) -> F {
+    return intersect_triangle(rays, per_length_squared, primitive.a, primitive.b, primitive.c);
 }
 
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {

@@ -16,6 +16,13 @@ struct Samples {
     color: F3,
     depth: F,
     primitive: U,
+    slot: U,
+    component: U,
+    bits: U,      // of lights (light_*.wgsl)
+}
+
+fn sample_hit(samples: Samples, ray: u32) -> PixelHit {
+    return pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray), of_ray_u(samples.slot, ray));
 }
 
 // What lights need of the points that a lane's rays hit. Rays that hit nothing have zeros.
@@ -25,18 +32,23 @@ struct Surfaces {
     geometric_normal: F3,   // unit, towards the viewer
     shading_normal: F3,     // unit, on the geometric normal's side
     albedo: F3,
+    component: U,
 }
 
 // Primary rays from an eye, shaded; those that are not wanted see the sky.
 fn trace_pixels(rays: Rays, wanted: B) -> Samples {
     let hits = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
-    let surfaces = surfaces_at(rays, hits);
+    return shade(rays, hits, surfaces_at(rays, hits));
+}
+
+fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), direct_light(surfaces, rays.origin)));
     color = select3(sky(rays.direction), color, surfaces.there);
     let low = F(0.0);
     let high = F(1.0);
     let clamped = F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
-    return Samples(clamped, select(F(FAR), hits.t, surfaces.there), hits.primitive);
+    let depth = select(F(FAR), hits.t, surfaces.there);
+    return Samples(clamped, depth, hits.primitive, hits.slot, surfaces.component, light_bits());
 }
 
 // Normals and albedos are fetched here, once a hit.
@@ -46,17 +58,19 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
     var geometric: F3;
     var smooth_normal: F3;
     var albedo: F3;
+    var component: U;
     var ray = 0u;
     loop {
         if of_ray_b(there, ray) {
             let surface = surface_at(rays, hits, ray);
             geometric = with_ray3(geometric, ray, surface.geometric_normal);
             smooth_normal = with_ray3(smooth_normal, ray, surface.shading_normal);
+            component = with_ray_u(component, ray, surface.component);
             albedo = with_ray3(albedo, ray, shading_vector(albedos + surface.material));
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
     let point = add3(all3(rays.origin), times3(rays.direction, hits.t));
-    return Surfaces(there, point, geometric, smooth_normal, albedo);
+    return Surfaces(there, point, geometric, smooth_normal, albedo, component);
 }

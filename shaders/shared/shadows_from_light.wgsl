@@ -5,7 +5,7 @@ const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 
 var<private> shadow_rays: u32;
 
-fn shadowed(light: vec3f, end: F3, direction: F3, distance: F, wanted: B) -> B {
+fn shadowed(ray: ShadowRay, wanted: B) -> B {
     shadow_rays += count_rays(wanted);
-    return any_hit(Rays(light, direction), F(0.0), select(F(NEVER), distance, wanted));
+    return any_hit(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));
 }

@@ -5,18 +5,18 @@ const OFFSET_BY_LIGHT: f32 = 0.0;
 
 var<private> shadow_rays: u32;
 
-fn shadowed(light: vec3f, end: F3, direction: F3, distance: F, wanted: B) -> B {
+fn shadowed(ray: ShadowRay, wanted: B) -> B {
     shadow_rays += count_rays(wanted);
     var dark = wanted & !wanted;
-    var ray = 0u;
+    var index = 0u;
     loop {
-        let one = wanted & (RAY_INDEX == U(ray));
+        let one = wanted & (RAY_INDEX == U(index));
         if any_ray(one) {
-            let back = Rays(of_ray3(end, ray), all3(-of_ray3(direction, ray)));
-            dark |= any_hit(back, F(0.0), select(F(NEVER), distance, one));
+            let back = Rays(of_ray3(ray.end, index), all3(-of_ray3(ray.direction, index)));
+            dark |= any_hit(back, F(0.0), select(F(NEVER), ray.distance, one));
         }
-        ray += 1u;
-        if ray >= RAYS { break; }
+        index += 1u;
+        if index >= RAYS { break; }
     }
     return dark;
 }

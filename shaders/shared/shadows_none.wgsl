@@ -4,6 +4,6 @@
 const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 const shadow_rays: u32 = 0u;
 
-fn shadowed(light: vec3f, end: F3, direction: F3, distance: F, wanted: B) -> B {
+fn shadowed(ray: ShadowRay, wanted: B) -> B {
     return wanted & !wanted;
 }

@@ -17,11 +17,12 @@ fn intersect_sphere(rays: Rays, per_length_squared: F, center: vec3f, radius: f3
 fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let slot = of_ray_u(hits.slot, ray);
     let first = primitive_texel(slot * PRIMITIVE_TEXELS);
+    let component = primitive_texel(slot * PRIMITIVE_TEXELS + 1u).w;
     let material = primitive_texel(slot * PRIMITIVE_TEXELS + 2u).w;
     let center = bitcast<vec3f>(first.xyz);
     let direction = of_ray3(rays.direction, ray);
     // From the eye, not from the world's origin, which may be far off.
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
     let normal = towards_viewer(normalize(largest_one(from_center)), direction);
-    return Surface(normal, normal, material);
+    return Surface(normal, normal, material, component);
 }

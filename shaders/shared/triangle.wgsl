@@ -6,13 +6,8 @@
 // sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not to
 // its distance. Normals belong to the origin, so that a lane's rays share them.
 
-// A primitive's place in `primitives` in texels: corners (xyz) with id, kind and material in w; normals, if the
+// A primitive's place in `primitives` in texels: corners (xyz) with id, component and material in w; normals, if the
 // scene has any, are a fourth (normal_smooth.wgsl).
-const KIND_SPHERE: u32 = 1u;
-
-fn triangle_corner(slot: u32, corner: u32) -> vec3f {
-    return bitcast<vec3f>(primitive_texel(slot * PRIMITIVE_TEXELS + corner).xyz);
-}
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
@@ -47,13 +42,14 @@ fn intersect_triangle(rays: Rays, per_length_squared: F, corner_a: vec3f, corner
 
 fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let slot = of_ray_u(hits.slot, ray);
-    let a = triangle_corner(slot, 0u);
-    let b = triangle_corner(slot, 1u);
+    let a = bitcast<vec3f>(primitive_texel(slot * PRIMITIVE_TEXELS).xyz);
+    let second = primitive_texel(slot * PRIMITIVE_TEXELS + 1u);
+    let b = bitcast<vec3f>(second.xyz);
     let last = primitive_texel(slot * PRIMITIVE_TEXELS + 2u);
     let c = bitcast<vec3f>(last.xyz);
     // Scaled to its largest component first: the squares of a tiny triangle's normal would vanish in f32.
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
-    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w);
+    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w, second.w);
 }

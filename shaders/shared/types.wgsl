@@ -24,6 +24,8 @@ struct Frame {
     row_end: u32,
     image_size: vec2u,       // width, height
     _pad: vec2u,
+    forward: vec3f,          // f, unit
+    _pad_after: u32,
 }
 
 // Threads of a workgroup in x and in y.
@@ -67,7 +69,7 @@ fn right_index(pixel: vec2u) -> u32 {
 }
 
 // Words of `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 12u;
+const COUNTERS: u32 = 13u;
 // Offset of an eye's words: LEFT * VIEW_WORDS, RIGHT * VIEW_WORDS.
 const VIEW_WORDS: u32 = 3u;
 const SHADOW_RAYS: u32 = 0u;
@@ -79,3 +81,4 @@ const LOST_CANDIDATES: u32 = 8u;
 const NEAREST_DEPTH: u32 = 9u;
 const FARTHEST_DEPTH: u32 = 10u;
 const CUT_SHORT: u32 = 11u;
+const GAP_PIXELS: u32 = 12u;

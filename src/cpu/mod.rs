@@ -5,6 +5,7 @@
 //! bit for bit.
 
 pub mod adelson_hodges;
+pub mod bracket;
 pub mod intersect;
 pub mod reproject;
 pub mod resolve_right;

@@ -117,7 +117,7 @@ mod tests {
     pub(super) fn pair(left: View, right: View) -> StereoPair {
         let pose = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(left.width, left.height).pose().unwrap();
         let source = vec![PixelSource::Bad; right.rgba8.len()];
-        StereoPair { left, right, source, statistics: Statistics::default(), pose }
+        StereoPair { left, right, source, shadow_source: Vec::new(), statistics: Statistics::default(), pose }
     }
 
     #[test]

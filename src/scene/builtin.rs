@@ -1,8 +1,8 @@
 //! Built-in scenes, so that nothing has to be downloaded: two to look at, and four that are hard on stereo methods.
 
 mod hall;
-mod shapes;
-mod stage;
+pub(super) mod shapes;
+pub(super) mod stage;
 
 use std::{fmt, str::FromStr};
 
@@ -13,7 +13,7 @@ use super::{MaterialId, PointLight, Scene, Sky, Sphere};
 use crate::{Error, StereoCamera};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
-const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
+pub(super) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
 
 /// A scene that comes with the library, with lights, sky and a camera.
 ///
@@ -98,34 +98,34 @@ impl FromStr for Builtin {
     }
 }
 
-fn add(scene: &mut Scene, shape: Shape) {
+pub(super) fn add(scene: &mut Scene, shape: Shape) {
     scene.add_mesh(&shape.into_mesh()).expect("a shape's lists fit each other and its points are finite");
 }
 
 /// A colour as painters give it: sRGB, 0 to 255.
-fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
+pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
     let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
     scene.add_material(name, Vec3::from_array(linear))
 }
 
 /// PCG (O'Neill 2014) as a hash of one word, as in Jarzynski and Olano 2020: whole numbers only, so that it gives the
 /// same scene on every machine.
-fn pcg(input: u32) -> u32 {
+pub(super) fn pcg(input: u32) -> u32 {
     let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
 
 /// Numbers from 0 to 1, exact in f32.
-struct Random(u32);
+pub(super) struct Random(pub(super) u32);
 
 impl Random {
-    fn unit(&mut self) -> f32 {
+    pub(super) fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(1);
         (pcg(self.0) >> 8) as f32 / (1 << 24) as f32
     }
 
-    fn between(&mut self, low: f32, high: f32) -> f32 {
+    pub(super) fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 }
@@ -197,7 +197,7 @@ fn spheres() -> Scene {
     scene
 }
 
-fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
+pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
     PointLight { position: Vec3::from_array(position), intensity: Vec3::from_array(color) * strength }
 }
 

@@ -1,9 +1,11 @@
 //! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
 
 pub mod builtin;
+pub(crate) mod components;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
+pub mod suite;
 
 pub use sky::SkyMap;
 

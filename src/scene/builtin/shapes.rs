@@ -1,4 +1,4 @@
-//! Shapes made of triangles, for the built-in scenes.
+//! Shapes made of triangles, for the scenes in code.
 
 use std::f32::consts::{PI, TAU};
 
@@ -12,25 +12,25 @@ const TANGENT_START: f32 = 0.02;
 const TANGENT_STEP: f32 = 0.05;
 
 /// A mesh that grows, in coordinates of its own.
-pub(super) struct Shape {
+pub(in crate::scene) struct Shape {
     origin: Vec3,
     mesh: Mesh,
 }
 
 /// How the patches of a sheet are shaded.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Shading {
+pub(in crate::scene) enum Shading {
     Flat,
     Smooth,
 }
 
 impl Shape {
     /// An object whose points are given relative to `origin`.
-    pub(super) fn new(name: impl Into<String>, origin: Vec3) -> Self {
+    pub(in crate::scene) fn new(name: impl Into<String>, origin: Vec3) -> Self {
         Self { origin, mesh: Mesh { name: name.into(), ..Mesh::default() } }
     }
 
-    pub(super) fn into_mesh(self) -> Mesh {
+    pub(in crate::scene) fn into_mesh(self) -> Mesh {
         self.mesh
     }
 
@@ -49,13 +49,13 @@ impl Shape {
     }
 
     /// Two flat triangles; the corners go around.
-    pub(super) fn quad(&mut self, [a, b, c, d]: [Vec3; 4], material: MaterialId) {
+    pub(in crate::scene) fn quad(&mut self, [a, b, c, d]: [Vec3; 4], material: MaterialId) {
         self.triangle([a, b, c], [Vec3::ZERO; 3], material);
         self.triangle([a, c, d], [Vec3::ZERO; 3], material);
     }
 
     /// A box along the axes.
-    pub(super) fn cuboid(&mut self, low: Vec3, high: Vec3, material: MaterialId) {
+    pub(in crate::scene) fn cuboid(&mut self, low: Vec3, high: Vec3, material: MaterialId) {
         let corner = |bits: usize| {
             let pick = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
             Vec3::new(pick(0), pick(1), pick(2))
@@ -66,7 +66,7 @@ impl Shape {
     }
 
     /// A surface `point(s, t)`, s and t from 0 to 1, cut into patches; `material(column, row)` is a patch's own.
-    pub(super) fn sheet(
+    pub(in crate::scene) fn sheet(
         &mut self,
         [columns, rows]: [usize; 2],
         shading: Shading,
@@ -97,7 +97,7 @@ impl Shape {
     }
 
     /// A surface of revolution about the y axis: `profile(t)` is (radius, height).
-    pub(super) fn lathe(
+    pub(in crate::scene) fn lathe(
         &mut self,
         [around, rows]: [usize; 2],
         profile: impl Fn(f32) -> Vec2,
@@ -111,7 +111,7 @@ impl Shape {
     }
 
     /// A column's shaft with `flutes` hollows, each of `facets` patches and `depth` deep.
-    pub(super) fn fluted_shaft(
+    pub(in crate::scene) fn fluted_shaft(
         &mut self,
         [flutes, facets, rows]: [usize; 3],
         depth: f32,
@@ -128,7 +128,7 @@ impl Shape {
     /// The parts of a half-elliptic arch that can be seen: its underside and two faces. `along` is half its span and
     /// `across` half its thickness (horizontal), `rise` its height above the origin; `feet` and `crown` are how long
     /// its stones are there.
-    pub(super) fn arch(
+    pub(in crate::scene) fn arch(
         &mut self,
         along: Vec3,
         across: Vec3,
@@ -154,7 +154,7 @@ impl Shape {
 
     /// A groin vault over a rectangle, seen from below: two crossing half-elliptic barrels, the higher one counts.
     /// The origin is above the rectangle's centre at the height where the vault springs.
-    pub(super) fn groin_vault(&mut self, half: Vec2, rise: f32, patches: [usize; 2], material: MaterialId) {
+    pub(in crate::scene) fn groin_vault(&mut self, half: Vec2, rise: f32, patches: [usize; 2], material: MaterialId) {
         for quarter in 0..4 {
             let point = |s: f32, t: f32| {
                 // One of the four lunettes between the diagonals: u along its edge of the rectangle, v towards it.
@@ -176,7 +176,7 @@ fn spin(radius: f32, turn: f32, height: f32) -> Vec3 {
 }
 
 /// The profile of a round moulding: a half circle of `radius` that bulges from `inner`, its lower end at `bottom`.
-pub(super) fn torus(inner: f32, bottom: f32, radius: f32) -> impl Fn(f32) -> Vec2 {
+pub(in crate::scene) fn torus(inner: f32, bottom: f32, radius: f32) -> impl Fn(f32) -> Vec2 {
     move |t| {
         let (sin, cos) = (PI * t).sin_cos();
         Vec2::new(inner + radius * sin, bottom + radius * (1.0 - cos))

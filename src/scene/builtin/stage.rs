@@ -11,14 +11,14 @@ use super::{
 use crate::{Scene, Sky, Sphere, StereoCamera};
 
 /// The stage: eyes above a tiled floor, before a wall.
-const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
-const SCREEN: f32 = 8.0;
-const WALL: f32 = 12.0;
+pub(in crate::scene) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
+pub(in crate::scene) const SCREEN: f32 = 8.0;
+pub(in crate::scene) const WALL: f32 = 12.0;
 /// Width of the screen rectangle over its distance; not an angle of view, so that the distance between the eyes in
 /// world units is the same in every picture.
-const WIDTH: f32 = 1.0;
+pub(in crate::scene) const WIDTH: f32 = 1.0;
 
-pub(super) fn camera() -> StereoCamera {
+pub(in crate::scene) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(SCREEN).screen_width(WIDTH * SCREEN)
 }
 
@@ -28,9 +28,10 @@ pub(super) fn near_camera() -> StereoCamera {
 }
 
 /// Distance between the eyes on the stage, world units.
-pub(super) const INTERAXIAL: f32 = INTERAXIAL_SHARE * WIDTH * SCREEN;
+pub(in crate::scene) const INTERAXIAL: f32 = INTERAXIAL_SHARE * WIDTH * SCREEN;
 
-fn stage() -> Scene {
+/// Floor, wall, lights and sky.
+pub(in crate::scene) fn stage() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.25, 0.45, 0.8) };
     let tiles = [[206, 194, 172], [122, 116, 110]].map(|color| paint(&mut scene, "tile", color));

@@ -1,0 +1,37 @@
+//! The film: spheres that turn once, each frame by every method.
+
+use std::f32::consts::TAU;
+
+use stereotrace::{
+    Error, Method, Options, Renderer,
+    scene::builtin::{Builtin, spheres_turned},
+};
+
+use crate::{flicker::Flicker, options::Plan};
+
+/// What a method makes of the film.
+pub(crate) struct Film {
+    pub(crate) method: Method,
+    /// Percent of the picture, mean of all frames but the first, or why the method has none.
+    pub(crate) flicker: Result<f64, String>,
+}
+
+/// A film a method.
+pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Film>, Error> {
+    let camera = Builtin::Spheres.camera(plan.size[0], plan.size[1]);
+    let mut flickers: Vec<_> = plan.methods.iter().map(|_| Ok(Flicker::default())).collect();
+    for frame in 0..plan.frames {
+        let scene = renderer.upload(&spheres_turned(TAU * frame as f32 / plan.frames as f32))?;
+        let truth = renderer.render(&scene, &camera, &Options::new(Method::Naive))?.right;
+        for (&method, state) in plan.methods.iter().zip(&mut flickers) {
+            let Ok(flicker) = state else { continue };
+            match renderer.render(&scene, &camera, &Options::new(method)) {
+                Ok(pair) => flicker.add(&pair.right.rgba8, &truth.rgba8),
+                Err(error) => *state = Err(error.to_string()),
+            }
+        }
+    }
+    let percent = |flicker: Flicker| flicker.percent().ok_or_else(|| "needs two frames".to_owned());
+    let films = plan.methods.iter().zip(flickers);
+    Ok(films.map(|(&method, flicker)| Film { method, flicker: flicker.and_then(percent) }).collect())
+}

@@ -1,0 +1,52 @@
+//! Tries the methods on scenes that are hard on them, and on a film: `cargo bench --bench stability`.
+//!
+//! Everything is counted, nothing timed, so that any machine will do. Prints two tables in Markdown: cost and accuracy
+//! on every trial, and how much of the picture flickers in the film of turning spheres. Writes the first one as
+//! `results.csv` and `results.json`, the second one as `flicker.csv`, and `stability.svg`, whole or not at all.
+//! `cargo bench --bench stability -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+
+mod chart;
+#[path = "../common/mod.rs"]
+mod common;
+mod film;
+mod flicker;
+mod options;
+mod output;
+mod tables;
+mod trials;
+
+use std::{error::Error, process::ExitCode};
+
+use clap::Parser;
+use stereotrace::{Gpu, Renderer};
+
+use crate::{common::provenance::Provenance, options::Options};
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Box<dyn Error>> {
+    let plan = options.plan();
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let provenance = Provenance::of(renderer.gpu());
+    let mut rows = Vec::new();
+    for &trial in &plan.trials {
+        eprintln!("{trial}");
+        rows.extend(trials::measure(&mut renderer, trial, &plan));
+    }
+    println!("{}", tables::of_trials(&rows, &plan, &provenance));
+    eprintln!("film of {} frames", plan.frames);
+    let films = film::measure(&mut renderer, &plan)?;
+    println!("{}", tables::of_films(&films, &plan));
+    for path in output::write_all(&options.folder(), &rows, &films, &plan, &provenance)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}

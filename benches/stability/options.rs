@@ -1,0 +1,76 @@
+//! The command line, and the plan that it makes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use stereotrace::{Method, scene::suite::Trial};
+
+use crate::common::options::size;
+
+/// Tries the methods on scenes that are hard on them, and on a film.
+#[derive(Parser, Debug)]
+#[command(name = "cargo bench --bench stability --")]
+pub(crate) struct Options {
+    /// A quick look, not for figures: 48x48, three trials, four frames, into target/bench-smoke/stability
+    #[arg(long)]
+    smoke: bool,
+    /// Picture size in pixels; the distance between the eyes goes with its width [default: 300x300]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Trials [default: all]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    trials: Vec<Trial>,
+    /// Methods [default: all that have a name, but naive, which the others are held against, and ideal]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    methods: Vec<Method>,
+    /// Frames in which the film's spheres turn once [default: 60]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    frames: Option<u32>,
+    /// Where the results go [default: target/bench/stability]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Cargo says so when it benchmarks; without it this is a test, hence a quick look
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// What is tried.
+pub(crate) struct Plan {
+    pub(crate) size: [u32; 2],
+    pub(crate) trials: Vec<Trial>,
+    pub(crate) methods: Vec<Method>,
+    pub(crate) frames: u32,
+}
+
+impl Options {
+    pub(crate) fn plan(&self) -> Plan {
+        let quick = self.quick();
+        let trials = match self.trials.as_slice() {
+            [] if quick => vec![Trial::Hidden, Trial::Wires, Trial::HalfWidth],
+            [] => Trial::ALL.into(),
+            named => named.into(),
+        };
+        let compared = |method: &Method| !matches!(method, Method::Naive | Method::Ideal);
+        let methods = match self.methods.as_slice() {
+            [] => Method::ALL.into_iter().map(|(_, method)| method).filter(compared).collect(),
+            named => named.into(),
+        };
+        Plan {
+            size: self.size.unwrap_or(if quick { [48, 48] } else { [300, 300] }),
+            trials,
+            methods,
+            frames: self.frames.unwrap_or(if quick { 4 } else { 60 }),
+        }
+    }
+
+    /// Where the results go.
+    pub(crate) fn folder(&self) -> PathBuf {
+        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let standard = target.join(if self.quick() { "bench-smoke/stability" } else { "bench/stability" });
+        self.out.clone().unwrap_or(standard)
+    }
+
+    fn quick(&self) -> bool {
+        self.smoke || !self.bench
+    }
+}

@@ -1,0 +1,58 @@
+//! What each method makes of a trial.
+
+use stereotrace::{
+    Error, Method, Options, Renderer, StereoCamera, StereoPair, UploadedScene,
+    metrics::{self, Difference},
+    scene::suite::Trial,
+};
+
+use crate::options::Plan;
+
+/// A method on a trial.
+pub(crate) struct Row {
+    pub(crate) trial: Trial,
+    pub(crate) method: Method,
+    /// Or why the method has none.
+    pub(crate) figures: Result<Figures, String>,
+}
+
+/// Cost by counters, accuracy against naive.
+pub(crate) struct Figures {
+    /// The right view's cost, the left one's = 1.
+    pub(crate) second_eye: f64,
+    /// The pair's cost, naive's = 1.
+    pub(crate) of_naive: f64,
+    /// The right view against naive's.
+    pub(crate) difference: Difference,
+}
+
+/// A row a method. What can't be rendered is said in the rows.
+pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec<Row> {
+    let camera = trial.camera(plan.size[0], plan.size[1]);
+    let truth = renderer.upload(&trial.scene()).and_then(|scene| {
+        let naive = render(renderer, &scene, &camera, Method::Naive)?;
+        Ok((scene, naive))
+    });
+    let figures = |method| {
+        let (scene, naive) = truth.as_ref().map_err(|error| format!("naive: {error}"))?;
+        let pair = render(renderer, scene, &camera, method).map_err(|error| error.to_string())?;
+        let difference = metrics::compare(&pair.right, &naive.right, &pair.pose).map_err(|error| error.to_string())?;
+        Ok(Figures { second_eye: pair.statistics.second_eye(), of_naive: cost(&pair) / cost(naive), difference })
+    };
+    let figures: Vec<_> = plan.methods.iter().copied().map(figures).collect();
+    plan.methods.iter().zip(figures).map(|(&method, figures)| Row { trial, method, figures }).collect()
+}
+
+fn render(
+    renderer: &mut Renderer,
+    scene: &UploadedScene,
+    camera: &StereoCamera,
+    method: Method,
+) -> Result<StereoPair, Error> {
+    renderer.render(scene, camera, &Options::new(method).counting())
+}
+
+/// Of both eyes, by counters.
+fn cost(pair: &StereoPair) -> f64 {
+    (pair.statistics.left.cost() + pair.statistics.right.cost()) as f64
+}

@@ -1,0 +1,93 @@
+// Pass 3 of 4 of `bracket`, second part: right pixels' own rays against the primitives that search_tiles found for them, by the
+// function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The bounds need not be
+// right: they set the cost only.) It is shaded with the left view's shadow bits. Two lists are left: pixels whose hit lies deeper or
+// who have no bound, and pixels that need a shadow ray.
+//
+// launch  one thread per block of right pixels (a pixel, or 2x2) of the rows at work
+// reads   found        [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
+// writes  hits         [2 * height * width]  right half; of an unfinished pixel the depth up to which nothing is
+// writes  right_color  [height * width]      linear RGB, 1
+// adds    counters     [height * COUNTERS]
+// appends lists
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> found: array<u32>;
+@group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
+@group(1) @binding(3) var<storage, read_write> right_color: array<vec4f>;
+@group(1) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(5) var<storage, read_write> lists: Lists;
+
+// What is not finished is traced from a little before the bound: rounding.
+const BEFORE: f32 = 0.9999;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let inside = inside_rows(pixels);
+    if !any_ray(inside) { return; }
+    let first = pixel_of_ray(pixels, 0u);
+    let list = tile_lists(first) + block_of(first) * LIST_WORDS;
+    let bound = bitcast<f32>(found[list + 1u]);
+    let rays = Rays(frame.right_eye, pixel_directions(frame.right_corner, pixels));
+    var nearest = nearest_listed(rays, list);
+    let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
+    nearest.primitive = select(U(MISS), nearest.primitive, finished);
+
+    let surfaces = surfaces_at(rays, nearest);
+    taken = taken_bits(pixels, nearest, surfaces);
+    let samples = shade(rays, nearest, surfaces);
+    let to_trace = inside & !finished;
+    let to_light = inside & finished & put_off;
+    var place_to_trace = reserve(TO_TRACE, count_rays(to_trace));
+    var place_to_light = reserve(TO_LIGHT, count_rays(to_light));
+    let mark = select(BAD, MISSED, bound == 0.0);
+    var ray = 0u;
+    loop {
+        if of_ray_b(inside, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            let index = pixel_index(pixel);
+            let done = of_ray_b(finished, ray);
+            var hit = sample_hit(samples, ray);
+            hit.depth = select(bound * BEFORE, hit.depth, done);
+            hit.slot |= select(mark, select(0u, ASKED, of_ray_b(put_off, ray)), done);
+            hits[right_index(pixel)] = hit;
+            right_color[index] = vec4f(of_ray3(samples.color, ray), 1.0);
+            if of_ray_b(to_trace, ray) {
+                append(TO_TRACE, place_to_trace, index);
+                place_to_trace += 1u;
+            }
+            if of_ray_b(to_light, ray) {
+                append(TO_LIGHT, place_to_light, index);
+                place_to_light += 1u;
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    if any_ray(to_trace) {
+        atomicAdd(&counters[first.y * COUNTERS + select(BAD_PIXELS, MISSED_PIXELS, bound == 0.0)], count_rays(to_trace));
+    }
+    count_pixel(right_index(first));
+    count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
+}
+
+// The nearest hits among listed primitives.
+fn nearest_listed(rays: Rays, list: u32) -> Hits {
+    let per_length_squared = 1.0 / dot3(rays.direction, rays.direction);
+    let count = found[list];
+    var nearest = Hits(F(FAR), U(MISS), U(0u));
+    var entry = 0u;
+    loop {
+        if entry >= count { break; }
+        if COUNT { primitives_tested += 1u; }
+        let slot = found[list + LIST_HEADER + entry];
+        let primitive = primitive_at(slot);
+        let t = intersect(primitive, rays, per_length_squared, F(0.0));
+        let hit = is_nearer(nearest, t, F(0.0), primitive.id);
+        nearest.t = select(nearest.t, t, hit);
+        nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
+        nearest.slot = select(nearest.slot, U(slot), hit);
+        entry += 1u;
+    }
+    return nearest;
+}

@@ -1,0 +1,114 @@
+// Pass 3 of 4 of `bracket`, first part: one query of the BVH for each tile of right pixels (docs/BRACKET.md). The tile's frustum is
+// searched as deep as the left samples that land there; each of its blocks of 2x2 pixels gets a list of the primitives that may
+// cover a pixel's centre in it.
+//
+// launch  one thread per tile
+// reads   bounds    [tiles]             bits of a depth
+// writes  found     [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
+// adds    counters  [height * COUNTERS]
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> bounds: array<u32>;
+@group(1) @binding(2) var<storage, read_write> found: array<u32>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+
+// Between two samples a surface may lie a little deeper than both.
+const BETWEEN: f32 = 1.001;
+// The search goes a little deeper than the bound: rounding.
+const DEEPER: f32 = 1.0001;
+// Leaves that are gathered before their primitives are looked at.
+const LEAVES: u32 = 32u;
+
+// Primitives listed so far.
+var<private> listed: array<u32, TILE_BLOCKS>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
+    let corner = pixel_in_tile(id.xy) * TILE + vec2u(0u, frame.row_begin);
+    if outside(corner) { return; }
+    let tile = Tile(corner, min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner));
+    let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
+    let lists = tile_lists(tile.corner);
+    search(tile, lists, min(bound * DEEPER, FAR));
+    var block = 0u;
+    loop {
+        // What does not fit its list is traced: without a bound.
+        let list = lists + block * LIST_WORDS;
+        let fits = listed[block] <= LIST_MOST;
+        found[list] = select(0u, listed[block], fits);
+        found[list + 1u] = select(0u, bitcast<u32>(bound), fits);
+        block += 1u;
+        if block >= TILE_BLOCKS { break; }
+    }
+    count_pixel(right_index(corner));
+    count_view(corner.y, RIGHT, 0u, nodes_visited, primitives_tested);
+}
+
+fn search(tile: Tile, lists: u32, limit: f32) {
+    let projection = projection_of(tile);
+    let to_grid = bvh.grid_origin - frame.right_eye;
+    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
+    let to_low = to_grid - slack;
+    let to_high = to_grid + slack;
+    var stack: array<u32, STACK_SIZE>;
+    stack[0] = DONE;
+    var top = 0;
+    var link = 0u;
+    loop {
+        // Leaves are gathered first: a subgroup's threads then do the same most of the time.
+        var leaves: array<u32, LEAVES>;
+        var gathered = 0u;
+        loop {
+            if COUNT { nodes_visited += 1u; }
+            let a = child_at(2u * CHILD_TEXELS * link, to_low, to_high);
+            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_low, to_high);
+            if meets_frustum(a, projection, limit) {
+                if (a.link & LEAF) != 0u { leaves[gathered] = a.link; gathered += 1u; } else { top += 1; stack[top] = a.link; }
+            }
+            if meets_frustum(b, projection, limit) {
+                if (b.link & LEAF) != 0u { leaves[gathered] = b.link; gathered += 1u; } else { top += 1; stack[top] = b.link; }
+            }
+            link = stack[top];
+            top -= 1;
+            if link == DONE || gathered + 2u > LEAVES { break; }
+        }
+        var leaf = 0u;
+        var slot = leaves[0] & FIRST_SLOT;
+        var last = slot + ((leaves[0] >> 28u) & 7u);
+        loop {
+            if leaf >= gathered { break; }
+            list_primitive(slot, tile, lists, projection);
+            slot += 1u;
+            if slot > last {
+                leaf += 1u;
+                let next = leaves[min(leaf, LEAVES - 1u)];
+                slot = next & FIRST_SLOT;
+                last = slot + ((next >> 28u) & 7u);
+            }
+        }
+        if link == DONE { break; }
+    }
+    cut_short |= link != DONE;
+}
+
+fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
+    if COUNT { primitives_tested += 1u; }
+    let primitive = primitive_at(slot);
+    let covered = covered_pixels(primitive, projection, tile);
+    let edges = edges_of(primitive);
+    let first = covered.xy / 2;
+    let last = covered.zw / 2;
+    var x = first.x;
+    var y = first.y;
+    loop {
+        if covered.y > covered.w || y > last.y { break; }
+        if may_cover(edges, vec2f(tile.corner) + 2.0 * vec2f(vec2i(x, y)) + 1.0) {
+            let block = u32(y) * BLOCKS + u32(x);
+            let place = listed[block];
+            listed[block] = place + 1u;
+            if place < LIST_MOST { found[lists + block * LIST_WORDS + LIST_HEADER + place] = slot; }
+        }
+        x += 1;
+        if x > last.x { x = first.x; y += 1; }
+    }
+}

@@ -1,0 +1,56 @@
+// Shadow bits that right pixels take over from the left view (docs/BRACKET.md). Any bit is an inference: what falls between the
+// samples throws no shadow here.
+
+// Of the first 16 lights: it is known whether they are seen, and they are.
+struct Taken {
+    known: U,
+    lit: U,
+}
+
+// Parallaxes of samples and point differ by no more than this, pixels.
+const SAME_PARALLAX: f32 = 0.75;
+
+fn light_mask(light: u32) -> u32 {
+    return select(0u, 1u << (light & 15u), light < 16u);
+}
+
+fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
+fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
+
+// Bits of one hit point at a right pixel, and which of them count, as in LeftSample.bits.
+fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
+    var known: U;
+    var lit: U;
+    var ray = 0u;
+    loop {
+        let pixel = pixel_of_ray(pixels, ray);
+        let depth = of_ray(hits_there.t, ray);
+        let position = f32(pixel.x) + 0.5 - parallax(depth);
+        let column = floor(position - 0.5);
+        let usable = of_ray_b(surfaces.there, ray) & (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
+        let agreed = agreed_bits(
+            vec2u(u32(select(0.0, column, usable)), pixel.y),
+            depth,
+            of_ray_u(surfaces.component, ray),
+            of_ray3(surfaces.geometric_normal, ray),
+            of_ray_u(hits_there.slot, ray),
+        );
+        known = with_ray_u(known, ray, select(0u, agreed >> 16u, usable));
+        lit = with_ray_u(lit, ray, agreed & 0xffffu);
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    return Taken(known, lit);
+}
+
+// The bits of a left sample as far as it vouches for a point of that depth and component.
+fn vouched_bits(sample: LeftSample, depth: f32, component: u32) -> u32 {
+    let same = sample.component == component && abs(parallax(sample.depth) - parallax(depth)) <= SAME_PARALLAX;
+    return select(0u, sample.bits, same);
+}
+
+// Bits that two samples agree in.
+fn agreeing(a: u32, b: u32) -> u32 {
+    let known = (a & b) >> 16u & ~(a ^ b) & 0xffffu;
+    return known << 16u | (a & known);
+}

@@ -1,0 +1,72 @@
+// Projection of boxes and primitives onto a tile of right pixels.
+
+struct Tile {
+    corner: vec2u,
+    size: vec2u,
+}
+
+// Projected bounds are widened by this much, pixels: far more than their rounding.
+const WIDER: f32 = 0.05;
+
+// Column and row of a point p from the right eye are dot(p, column) / z and dot(p, row) / z, z = dot(p, forward). The planes look
+// inwards through the outermost pixel centres, moved out by WIDER.
+struct Projection {
+    forward: vec3f,
+    column: vec3f,
+    row: vec3f,
+    left_plane: vec3f,
+    right_plane: vec3f,
+    top_plane: vec3f,
+    bottom_plane: vec3f,
+}
+
+fn projection_of(tile: Tile) -> Projection {
+    let forward = frame.forward;
+    let right = frame.right_axis;
+    let up = cross(right, forward);
+    let column = (right - forward * dot(frame.right_corner, right)) / dot(frame.step_x, right);
+    let row = (up - forward * dot(frame.right_corner, up)) / dot(frame.step_y, up);
+    let first = vec2f(tile.corner) + 0.5 - WIDER;
+    let last = vec2f(tile.corner + tile.size) - 0.5 + WIDER;
+    return Projection(
+        forward,
+        column,
+        row,
+        column - forward * first.x,
+        forward * last.x - column,
+        row - forward * first.y,
+        forward * last.y - row,
+    );
+}
+
+// The largest value of dot(p, v) in a box.
+fn most(child: Child, v: vec3f) -> f32 {
+    let a = child.low * v;
+    let b = child.high * v;
+    let m = select(a, b, a < b);
+    return m.x + m.y + m.z;
+}
+
+fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
+    return most(child, projection.left_plane) >= 0.0
+        && most(child, projection.right_plane) >= 0.0
+        && most(child, projection.top_plane) >= 0.0
+        && most(child, projection.bottom_plane) >= 0.0
+        && most(child, projection.forward) >= 0.0
+        && -most(child, -projection.forward) <= limit;
+}
+
+// First and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover; none if a first is
+// past its last.
+fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> vec4i {
+    let bounds = projected_bounds(primitive, projection);
+    let corner = vec2f(tile.corner) + 0.5;
+    let most = vec2f(tile.size) - 1.0;
+    let first = ceil(clamp(bounds.xy - WIDER - corner, vec2f(0.0), most + 1.0));
+    let last = floor(clamp(bounds.zw + WIDER - corner, vec2f(-1.0), most));
+    // Columns past the last one must not be begun.
+    let none = first.x > last.x;
+    return vec4i(i32(first.x), select(i32(first.y), i32(TILE), none), i32(last.x), select(i32(last.y), -1, none));
+}
+
+const EVERYWHERE: vec4f = vec4f(-1e9, -1e9, 1e9, 1e9);

@@ -1,0 +1,158 @@
+//! Twins of `bracket`'s passes: shaders/bound_tiles.wgsl, the fate of pixels in resolve_tiles.wgsl, and shadow bits
+//! (shared/taken_bits.wgsl, bits_two.wgsl, bits_block.wgsl), for scenes without vertex normals.
+
+use glam::Vec3;
+
+use super::{Eye, Frame, intersect::closest_hit, reproject::landing_x};
+use crate::{FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource, layout::TILE, scene::components};
+
+/// Between two samples a surface may lie a little deeper than both.
+const BETWEEN: f32 = 1.001;
+/// Parallaxes of samples and point differ by no more than this, pixels.
+const SAME_PARALLAX: f32 = 0.75;
+/// Least cosine between the normals of primitives that may share a shadow.
+const SAME_NORMAL: f32 = 0.9;
+
+/// How deep each tile of right pixels must be searched, row by row: the largest depth of the left samples that land in it, each from where
+/// the one before landed to a pixel behind its own place.
+pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
+    let [width, height] = frame.size();
+    let tile = TILE as usize;
+    let across = width.div_ceil(tile);
+    let mut bounds = vec![0.0_f32; across * height.div_ceil(tile)];
+    for row in 0..height {
+        let depths = &left_depth[row * width..(row + 1) * width];
+        let landed = |column: usize| landing_x(frame, column, depths[column]).clamp(-2.0, width as f32 + 2.0);
+        for column in 0..width {
+            let here = landed(column);
+            let (before, before_depth) =
+                if column == 0 { (0.0, depths[0]) } else { (landed(column - 1), depths[column - 1]) };
+            let gap = here >= before;
+            let from = (if gap { before } else { here } - 1.0).max(0.0);
+            let to = if column + 1 == width { width as f32 } else { here + 1.0 }.min(width as f32 - 0.5);
+            let depth = if gap { depths[column].max(before_depth) } else { depths[column] };
+            if from <= to {
+                for index in from as usize / tile..=to as usize / tile {
+                    let bound = &mut bounds[row / tile * across + index];
+                    *bound = bound.max(depth);
+                }
+            }
+        }
+    }
+    bounds
+}
+
+/// Each right pixel's fate, of the bounds and what its own ray hits.
+pub fn sources(frame: &Frame, bounds: &[f32], right: &[(f32, u32)]) -> Vec<PixelSource> {
+    let [width, _] = frame.size();
+    let tile = TILE as usize;
+    let fate = |(index, (depth, _)): (usize, &(f32, u32))| {
+        let bound = bounds[index / width / tile * width.div_ceil(tile) + index % width / tile];
+        match (bound * BETWEEN).min(FAR) {
+            0.0 => PixelSource::Missed,
+            bound if *depth <= bound || bound >= FAR => PixelSource::Reused,
+            _ => PixelSource::Bad,
+        }
+    };
+    right.iter().enumerate().map(fate).collect()
+}
+
+/// Of the lights in bit order: those in front of a surface, and those that are seen from it.
+#[derive(Clone, Copy, Default)]
+struct Bits {
+    known: u32,
+    lit: u32,
+}
+
+/// How it is known which lights each right pixel sees; `left` and `right` are what the views' own rays hit.
+pub fn shadow_sources(
+    scene: &Scene,
+    frame: &Frame,
+    left: &[(f32, u32)],
+    right: &[(f32, u32)],
+    reuse: ShadowReuse,
+) -> Vec<ShadowSource> {
+    let [width, height] = frame.size();
+    let components = components::of(scene);
+    let bits: Vec<Bits> =
+        (0..left.len()).map(|index| light_bits(scene, frame, Eye::Left, index, left[index], true)).collect();
+    let parallax = |depth: f32| frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / depth);
+    let source = |(index, &(depth, id)): (usize, &(f32, u32))| {
+        if id == MISS {
+            return ShadowSource::Taken;
+        }
+        let (column, row) = (index % width, index / width);
+        let position = (column as f32 + 0.5 - parallax(depth) - 0.5).floor();
+        let beside = position >= 0.0 && position + 1.0 < width as f32;
+        let normal = surface_normal(scene, frame, Eye::Right, index, (depth, id));
+        let vouches = |at: usize| {
+            let (its_depth, its_id) = left[at];
+            let same = its_id != MISS
+                && components[its_id as usize] == components[id as usize]
+                && (parallax(its_depth) - parallax(depth)).abs() <= SAME_PARALLAX;
+            let smooth = || {
+                let its_normal = || surface_normal(scene, frame, Eye::Left, at, left[at]);
+                reuse != ShadowReuse::Block || its_id == id || its_normal().dot(normal).abs() >= SAME_NORMAL
+            };
+            if same && smooth() { bits[at] } else { Bits::default() }
+        };
+        let rows = match reuse {
+            _ if !beside => 0..0,
+            ShadowReuse::Rays => 0..0,
+            ShadowReuse::Two => row..row + 1,
+            ShadowReuse::Block if row == 0 || row + 1 == height => 0..0,
+            ShadowReuse::Block => row - 1..row + 2,
+        };
+        let samples: Vec<Bits> =
+            rows.flat_map(|row| [0, 1].map(|side| row * width + position as usize + side)).map(vouches).collect();
+        let agreed = samples.iter().fold(if samples.is_empty() { 0 } else { u32::MAX }, |agreed, sample| {
+            agreed & sample.known & !(sample.lit ^ samples[0].lit)
+        });
+        let wanted = light_bits(scene, frame, Eye::Right, index, (depth, id), false).known;
+        if wanted & !agreed == 0 { ShadowSource::Taken } else { ShadowSource::Traced }
+    };
+    right.iter().enumerate().map(source).collect()
+}
+
+/// The normal towards the eye of the surface that a pixel's ray hits.
+fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, id): (f32, u32)) -> Vec3 {
+    let width = frame.size()[0];
+    let direction = frame.direction(eye, index % width, index / width);
+    let normal = match scene.triangles().get(id as usize) {
+        Some(triangle) => {
+            let [a, b, c] = triangle.corners;
+            (b - a).cross(c - a)
+        }
+        None => {
+            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
+            direction * depth - (sphere.center - frame.eye(eye))
+        }
+    };
+    let normal = normal.normalize();
+    if normal.dot(direction) > 0.0 { -normal } else { normal }
+}
+
+/// Which lights are in front of a hit; and, if asked, which of them are seen, by shadow rays as shared/lights.wgsl has them.
+fn light_bits(scene: &Scene, frame: &Frame, eye: Eye, index: usize, hit: (f32, u32), trace: bool) -> Bits {
+    let mut bits = Bits::default();
+    if hit.1 == MISS {
+        return bits;
+    }
+    let width = frame.size()[0];
+    let normal = surface_normal(scene, frame, eye, index, hit);
+    let point = frame.eye(eye) + frame.direction(eye, index % width, index / width) * hit.0;
+    let reach = (point.abs() / 2_097_152.0 + (point - frame.eye(eye)).abs() / 131_072.0).max_element();
+    for (bit, light) in scene.lights.iter().enumerate().take(16) {
+        let straight = point - light.position;
+        let from_light = straight + normal * (reach + straight.abs().max_element() / 1_048_576.0);
+        let direction = from_light.normalize();
+        if normal.dot(direction) >= 0.0 {
+            continue;
+        }
+        bits.known |= 1 << bit;
+        if trace && closest_hit(scene, light.position, direction, 0.0, from_light.length()).1 == MISS {
+            bits.lit |= 1 << bit;
+        }
+    }
+    bits
+}

@@ -1,0 +1,71 @@
+//! Which primitives hang together: shadow bits are taken over within a connected component only.
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use super::Scene;
+
+/// The connected component of each primitive, as the least primitive id in it. Triangles hang together where corners have equal
+/// positions (welded, whatever the file's own vertices and groups); every sphere is its own.
+pub(crate) fn of(scene: &Scene) -> Vec<u32> {
+    let triangles = scene.triangles();
+    let mut above: Vec<u32> = (0..scene.primitive_count() as u32).collect();
+    let mut first_at = FxHashMap::default();
+    first_at.reserve(triangles.len());
+    for (id, triangle) in triangles.iter().enumerate().filter(|(_, triangle)| !triangle.is_degenerate()) {
+        for corner in triangle.corners {
+            let first = *first_at.entry(welded(corner)).or_insert(id as u32);
+            if first != id as u32 {
+                let (a, b) = (root(&mut above, first), root(&mut above, id as u32));
+                above[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    for id in 0..above.len() as u32 {
+        above[id as usize] = root(&mut above, id);
+    }
+    above
+}
+
+/// A position as a key; 0 and -0 are one.
+fn welded(corner: Vec3) -> [u32; 3] {
+    corner.to_array().map(|v| (v + 0.0).to_bits())
+}
+
+/// The least id above, with the path to it halved.
+fn root(above: &mut [u32], mut id: u32) -> u32 {
+    while above[id as usize] != id {
+        above[id as usize] = above[above[id as usize] as usize];
+        id = above[id as usize];
+    }
+    id
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MaterialId, Mesh, Sphere};
+
+    #[test]
+    fn shared_positions_join_triangles_across_meshes_and_spheres_stay_alone() {
+        let mut scene = Scene::new();
+        let mut add = |corners: [[f32; 3]; 3]| {
+            let positions = corners.map(Vec3::from_array).to_vec();
+            let mesh =
+                Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![MaterialId(0)], ..Mesh::default() };
+            scene.add_mesh(&mesh).unwrap();
+        };
+        let (o, x, y, z) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let far = [9.0; 3];
+        add([far, [9.0, 9.0, 8.0], [9.0, 8.0, 8.0]]);
+        add([o, x, y]);
+        add([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
+        add([z, [1.0, 1.0, 1.0], [-0.0, 1.0, 0.0]]); // shares y, with another zero
+        add([z, [5.0, 1.0, 0.0], [2.0, 2.0, 2.0]]); // joins 2 to 3, and so to 1
+        add([o, o, far]); // degenerate: joins nothing
+        for _ in 0..2 {
+            scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: MaterialId(0) }).unwrap();
+        }
+        assert_eq!(of(&scene), [0, 1, 1, 1, 1, 5, 6, 7]);
+    }
+}
