@@ -3,12 +3,12 @@
 // right: they set the cost only.) It is shaded with the left view's shadow bits. Two lists are left: pixels whose hit lies deeper or
 // who have no bound, and pixels that need a shadow ray.
 //
-// launch  one thread per block of right pixels (a pixel, or 2x2) of the rows at work
+// launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   found        [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
 // writes  hits         [2 * height * width]  right half; of an unfinished pixel the depth up to which nothing is
 // writes  right_color  [height * width]      linear RGB, 1
 // adds    counters     [height * COUNTERS]
-// appends lists
+// appends lists        TO_TRACE, TO_LIGHT; reads TO_RESOLVE
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> found: array<u32>;
@@ -20,10 +20,11 @@
 // What is not finished is traced from a little before the bound: rounding.
 const BEFORE: f32 = 0.9999;
 
-@compute @workgroup_size(WORKGROUP, WORKGROUP)
+@compute @workgroup_size(LIST_WORKGROUP)
 fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let pixels = block_pixels(id);
-    let inside = inside_rows(pixels);
+    let block = listed_tile_pixels(TO_RESOLVE, id.x);
+    let pixels = block.pixels;
+    let inside = block.wanted;
     if !any_ray(inside) { return; }
     let first = pixel_of_ray(pixels, 0u);
     let list = tile_lists(first) + block_of(first) * LIST_WORDS;

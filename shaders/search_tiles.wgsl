@@ -6,11 +6,13 @@
 // reads   bounds    [tiles]             bits of a depth
 // writes  found     [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
 // adds    counters  [height * COUNTERS]
+// appends lists     TO_RESOLVE, SKY: tiles of the rows at work
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> bounds: array<u32>;
 @group(1) @binding(2) var<storage, read_write> found: array<u32>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> lists: Lists;
 
 // Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;
@@ -30,16 +32,21 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
     let lists = tile_lists(tile.corner);
     search(tile, lists, min(bound * DEEPER, FAR));
+    var anything = bound < FAR;
     var block = 0u;
     loop {
         // What does not fit its list is traced: without a bound.
         let list = lists + block * LIST_WORDS;
         let fits = listed[block] <= LIST_MOST;
+        anything |= listed[block] > 0u;
         found[list] = select(0u, listed[block], fits);
         found[list + 1u] = select(0u, bitcast<u32>(bound), fits);
         block += 1u;
         if block >= TILE_BLOCKS { break; }
     }
+    let list = select(SKY, TO_RESOLVE, anything);
+    let tile_index = (corner.y - frame.row_begin) / TILE * tiles_across() + corner.x / TILE;
+    append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
     count_pixel(right_index(corner));
     count_view(corner.y, RIGHT, 0u, nodes_visited, primitives_tested);
 }

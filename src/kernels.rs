@@ -252,6 +252,7 @@ const LIGHT_TAKEN_OR_TRACED: Part = part!("shared/light_taken_or_traced.wgsl");
 const TAKEN_BITS: Part = part!("shared/taken_bits.wgsl");
 const APPEND: Part = part!("shared/append.wgsl");
 const LISTED_PIXELS: Part = part!("shared/listed_pixels.wgsl");
+const LISTED_TILE: Part = part!("shared/listed_tile.wgsl");
 const RIGHT_HITS: Part = part!("shared/right_hits.wgsl");
 const TILES: Part = part!("shared/tiles.wgsl");
 const TILE: Part = part!("shared/tile.wgsl");
@@ -333,16 +334,23 @@ pub(crate) const BOUND_TILES: Kernel = Kernel {
 pub(crate) const SEARCH_TILES: Kernel = Kernel {
     name: "search_tiles",
     touches: Touches::Geometry,
-    storage: &[Read, Write, Write],
-    extra: &[COUNT, TILES, TILE],
+    storage: &[Read, Write, Write, Write],
+    extra: &[COUNT, TILES, TILE, LISTS, APPEND],
     main: part!("search_tiles.wgsl"),
 };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
     name: "resolve_tiles",
     touches: Touches::Shading,
     storage: &[Read, Write, Write, Write, Write],
-    extra: &[COUNT, TILES, MARKS, LISTS, APPEND, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
+    extra: &[COUNT, TILES, MARKS, LISTS, APPEND, LISTED_PIXELS, LISTED_TILE, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
     main: part!("resolve_tiles.wgsl"),
+};
+pub(crate) const SHADE_SKY: Kernel = Kernel {
+    name: "shade_sky",
+    touches: Touches::Shading,
+    storage: &[Write, Write, Write, Write],
+    extra: &[COUNT, TILES, LISTS, LISTED_PIXELS, LISTED_TILE, LIGHT_TRACED],
+    main: part!("shade_sky.wgsl"),
 };
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
     name: "trace_bounded",
@@ -383,12 +391,7 @@ pub(crate) const COMPOSE: Kernel = Kernel {
 impl Kernel {
     /// Pixels of a thread's block in x and in y.
     pub(crate) fn block(&self, with: &Specialisation) -> u32 {
-        if !self.touches.geometry() { 1 } else { self.rays(with).block() }
-    }
-
-    /// Rays of a lane; a search has none.
-    fn rays(&self, with: &Specialisation) -> RaysPerLane {
-        if self.name == SEARCH_TILES.name { RaysPerLane::One } else { with.traversal.rays }
+        if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
     }
 
     /// How a kernel uses the texture of left samples, at `SAMPLES_BINDING` of group 1.
@@ -416,7 +419,7 @@ impl Kernel {
             });
         }
         if self.touches.geometry() {
-            parts.push(match self.rays(with) {
+            parts.push(match with.traversal.rays {
                 RaysPerLane::One => part!("shared/rays_1.wgsl"),
                 RaysPerLane::Four => part!("shared/rays_2x2.wgsl"),
             });
@@ -531,7 +534,8 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 17] = [
+    const ALL: [&Kernel; 18] = [
+        &SHADE_SKY,
         &BOUND_TILES,
         &SEARCH_TILES,
         &TRACE_BOUNDED,
@@ -580,7 +584,9 @@ mod tests {
     /// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
     fn specialisations_of(kernel: &Kernel) -> Vec<Specialisation> {
         let mut all = specialisations();
-        if [&SEARCH_TILES, &RESOLVE_TILES, &TRACE_BOUNDED, &SHADE_LISTED].iter().any(|known| known.name == kernel.name)
+        if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_LISTED]
+            .iter()
+            .any(|known| known.name == kernel.name)
         {
             all.retain(|with| with.triangles || with.spheres);
             all.iter_mut().for_each(|with| with.hits = Kept::Samples);

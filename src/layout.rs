@@ -47,8 +47,9 @@ pub(crate) struct PixelHit {
 /// The place in `primitives` within the word that `hits_samples.wgsl` keeps of a pixel; all bits: nothing hit.
 pub(crate) const NO_SLOT: u32 = 0x0fff_ffff;
 
-/// Bytes of `Lists` before its pixels (`shaders/shared/lists.wgsl`): two indirect dispatches with a count each.
-pub(crate) const LISTS_HEADS: u64 = 32;
+/// Bytes of `Lists` before its pixels (`shaders/shared/lists.wgsl`): an indirect dispatch and a count for each of
+/// the lists `TO_TRACE`, `TO_LIGHT`, `TO_RESOLVE` and `SKY`.
+pub(crate) const LISTS_HEADS: u64 = 64;
 /// Blocks of a tile, and words of each one's list of primitives (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE_BLOCKS: u32 = 16;
 pub(crate) const LIST_WORDS: u32 = 64;

@@ -262,7 +262,7 @@ impl Picture {
             right_color: storage("right_color", pixels * 16),
             hits: storage("hits", 2 * pixels * kept.bytes()),
             right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
-            lists: storage("lists", if reuse { layout::LISTS_HEADS + 2 * band * 4 } else { 0 }),
+            lists: storage("lists", if reuse { layout::LISTS_HEADS + 4 * band * 4 } else { 0 }),
             samples: (kept == Kept::Samples).then(|| samples_texture(gpu, size)),
             found: storage("found", if kept == Kept::Samples { found } else { 0 }),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -833,9 +833,8 @@ impl Passes<'_> {
         let p = self.picture;
         let resolve: &[_] = &[&p.hits, &p.right_source, &p.counters, &p.lists];
         let trace: &[_] = &[&p.lists, &p.hits, &p.right_color, &p.counters];
-        let empty: [u32; 8] = [0, 1, 1, 0, 0, 1, 1, 0];
         self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
-            this.gpu.queue.write_buffer(&p.lists, 0, bytemuck::cast_slice(&empty));
+            this.empty_lists();
             this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
             encoder.copy_buffer_to_buffer(&p.lists, 0, &p.indirect, 0, Some(12));
             this.dispatch(encoder, &kernels::TRACE_LISTED, trace, Launch::Indirect);
@@ -872,20 +871,27 @@ impl Passes<'_> {
     async fn resolve_bracket(&mut self, shadows: ShadowReuse) -> Result<(), Error> {
         let p = self.picture;
         self.specialisation.bits = shadows;
-        let search: &[_] = &[&p.right_source, &p.found, &p.counters];
+        let search: &[_] = &[&p.right_source, &p.found, &p.counters, &p.lists];
         let resolve: &[_] = &[&p.found, &p.hits, &p.right_color, &p.counters, &p.lists];
         let listed: &[_] = &[&p.lists, &p.hits, &p.right_color, &p.counters];
-        let empty: [u32; 8] = [0, 1, 1, 0, 0, 1, 1, 0];
         self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
-            this.gpu.queue.write_buffer(&p.lists, 0, bytemuck::cast_slice(&empty));
+            this.empty_lists();
             this.dispatch(encoder, &kernels::SEARCH_TILES, search, Launch::Tiles);
-            this.dispatch(encoder, &kernels::RESOLVE_TILES, resolve, Launch::Pixels);
-            encoder.copy_buffer_to_buffer(&p.lists, 0, &p.indirect, 0, Some(12));
-            this.dispatch(encoder, &kernels::TRACE_BOUNDED, listed, Launch::Indirect);
-            encoder.copy_buffer_to_buffer(&p.lists, 16, &p.indirect, 0, Some(12));
-            this.dispatch(encoder, &kernels::SHADE_LISTED, listed, Launch::Indirect);
+            for (list, kernel, buffers) in [
+                (2, &kernels::RESOLVE_TILES, resolve),
+                (3, &kernels::SHADE_SKY, listed),
+                (0, &kernels::TRACE_BOUNDED, listed),
+                (1, &kernels::SHADE_LISTED, listed),
+            ] {
+                encoder.copy_buffer_to_buffer(&p.lists, 16 * list, &p.indirect, 0, Some(12));
+                this.dispatch(encoder, kernel, buffers, Launch::Indirect);
+            }
         })
         .await
+    }
+
+    fn empty_lists(&self) {
+        self.gpu.queue.write_buffer(&self.picture.lists, 0, bytemuck::cast_slice(&[[0_u32, 1, 1, 0]; 4]));
     }
 
     /// Pass 2 of `Buffer`, in bands of rows whose slots fit one binding.

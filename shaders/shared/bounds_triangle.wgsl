@@ -40,5 +40,5 @@ fn reach(normal: vec3f) -> f32 {
 fn within_edges(edges: Edges, middle: vec2f) -> bool {
     let direction = frame.right_corner + frame.step_x * middle.x + frame.step_y * middle.y;
     let there = vec3f(dot(edges.a, direction), dot(edges.b, direction), dot(edges.c, direction));
-    return all(there >= -edges.reach) || all(there <= edges.reach);
+    return all(there >= -edges.reach) | all(there <= edges.reach);
 }

@@ -12,7 +12,7 @@ fn listed_pixels(list: u32, thread: u32) -> ListedPixels {
     var ray = 0u;
     loop {
         let place = min(first + ray, max(count, 1u) - 1u);
-        index = with_ray_u(index, ray, lists.pixels[place_in(list, place)]);
+        index = with_ray_u(index, ray, lists.entries[place_in(list, place)]);
         wanted = with_ray_u(wanted, ray, select(0u, 1u, first + ray < count));
         ray += 1u;
         if ray >= RAYS { break; }

@@ -1,7 +1,9 @@
-// Lists of right pixels; the first three words of each one's head are an indirect dispatch.
+// Lists of right pixels and of tiles; the first three words of each one's head are an indirect dispatch.
 
-const TO_TRACE: u32 = 0u;   // pixels that need a primary ray
-const TO_LIGHT: u32 = 1u;   // pixels that need shadow rays only
+const TO_TRACE: u32 = 0u;     // pixels that need a primary ray
+const TO_LIGHT: u32 = 1u;     // pixels that need shadow rays only
+const TO_RESOLVE: u32 = 2u;   // tiles in which something was found, or something else is left to do
+const SKY: u32 = 3u;          // tiles in which there is nothing
 
 struct ListHead {
     workgroups_x: atomic<u32>,
@@ -11,10 +13,10 @@ struct ListHead {
 }
 
 struct Lists {
-    heads: array<ListHead, 2>,
-    pixels: array<u32>,         // half for each list
+    heads: array<ListHead, 4>,
+    entries: array<u32>,        // a quarter for each list
 }
 
 fn place_in(list: u32, place: u32) -> u32 {
-    return list * (arrayLength(&lists.pixels) / 2u) + place;
+    return list * (arrayLength(&lists.entries) / 4u) + place;
 }

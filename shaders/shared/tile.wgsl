@@ -47,13 +47,12 @@ fn most(child: Child, v: vec3f) -> f32 {
     return m.x + m.y + m.z;
 }
 
+// (Without short cuts, which would be branches.)
 fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
-    return most(child, projection.left_plane) >= 0.0
-        && most(child, projection.right_plane) >= 0.0
-        && most(child, projection.top_plane) >= 0.0
-        && most(child, projection.bottom_plane) >= 0.0
-        && most(child, projection.forward) >= 0.0
-        && -most(child, -projection.forward) <= limit;
+    let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
+    let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
+    let ahead = most(child, projection.forward);
+    return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
 }
 
 // First and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover; none if a first is

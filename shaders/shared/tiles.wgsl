@@ -1,5 +1,6 @@
 // Tiles of right pixels, row by row, and their blocks of 2x2.
 const TILE: u32 = 8u;
+const TILE_PIXELS: u32 = 64u;
 const BLOCKS: u32 = 4u;         // across a tile
 const TILE_BLOCKS: u32 = 16u;
 // Words of a block's list: a header and the slots of primitives.
