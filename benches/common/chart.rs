@@ -1,6 +1,6 @@
 //! What the charts share: their look, axes by decades, markers, and the frontier.
 
-use std::error::Error;
+use std::{error::Error, ops::Range};
 
 use plotters::{coord::Shift, prelude::*};
 
@@ -43,31 +43,34 @@ pub fn frontier(points: &[Point]) -> Vec<usize> {
     order
 }
 
-/// What is written on a chart and beside its axes.
-pub struct Titles<'a> {
-    pub title: String,
-    /// Where and when its figures were taken.
-    pub source: String,
+/// What is written above a chart; `source` is where and when its figures were taken.
+pub fn heading(root: &Area<'_>, title: &str, source: &str) -> Result<(), Box<dyn Error>> {
+    root.draw(&Text::new(title, (20, 14), (FONT, 17).into_font().color(&INK)))?;
+    root.draw(&Text::new(source, (20, 36), (FONT, 12).into_font().color(&INK)))?;
+    Ok(())
+}
+
+/// A plot's place on the chart, and what is written beside its axes.
+pub struct Panel<'a> {
+    /// From its top to below its labels, in pixels.
+    pub rows: Range<u32>,
     pub x: &'a str,
     pub y: &'a str,
 }
 
-/// Axes, grid and titles; errors are in percent, by decades. Returns where a point goes.
+/// Axes and grid; errors are in percent, by decades, with zero in a row of its own. Returns where a point goes.
 pub fn axes(
     root: &Area<'_>,
     points: &[Point],
-    titles: Titles<'_>,
+    panel: &Panel<'_>,
 ) -> Result<impl Fn(Point) -> Pixel + use<>, Box<dyn Error>> {
     let scale = LogScale::of(points.iter().map(|point| point.1));
     let dearest = points.iter().fold(1.0, |most: f64, point| most.max(point.0));
-    root.draw(&Text::new(titles.title, (20, 14), (FONT, 17).into_font().color(&INK)))?;
-    root.draw(&Text::new(titles.source, (20, 36), (FONT, 12).into_font().color(&INK)))?;
-
     let mut chart = ChartBuilder::on(root)
-        .margin_top(60)
+        .margin_top(panel.rows.start)
         .margin_right(SIZE.0 as i32 - LEGEND_X + 15)
         .margin_left(8)
-        .margin_bottom(8)
+        .margin_bottom(root.dim_in_pixel().1 - panel.rows.end)
         .x_label_area_size(44)
         .y_label_area_size(62)
         .build_cartesian_2d(0.0..1.06 * dearest, scale.rows())?;
@@ -78,8 +81,8 @@ pub fn axes(
         .axis_style(INK)
         .label_style((FONT, 13).into_font().color(&INK))
         .axis_desc_style((FONT, 14).into_font().color(&INK))
-        .x_desc(titles.x)
-        .y_desc(titles.y)
+        .x_desc(panel.x)
+        .y_desc(panel.y)
         .x_labels(8)
         .x_label_formatter(&|x| format!("{x:.1}"))
         .y_labels(scale.labels())

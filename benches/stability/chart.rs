@@ -9,7 +9,7 @@ use plotters::{
 
 use crate::{
     common::{
-        chart::{FONT, INK, LEGEND_LINE, LEGEND_X, Point, SIZE, Titles, axes, color, marker},
+        chart::{FONT, INK, LEGEND_LINE, LEGEND_X, Panel, Point, SIZE, axes, color, heading, marker},
         provenance::Provenance,
     },
     options::Plan,
@@ -33,14 +33,15 @@ pub(crate) fn svg(rows: &[Row], plan: &Plan, provenance: &Provenance) -> Result<
         let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
         let [width, height] = plan.size;
-        let titles = Titles {
-            title: format!("Stability: {} trials, {width}x{height}", plan.trials.len()),
-            source: format!("{}, {}", provenance.adapter, provenance.day()),
+        let title = format!("Stability: {} trials, {width}x{height}", plan.trials.len());
+        heading(&root, &title, &format!("{}, {}", provenance.adapter, provenance.day()))?;
+        let panel = Panel {
+            rows: 60..SIZE.1 - 8,
             x: "cost of the second eye by counters (first eye = 1)",
             y: "pixels that differ from naive's, %",
         };
         let all: Vec<Point> = points.iter().map(|(_, point)| *point).collect();
-        let place = axes(&root, &all, titles)?;
+        let place = axes(&root, &all, &panel)?;
         for (method, point) in points {
             marker(&root, method, place(point), color(method).filled(), WHITE.into())?;
         }

@@ -1,4 +1,5 @@
-//! The chart: accuracy against cost, one point a method and scene, with the frontier of the methods' means.
+//! The chart: accuracy, by colours and by surfaces, against cost; one point a method and scene, with the frontier of the
+//! methods' means.
 
 use std::error::Error;
 
@@ -6,47 +7,73 @@ use plotters::{
     prelude::*,
     style::text_anchor::{HPos, Pos, VPos},
 };
+use stereotrace::metrics::Difference;
 
 use crate::common::{
-    chart::{Area, FONT, INK, LEGEND_LINE, LEGEND_X, Pixel, Point, SIZE, Titles, axes, color, frontier, marker},
-    measure::{Measured, Plan},
+    chart::{Area, FONT, INK, LEGEND_LINE, LEGEND_X, Panel, Pixel, Point, axes, color, frontier, heading, marker},
+    measure::{Measured, MethodFigures, Plan},
     provenance::Provenance,
     scenes,
 };
 
+/// Two panels, one above the other.
+const SIZE: (u32, u32) = (800, 860);
+/// Pixels from method to method in the row of zero.
+const ZERO_STEP: i32 = 8;
+const COST: &str = "cost of the second eye by time (first eye = 1)";
+
+/// A figure that is an error, in percent.
+type Percent = fn(&Difference) -> f64;
+
 pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -> Result<String, Box<dyn Error>> {
-    let points: Vec<Vec<Point>> = measured
-        .iter()
-        .map(|scene| scene.methods.iter().map(|m| (m.second_eye, m.difference.wrong_surface_percent)).collect())
-        .collect();
+    let panels: [(Panel<'_>, Percent); 2] = [
+        (Panel { rows: 60..450, x: COST, y: "pixels that differ from naive's, %" }, |d| d.differing_percent),
+        (Panel { rows: 462..852, x: COST, y: "wrong surface, % of pixels" }, |d| d.wrong_surface_percent),
+    ];
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
         let [width, height] = plan.size;
-        let titles = Titles {
-            title: format!("Accuracy against cost: {width}x{height}, e = {} px", plan.e_px),
-            source: format!("{}, {}", provenance.adapter, provenance.day()),
-            x: "cost of the second eye by time (first eye = 1)",
-            y: "wrong surface, % of pixels",
-        };
-        let place = axes(&root, &points.concat(), titles)?;
-        let means = means(&points);
-        let frontier = frontier(&means);
-        let line: Vec<Pixel> = frontier.iter().map(|&method| place(means[method])).collect();
-        root.draw(&PathElement::new(line, INK.stroke_width(2)))?;
-        for (scene, points) in points.iter().enumerate() {
-            for (method, &point) in points.iter().enumerate() {
-                marker(&root, method, place(point), color(scene).filled(), WHITE.into())?;
-            }
-        }
-        for method in frontier {
-            marker(&root, method, place(means[method]), WHITE.filled(), INK.stroke_width(2))?;
+        let title = format!("Accuracy against cost: {width}x{height}, e = {} px", plan.e_px);
+        heading(&root, &title, &format!("{}, {}", provenance.adapter, provenance.day()))?;
+        for (panel, error) in panels {
+            let point = |m: &MethodFigures| (m.second_eye, error(&m.difference));
+            let points: Vec<Vec<Point>> =
+                measured.iter().map(|scene| scene.methods.iter().map(point).collect()).collect();
+            draw(&root, &panel, &points)?;
         }
         legend(&root, measured)?;
         root.present()?;
     }
     Ok(text)
+}
+
+/// `points` by scene and method.
+fn draw(root: &Area<'_>, panel: &Panel<'_>, points: &[Vec<Point>]) -> Result<(), Box<dyn Error>> {
+    let means = means(points);
+    // A mean can lie below all errors but zero.
+    let place = axes(root, &[points.concat(), means.clone()].concat(), panel)?;
+    // In the row of zero methods would hide each other: they stand one below the other there.
+    let exact: Vec<usize> =
+        (0..means.len()).filter(|&method| points.iter().any(|scene| scene[method].1 <= 0.0)).collect();
+    let place = |method: usize, point: Point| {
+        let (x, y) = place(point);
+        let line = exact.iter().position(|&other| other == method).filter(|_| point.1 <= 0.0);
+        (x, line.map_or(y, |line| y + (2 * line as i32 + 1 - exact.len() as i32) * ZERO_STEP / 2))
+    };
+    let frontier = frontier(&means);
+    let line: Vec<Pixel> = frontier.iter().map(|&method| place(method, means[method])).collect();
+    root.draw(&PathElement::new(line, INK.stroke_width(2)))?;
+    for (scene, points) in points.iter().enumerate() {
+        for (method, &point) in points.iter().enumerate() {
+            marker(root, method, place(method, point), color(scene).filled(), WHITE.into())?;
+        }
+    }
+    for method in frontier {
+        marker(root, method, place(method, means[method]), WHITE.filled(), INK.stroke_width(2))?;
+    }
+    Ok(())
 }
 
 fn legend(root: &Area<'_>, measured: &[Measured]) -> Result<(), Box<dyn Error>> {

@@ -29,7 +29,7 @@ pub(crate) struct Options {
     /// Scenes: built-in ones, or folders of OBJ files [default: all built-in ones, `sponza_4x`, dragon]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     scenes: Vec<String>,
-    /// Methods; naive and ideal are always among them [default: atomic, buffer, es-isler]
+    /// Methods; naive and ideal are always among them [default: atomic, es-isler, bracket, verified]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     methods: Vec<Method>,
     /// Where the results go [default: target/bench/stereo]
@@ -45,7 +45,7 @@ impl Options {
         let quick = self.quick();
         let size = self.size.unwrap_or(if quick { [128, 128] } else { [600, 600] });
         let mut methods = vec![Method::Naive, Method::Ideal];
-        let all = [Method::ATOMIC, Method::BUFFER, Method::ES_ISLER];
+        let all = [Method::ATOMIC, Method::ES_ISLER, Method::BRACKET, Method::VERIFIED];
         for &method in if self.methods.is_empty() { &all[..] } else { &self.methods } {
             if !methods.contains(&method) {
                 methods.push(method);

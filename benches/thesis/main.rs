@@ -29,10 +29,15 @@ use crate::{
         scenes,
     },
     record::Record,
+    report::{Content, Stability},
 };
 
 /// The thesis's scenes, as far as they are to be had: scenes/README.md and docs/THESIS.md say how they stand to its own.
 const SCENES: [&str; 5] = ["spheres", "spheres-turned", "sponza_4x", "buddha_1m2", "dragon"];
+/// The built-in scenes that show where right pixels come from, and the size and interaxial they are shown at.
+const SHOWN: [&str; 2] = ["spheres", "hall"];
+const SHOWN_SIZE: [u32; 2] = [480, 300];
+const SHOWN_E_PX: f32 = 12.0;
 /// The scene of the sweeps over interaxial and lights.
 const SWEPT: &str = "dragon";
 /// Picture size, interaxial in pixels and lights where they are not swept.
@@ -93,6 +98,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         _ => "bench/thesis",
     };
     let folder = arguments.out.clone().unwrap_or_else(|| target.join(standard));
+    let stability = Stability::read(&target.join("bench/stability"))?;
     let mut renderer = Renderer::new(Gpu::new()?);
     let provenance = Provenance::of(renderer.gpu());
     let results = folder.join(RESULTS);
@@ -144,9 +150,12 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let names: Vec<&str> =
         SCENES.into_iter().filter(|name| records.iter().any(|record| record.scene == *name)).collect();
     let pictures = pictures::of(&mut renderer, &names, side, E_PX * side as f32 / SIZE as f32)?;
+    let shrink = if smoke { 5 } else { 1 };
+    let size = SHOWN_SIZE.map(|side| side / shrink);
+    let sources = pictures::sources(&mut renderer, &SHOWN, size, SHOWN_E_PX / shrink as f32)?;
     println!("wrote {}", results.display());
     records.extend(errors(&records));
-    for path in report::write(&records, &pictures, &folder)? {
+    for path in report::write(&Content { records, pictures, sources, stability }, &folder)? {
         println!("wrote {}", path.display());
     }
     Ok(())
@@ -156,9 +165,10 @@ fn buffer(depth: u32) -> Method {
     Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All }
 }
 
-/// What is measured everywhere.
+/// What is measured everywhere: the thesis's methods, and this project's own.
 fn main_methods() -> Vec<Method> {
-    vec![Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::ES_ISLER]
+    let thesis = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::ES_ISLER];
+    thesis.into_iter().chain([Method::BRACKET, Method::VERIFIED]).collect()
 }
 
 /// The main methods, and the choices within them.

@@ -1,14 +1,17 @@
-//! The report's pictures: what each method sees, how far it is from naive, and what it costs.
+//! The report's pictures: what each method sees, how far it is from naive, what it costs, and where right pixels come from.
 
 use std::{error::Error, io::Cursor};
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use stereotrace::{
-    Method, Options, Overlap, Renderer, StereoPair, Verify, View,
+    Method, Options, Overlap, PixelSource, Renderer, ShadowSource, StereoPair, Verify, View, metrics,
     output::{Anaglyph, Picture as Pixels},
 };
 
-use crate::{common::scenes, report::Picture};
+use crate::{
+    common::scenes,
+    report::{Picture, Sources},
+};
 
 /// Differences are shown this many times as large.
 const GAIN: u32 = 8;
@@ -55,6 +58,50 @@ pub(crate) fn of(
         }
     }
     Ok(pictures)
+}
+
+/// Where `bracket` got right pixels from, on built-in scenes.
+pub(crate) fn sources(
+    renderer: &mut Renderer,
+    names: &[&str],
+    size: [u32; 2],
+    e_px: f32,
+) -> Result<Vec<Sources>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for name in names {
+        let Some(bench) = scenes::load(name, size, e_px, None)? else { continue };
+        let uploaded = renderer.upload(&bench.scene)?;
+        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method));
+        let (pair, naive) = (render(Method::BRACKET)?, render(Method::Naive)?);
+        let picture = |kind: &str, caption: &str, picture: &Pixels| {
+            let (scene, method) = ((*name).to_owned(), Method::BRACKET.to_string());
+            png(picture).map(|png| Picture { scene, method, kind: kind.into(), caption: caption.into(), png })
+        };
+        let mut pictures = vec![picture("right", "the right eye", &pair.right.picture())?];
+        pictures.push(picture("re-trace map", "where surfaces come from", &pair.retrace_picture())?);
+        if let Some(map) = pair.shadow_picture() {
+            pictures.push(picture("shadow map", "where shadows come from", &map)?);
+        }
+        let caption = format!("right eye less naive's, {GAIN} times as large");
+        pictures.push(picture(&format!("difference x{GAIN}"), &caption, &difference(&pair, &naive))?);
+        let pixels = f64::from(size[0]) * f64::from(size[1]);
+        let share = |wanted| 100.0 * pair.source.iter().filter(|source| **source == wanted).count() as f64 / pixels;
+        let taken = pair.shadow_source.iter().filter(|source| **source == ShadowSource::Taken).count();
+        all.push(Sources {
+            scene: (*name).to_owned(),
+            width: size[0],
+            height: size[1],
+            e_px,
+            lights: bench.scene.lights.len(),
+            found: share(PixelSource::Reused),
+            deeper: share(PixelSource::Bad),
+            unbound: share(PixelSource::Missed),
+            shadows_taken: 100.0 * taken as f64 / pixels,
+            differing: metrics::compare(&pair.right, &naive.right, &pair.pose)?.differing_percent,
+            pictures,
+        });
+    }
+    Ok(all)
 }
 
 /// What all but a thousandth of the pixels cost less than.

@@ -1,4 +1,10 @@
-//! The report: plots by question and scene, the pictures and a table of all records, in one page that stands alone.
+//! The report: plots by question and scene, the pictures and a table of all records, in one page that stands alone. Sections
+//! of other matters are in files of their own beside this one.
+
+#[path = "report/sources.rs"]
+mod sources;
+#[path = "report/stability.rs"]
+mod stability;
 
 use std::{
     cmp::Reverse,
@@ -17,6 +23,7 @@ use plotters::{
     },
 };
 
+pub(crate) use self::{sources::Sources, stability::Stability};
 use crate::{
     common::{
         chart::{FONT, GRID, INK, Point, frontier},
@@ -49,12 +56,22 @@ pub(crate) struct Picture {
     pub(crate) png: Vec<u8>,
 }
 
+/// What the page is made of.
+#[derive(Default)]
+pub(crate) struct Content {
+    pub(crate) records: Vec<Record>,
+    pub(crate) pictures: Vec<Picture>,
+    pub(crate) sources: Vec<Sources>,
+    /// `None` if that benchmark has not run.
+    pub(crate) stability: Option<Stability>,
+}
+
 /// Writes report.html and its plots, an SVG file each, into `folder`, all or none, and returns their paths, the page's
 /// last. Of a configuration that was measured more than once the plots show the last record, the table all.
-pub(crate) fn write(records: &[Record], pictures: &[Picture], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let names = Names::of(records, pictures);
-    let sections = sections(records, &names, BANDS)?;
-    let page = page(records, pictures, &names, &sections);
+pub(crate) fn write(content: &Content, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let names = Names::of(&content.records, &content.pictures);
+    let sections = sections(&content.records, &names, BANDS)?;
+    let page = page(content, &names, &sections);
     let figures = sections.into_iter().flat_map(|section| section.groups).flat_map(|group| group.figures);
     let mut files: Vec<(String, String)> = figures.map(|figure| (format!("{}.svg", figure.name), figure.svg)).collect();
     files.push(("report.html".into(), page));
@@ -68,8 +85,21 @@ struct Names {
 }
 
 /// The methods whose looks are the same in every report; others follow as they come.
-const METHODS: [&str; 8] =
-    ["naive", "ideal", "atomic", "buffer", "buffer-2e", "es-isler", "adelson-hodges", "atomic-edges"];
+const METHODS: [&str; 10] = [
+    "naive",
+    "ideal",
+    "atomic",
+    "buffer",
+    "buffer-2e",
+    "es-isler",
+    "adelson-hodges",
+    "atomic-edges",
+    "bracket",
+    "verified",
+];
+/// Those that the thesis does not have, and those that only its future work names.
+const OWN: [&str; 4] = ["bracket", "verified", "bracket-rays", "auto"];
+const FUTURE_WORK: [&str; 2] = ["atomic-edges", "buffer-edges"];
 
 impl Names {
     fn of(records: &[Record], pictures: &[Picture]) -> Self {
@@ -438,12 +468,7 @@ fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) -> Result<Gro
     let mut figures: Vec<Figure> = Vec::new();
     for adapter in distinct(suite.iter().map(|record| &record.adapter)) {
         let of_adapter = suite.iter().copied().filter(|record| record.adapter == *adapter);
-        let nearest = |scene: &String| {
-            let of_scene = of_adapter.clone().filter(|record| record.scene == *scene);
-            let width = of_scene.clone().map(|record| record.width);
-            let width = width.min_by_key(|width| (width.abs_diff(ACCURACY_WIDTH), Reverse(*width)));
-            of_scene.filter(move |record| Some(record.width) == width).collect::<Vec<_>>()
-        };
+        let nearest = |scene| nearest_width(of_adapter.clone(), scene);
         let taken: Vec<&Record> = names.scenes.iter().flat_map(nearest).collect();
         let dots = taken.iter().map(|record| Dot {
             scene: names.scene(&record.scene),
@@ -483,6 +508,14 @@ fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) -> Result<Gro
     Ok(Group { slug: cost.slug, title: cost.title, sentence, figures, note })
 }
 
+/// A scene's records of the width nearest to [`ACCURACY_WIDTH`].
+fn nearest_width<'a>(records: impl Iterator<Item = &'a Record> + Clone, scene: &String) -> Vec<&'a Record> {
+    let of_scene = records.filter(|record| record.scene == *scene);
+    let width = of_scene.clone().map(|record| record.width);
+    let width = width.min_by_key(|width| (width.abs_diff(ACCURACY_WIDTH), Reverse(*width)));
+    of_scene.filter(move |record| Some(record.width) == width).collect()
+}
+
 /// Lower case letters, digits, - and _ of a name.
 fn slug(name: &str) -> String {
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-_".contains(c);
@@ -515,8 +548,8 @@ fn count(number: usize, noun: &str) -> String {
 
 // ---- plots ----
 
-/// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow.
-const COLORS: [RGBColor; 8] = [
+/// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow, and two more.
+const COLORS: [RGBColor; 10] = [
     RGBColor(0, 0, 0),
     RGBColor(140, 81, 10),
     RGBColor(0, 114, 178),
@@ -525,9 +558,11 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(0, 158, 115),
     RGBColor(86, 180, 233),
     RGBColor(204, 121, 167),
+    RGBColor(84, 39, 136),
+    RGBColor(150, 0, 60),
 ];
 /// Lengths of stroke and gap in turn, in pixels.
-const DASHES: [&[f64]; 8] = [
+const DASHES: [&[f64]; 11] = [
     &[],
     &[2.0, 5.0],
     &[],
@@ -536,11 +571,14 @@ const DASHES: [&[f64]; 8] = [
     &[6.0, 4.0],
     &[18.0, 3.0, 2.0, 3.0, 2.0, 3.0],
     &[3.0, 3.0],
+    &[],
+    &[9.0, 3.0],
+    &[4.0, 8.0],
 ];
 const DOTS: &[f64] = &[2.0, 4.0];
-/// Corners of the methods' markers, about their point; without any a circle.
+/// Corners of the methods' markers, about their point; without any a circle. No two methods of a run share one.
 #[rustfmt::skip]
-const SHAPES: [&[Pixel]; 10] = [
+const SHAPES: [&[Pixel]; 13] = [
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],
     &[(0, -7), (7, 0), (0, 7), (-7, 0)],
     &[],
@@ -551,6 +589,9 @@ const SHAPES: [&[Pixel]; 10] = [
     &[(0, -8), (2, -3), (8, -2), (3, 1), (5, 7), (0, 3), (-5, 7), (-3, 1), (-8, -2), (-2, -3)],
     &[(-5, -7), (7, 0), (-5, 7)],
     &[(5, -7), (-7, 0), (5, 7)],
+    &[(-8, -3), (8, -3), (8, 3), (-8, 3)],
+    &[(-3, -8), (3, -8), (3, 8), (-3, 8)],
+    &[(-6, -7), (6, -7), (-6, 7), (6, 7)],
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -711,7 +752,9 @@ impl Scatter<'_> {
         drawing(Self::SIZE, self.title, |root| {
             heading(root, self.title, self.source)?;
             for (panel, y_label) in PANELS.into_iter().enumerate() {
-                let errors: Vec<f64> = self.dots.iter().map(|dot| dot.errors[panel]).collect();
+                // A mean can lie below all errors but zero.
+                let means = means(self.dots, panel).into_iter().map(|(_, mean)| mean.1);
+                let errors: Vec<f64> = self.dots.iter().map(|dot| dot.errors[panel]).chain(means).collect();
                 let y = Axis::of(Rule::Decades, &errors);
                 let top = 62 + panel as i32 * (Self::PANEL + 14);
                 let frame = Frame { left: 78, right, top, bottom: top + Self::PANEL, x: &self.x, y: &y };
@@ -1060,7 +1103,8 @@ fn label(value: f64) -> String {
 // ---- the page ----
 
 /// The whole page.
-fn page(records: &[Record], pictures: &[Picture], names: &Names, sections: &[Section]) -> String {
+fn page(content: &Content, names: &Names, sections: &[Section]) -> String {
+    let Content { records, pictures, sources, stability } = content;
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>{TITLE}</title>\n<style>{STYLE}</style>\n</head>\n\
@@ -1073,6 +1117,8 @@ fn page(records: &[Record], pictures: &[Picture], names: &Names, sections: &[Sec
         let _ = writeln!(html, "<h2 id=\"{}\">{}</h2>", section.slug, escape(section.title));
         section.groups.iter().for_each(|group| html += &group_html(group));
     }
+    html += &sources::html(sources, records, names);
+    html += &stability::html(stability.as_ref());
     html += &gallery(pictures, names);
     html += &table(records);
     let _ = write!(html, "<script>{SCRIPT}</script>\n</body>\n</html>\n");
@@ -1107,13 +1153,31 @@ fn preamble(records: &[Record], names: &Names) -> String {
          <p>Scenes: {}.</p>\n\
          <p class=\"note\">The meshes are not the thesis's own, which has a Sponza of 279,163 triangles, a Buddha of \
          1,087,716 and a Dragon of 1,132,830. Where the picture's size is varied e stays {e} pixels, so the interaxial \
-         in the world shrinks as the picture widens. Times are medians over the rounds, of the passes alone.</p>\n",
+         in the world shrinks as the picture widens. Times are medians over the rounds, of the passes alone.</p>\n{}",
         list(|record| &record.adapter),
         list(|record| &record.driver),
         list(|record| &record.commit),
         count(records.len(), "record"),
         if measured.is_empty() { "none" } else { &measured },
+        whose_methods(records),
     )
+}
+
+/// Which of the measured methods are the thesis's and which are not.
+fn whose_methods(records: &[Record]) -> String {
+    let measured = distinct(records.iter().map(|record| record.method.as_str()));
+    let named = |wanted: &dyn Fn(&&str) -> bool| {
+        let names = measured.iter().filter(|method| wanted(method));
+        names.map(|method| format!("<code>{}</code>", escape(method))).collect::<Vec<_>>().join(", ")
+    };
+    let parts = [
+        ("The thesis's, with its buffer in several depths", named(&|m| !OWN.contains(m) && !FUTURE_WORK.contains(m))),
+        ("Named by the thesis as future work", named(&|m| FUTURE_WORK.contains(m))),
+        ("Not the thesis's but this project's own", named(&|m| OWN.contains(m))),
+    ];
+    let parts = parts.iter().filter(|(_, names)| !names.is_empty());
+    let text = parts.map(|(whose, names)| format!("{whose}: {names}.")).collect::<Vec<_>>().join(" ");
+    if text.is_empty() { text } else { format!("<p>Methods. {text}</p>\n") }
 }
 
 fn contents(sections: &[Section]) -> String {
@@ -1126,7 +1190,16 @@ fn contents(sections: &[Section]) -> String {
         }
         html += "</ul></li>\n";
     }
-    html += "<li><a href=\"#pictures\">Pictures</a></li>\n<li><a href=\"#records\">Records</a></li>\n</ul>\n</nav>\n";
+    let last = [
+        (sources::SLUG, sources::TITLE),
+        (stability::SLUG, stability::TITLE),
+        ("pictures", "Pictures"),
+        ("records", "Records"),
+    ];
+    for (slug, title) in last {
+        let _ = writeln!(html, "<li><a href=\"#{slug}\">{title}</a></li>");
+    }
+    html += "</ul>\n</nav>\n";
     html
 }
 
@@ -1172,21 +1245,25 @@ fn gallery(pictures: &[Picture], names: &Names) -> String {
             }
             let _ = writeln!(html, "<h4>{}</h4>\n<div class=\"pictures\">", escape(method));
             for picture in of_method {
-                let kind = escape(&picture.kind);
-                let alt = escape(&format!("{}, {method}: {}", scenes::title(scene), picture.kind));
-                let _ = writeln!(
-                    html,
-                    "<figure><label><input type=\"checkbox\" aria-label=\"enlarge\"><img loading=\"lazy\" \
-                     alt=\"{alt}\" src=\"data:image/png;base64,{}\"></label><figcaption><b>{kind}</b> \
-                     {}</figcaption></figure>",
-                    base64(&picture.png),
-                    escape(&picture.caption)
-                );
+                html += &figure(picture);
             }
             html += "</div>\n";
         }
     }
     html
+}
+
+/// A picture that a click enlarges.
+fn figure(picture: &Picture) -> String {
+    let alt = format!("{}, {}: {}", scenes::title(&picture.scene), picture.method, picture.kind);
+    format!(
+        "<figure><label><input type=\"checkbox\" aria-label=\"enlarge\"><img loading=\"lazy\" alt=\"{}\" \
+         src=\"data:image/png;base64,{}\"></label><figcaption><b>{}</b> {}</figcaption></figure>\n",
+        escape(&alt),
+        base64(&picture.png),
+        escape(&picture.kind),
+        escape(&picture.caption)
+    )
 }
 
 /// A table's cell: what it shows, and the number it is sorted by where that is another.
@@ -1288,6 +1365,13 @@ figure { margin: 0; min-width: 0; break-inside: avoid; }
 .plots svg { display: block; width: 100%; min-width: 440px; max-width: 820px; height: auto; }
 figcaption { font-size: 0.85em; color: #444; overflow-wrap: anywhere; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 165px), 1fr)); gap: 12px; }
+.sources { grid-template-columns: repeat(auto-fill, minmax(min(100%, 300px), 1fr)); }
+.legend { list-style: none; padding: 0; }
+.swatch { display: inline-block; width: 1em; height: 1em; margin-right: 0.5em; vertical-align: -0.15em; }
+.green { background: #008000; }
+.red { background: #e00000; }
+.yellow { background: #f0c800; }
+.black { background: #000; }
 .pictures input { position: absolute; opacity: 0; }
 .pictures img { display: block; width: 100%; height: auto; cursor: zoom-in; background: #eee; }
 .pictures input:focus-visible + img { outline: 3px solid #0057a3; }
@@ -1301,6 +1385,14 @@ th[aria-sort=ascending] span::after { content: ' \\2191'; }
 th[aria-sort=descending] span::after { content: ' \\2193'; }
 td { padding: 2px 6px; border-top: 1px solid #eee; white-space: nowrap; }
 th, td { text-align: left; }
+.plain th, .suite th { padding: 4px 6px; }
+.plain table, .suite table { font-size: 0.8em; }
+.suite thead { position: sticky; top: 0; z-index: 1; }
+.suite thead th, .suite td.error { font-weight: normal; }
+.suite tbody th { left: 0; font-weight: normal; min-width: 14em; border-top: 1px solid #ddd; }
+.suite .first { border-left: 1px solid #aaa; }
+.suite .error { white-space: normal; }
+.stability svg { display: block; width: 100%; max-width: 820px; height: auto; }
 .n { text-align: right; }
 @page table { size: landscape; }
 @media print {
@@ -1313,6 +1405,8 @@ th, td { text-align: left; }
   .pictures { grid-template-columns: repeat(4, 1fr); }
   .table { page: table; overflow: visible; max-height: none; border: 0; }
   table { font-size: 8px; }
+  .suite table { font-size: 6px; }
+  .suite th { min-width: 0; padding: 1px; }
   th { position: static; }
   th span, td { padding: 1px 3px; }
 }
@@ -1449,12 +1543,12 @@ mod tests {
     #[test]
     fn page_without_records_says_what_it_leaves_out() -> Result<(), Box<dyn Error>> {
         let folder = std::env::temp_dir().join(format!("stereotrace-report-{}", std::process::id()));
-        let paths = write(&[], &[], &folder)?;
+        let paths = write(&Content::default(), &folder)?;
         let page = std::fs::read_to_string(&paths[0])?;
         let left = std::fs::read_dir(&folder)?.count();
         std::fs::remove_dir_all(&folder)?;
         assert_eq!((paths.len(), left), (1, 1));
-        assert_eq!(page.matches("class=\"none\"").count(), QUESTIONS.len() + COSTS.len() + 2);
+        assert_eq!(page.matches("class=\"none\"").count(), QUESTIONS.len() + COSTS.len() + 5);
         Ok(())
     }
 }

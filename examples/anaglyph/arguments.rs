@@ -29,9 +29,9 @@ pub(crate) struct Arguments {
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// How the right view is made: naive, ideal, atomic, buffer, buffer-2e, buffer-N (slots), es-isler,
-    /// adelson-hodges, atomic-edges or buffer-edges
-    #[arg(long, default_value_t = Method::ATOMIC)]
+    /// How the right view is made: auto (bracket or naive, whichever is likely cheaper), naive, ideal, atomic, buffer, buffer-2e, buffer-N (slots), es-isler,
+    /// adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
+    #[arg(long, default_value_t)]
     pub(crate) method: Method,
     /// Count BVH nodes and primitive tests (slower)
     #[arg(long)]
@@ -46,10 +46,11 @@ pub(crate) struct Arguments {
     /// Write both eyes as one picture: side-by-side, half-side-by-side, cross-eyed, top-bottom or half-top-bottom
     #[arg(long, value_name = "KIND")]
     pub(crate) packing: Option<Packing>,
-    /// Exchange the eyes in everything that is written, except the re-trace map
+    /// Exchange the eyes in everything that is written, except the re-trace and shadow maps
     #[arg(long)]
     pub(crate) swap: bool,
-    /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map and both eyes' time views (PNG)
+    /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map, its shadow map where a bracket
+    /// method made it, and both eyes' time views (PNG)
     #[arg(long)]
     pub(crate) dump: bool,
     /// Sky: a PNG, JPEG or HDR file (equirectangular), or `procedural` [default: the scene's]

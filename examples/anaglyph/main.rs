@@ -145,6 +145,7 @@ fn write(arguments: &Arguments, pair: &StereoPair, number: &str) -> Result<Vec<P
     }
     if arguments.dump {
         pictures.push((format!("retrace{number}.png"), pair.retrace_picture()));
+        pictures.extend(pair.shadow_picture().map(|picture| (format!("shadows{number}.png"), picture)));
         // One scale for both eyes: white is what all but a thousandth of the left pixels stay below.
         let mut costs = pair.left.cost.clone();
         costs.sort_unstable();

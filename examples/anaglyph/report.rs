@@ -42,6 +42,9 @@ impl Display for Report<'_> {
         let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
         line(f, "camera", format!("{width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}"))?;
         line(f, "method", self.method_line())?;
+        if let Some(choice) = statistics.choice {
+            line(f, "chose", choice)?;
+        }
 
         match &statistics.times {
             None => line(f, "passes", "no timestamps")?,

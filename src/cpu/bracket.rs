@@ -1,5 +1,5 @@
-//! Twins of `bracket`'s passes: shaders/bound_tiles.wgsl, the fate of pixels in resolve_tiles.wgsl, and shadow bits
-//! (shared/taken_bits.wgsl, bits_two.wgsl, bits_block.wgsl), for scenes without vertex normals.
+//! Twins of the passes of `bracket`: `bound_tiles.wgsl`, the fate of pixels in `resolve_tiles.wgsl`, and shadow bits
+//! (`shared/taken_bits.wgsl`, `bits_two.wgsl`, `bits_block.wgsl`), for scenes without vertex normals.
 
 use glam::Vec3;
 

@@ -53,6 +53,15 @@ impl StereoPair {
         Picture { width: self.right.width, height: self.right.height, rgba8: self.retrace_map() }
     }
 
+    /// [`StereoPair::shadow_map`] as a picture, the size of the right view. `None` where there is no such map.
+    pub fn shadow_picture(&self) -> Option<Picture> {
+        (!self.shadow_source.is_empty()).then(|| Picture {
+            width: self.right.width,
+            height: self.right.height,
+            rgba8: self.shadow_map(),
+        })
+    }
+
     /// Both eyes in one picture for coloured glasses, mixed in linear light ([`anaglyph()`]).
     pub fn anaglyph(&self, kind: Anaglyph) -> Picture {
         anaglyph(&self.left, &self.right, kind)
@@ -89,7 +98,7 @@ fn to_byte(encoded: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MISS, PixelSource, Statistics, StereoCamera, glam::Vec3};
+    use crate::{MISS, PixelSource, ShadowSource, Statistics, StereoCamera, glam::Vec3};
 
     /// The inverse of [`encode`], in f64 and from the standard's own constants.
     pub(super) fn decode(byte: u8) -> f64 {
@@ -144,13 +153,17 @@ mod tests {
     }
 
     #[test]
-    fn a_view_and_a_retrace_map_become_pictures_of_their_size() {
+    fn a_view_and_its_maps_become_pictures_of_their_size() {
         let colors = [[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 11, 12], [13, 14, 15], [16, 17, 18]];
-        let pair = pair(view(3, &colors), view(3, &colors));
+        let mut pair = pair(view(3, &colors), view(3, &colors));
         let picture = pair.left.picture();
         assert_eq!((picture.width, picture.height, picture.rgba8[5]), (3, 2, [16, 17, 18, 255]));
         let map = pair.retrace_picture();
         assert_eq!((map.width, map.height, &map.rgba8), (3, 2, &pair.retrace_map()));
+        assert_eq!(pair.shadow_picture(), None);
+        pair.shadow_source = vec![ShadowSource::Traced; colors.len()];
+        let map = pair.shadow_picture().unwrap();
+        assert_eq!((map.width, map.height, map.rgba8), (3, 2, pair.shadow_map()));
     }
 
     #[test]
