@@ -1,9 +1,10 @@
 //! Ray-traces a stereo pair on the GPU for little more than one eye's price, and says how exact the second eye is.
 //!
-//! The left view is traced. Each of its pixels is then carried to the right-eye pixel that sees the same point, which
-//! costs a few additions; a short ray checks that nothing stands in the way; and only what no left pixel can vouch for
-//! is traced again (Adelson & Hodges 1993; Al-Hagri 2012). What that saves and what it gets wrong is measured against
-//! tracing both views, in the same run.
+//! The left view is traced. Each of its samples then says how deep the right view must be searched where it lands: one query of
+//! the BVH a tile of right pixels finds what their rays hit, exactly, and shadows are taken over where left samples agree
+//! ([`Method::BRACKET`], docs/BRACKET.md). The methods that it goes beyond are here too: pixels carried from eye to eye and checked by
+//! short rays (Adelson & Hodges 1993; Al-Hagri 2012). What each saves and gets wrong is measured against tracing both
+//! views, in the same run.
 //!
 //! ```
 //! use stereotrace::{Scene, Sphere, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
@@ -34,6 +35,8 @@
 //! StereoCamera ─▶ trace_left     one thread a pixel or block of 2x2: closest hit, shade, keep depth and primitive
 //!              ─▶ reproject      atomicMax of the left column into the right-eye index buffer
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
+//!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky, trace_bounded and
+//!                                shade_listed for resolve_right)
 //!              ─▶ compose        8-bit sRGB of both views
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```

@@ -41,6 +41,9 @@ fn check(name: &str, triangles: usize) {
         return;
     }
 
+    let searched = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
+    assert!(searched.right == pair.right, "the tiles' search loses something");
+
     // obvhs's tree and traversal, with our triangle test as its closure. Its box test has no margin, so now and then it
     // loses a hit at a box's very edge.
     let boxes: Vec<Aabb> = scene
