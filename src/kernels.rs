@@ -459,7 +459,7 @@ impl Kernel {
         match self.samples(with) {
             Some(Read) => parts.push(part!("shared/samples_read.wgsl")),
             Some(Write) => parts.push(part!("shared/samples_written.wgsl")),
-            None if self.name == TRACE_LEFT.name => parts.push(part!("shared/samples_none.wgsl")),
+            None if self.touches == Touches::Shading => parts.push(part!("shared/samples_none.wgsl")),
             None => {}
         }
         parts.extend(self.extra);
@@ -479,7 +479,9 @@ impl Kernel {
 
     /// The text that the driver gets.
     pub(crate) fn text(&self, with: &Specialisation) -> String {
-        let mut text = format!("const STACK_SIZE: u32 = {}u;\n", with.stack_size);
+        // Six samples are told apart by their normals, two have room for an occluder.
+        let (stack, occluders) = (with.stack_size, with.bits == ShadowReuse::Two);
+        let mut text = format!("const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\n");
         for part in self.parts(with) {
             text += part.text;
         }

@@ -746,6 +746,12 @@ impl Passes<'_> {
         let p = self.picture;
         let mut buffer_depth = 0;
         self.clear(&[&p.counters, &p.right_source]).await?;
+        // What is kept of left samples depends on it.
+        self.specialisation.bits = match method {
+            Method::Auto => ShadowReuse::Two,
+            Method::Reuse { overlap: Overlap::Bracket(shadows), .. } => shadows,
+            _ => ShadowReuse::Rays,
+        };
         self.pass("trace_left", &kernels::TRACE_LEFT, &[&p.left_color, &p.hits, &p.counters]).await?;
         match method {
             Method::Naive => self.trace_right().await?,
@@ -754,7 +760,7 @@ impl Passes<'_> {
                 let choice = self.choose(pose).await?;
                 match choice.method {
                     Method::Naive => self.trace_right().await?,
-                    _ => self.resolve_bracket(ShadowReuse::Two).await?,
+                    _ => self.resolve_bracket().await?,
                 }
                 self.choice = Some(choice);
             }
@@ -769,7 +775,7 @@ impl Passes<'_> {
                     self.pass("mark_edges", &kernels::MARK_EDGES, &[&p.hits, &p.right_source]).await?;
                 }
                 match overlap {
-                    Overlap::Bracket(shadows) => self.resolve_bracket(shadows).await?,
+                    Overlap::Bracket(_) => self.resolve_bracket().await?,
                     _ => self.resolve_right().await?,
                 }
             }
@@ -868,9 +874,8 @@ impl Passes<'_> {
     }
 
     /// Pass 3 of `bracket`: primary visibility by tiles, the rest by rays; then shading, shadow rays where bits don't agree.
-    async fn resolve_bracket(&mut self, shadows: ShadowReuse) -> Result<(), Error> {
+    async fn resolve_bracket(&mut self) -> Result<(), Error> {
         let p = self.picture;
-        self.specialisation.bits = shadows;
         let search: &[_] = &[&p.right_source, &p.found, &p.counters, &p.lists];
         let resolve: &[_] = &[&p.found, &p.hits, &p.right_color, &p.counters, &p.lists];
         let listed: &[_] = &[&p.lists, &p.hits, &p.right_color, &p.counters];

@@ -21,10 +21,10 @@ fn agreed_bits(first: vec2u, depth: f32, component: u32, normal: vec3f, slot: u3
 
 fn smooth_bits(sample: LeftSample, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
     let bits = vouched_bits(sample, depth, component);
-    let other = primitive_at(select(sample.slot, slot, bits == 0u));
+    let other = primitive_at(select(sample.other, slot, bits == 0u));
     // The side does not matter: beside each other and both seen, they are seen from the same.
     let its_normal = normalize(largest_one(cross(largest_one(other.b - other.a), largest_one(other.c - other.a))));
     // A component that is a sphere's has no other primitive.
-    let same = sample.slot == slot || (component & IS_SPHERE) != 0u || abs(dot(its_normal, normal)) >= SAME_NORMAL;
+    let same = sample.other == slot || (component & IS_SPHERE) != 0u || abs(dot(its_normal, normal)) >= SAME_NORMAL;
     return select(0u, bits, same);
 }

@@ -181,5 +181,11 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
 
 // Is anything hit with t in [t_min, t_max]? As closest_hit else.
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
-    return traverse(rays, t_min, t_max, true).primitive != U(MISS);
+    return any_slot(rays, t_min, t_max) != U(MISS);
+}
+
+// The place in `primitives` of something that is, or MISS.
+fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
+    let hits = traverse(rays, t_min, t_max, true);
+    return select(hits.slot, U(MISS), hits.primitive == U(MISS));
 }

@@ -22,3 +22,7 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return t_max < t_max;
 }
+
+fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
+    return U(MISS);
+}

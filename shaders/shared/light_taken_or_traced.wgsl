@@ -1,4 +1,5 @@
-// Whether a light is seen: as the left view's samples say, and by a shadow ray where they don't agree.
+// Whether a light is seen: as the left view's samples say; where they don't agree, what hides a light from one of them is tried before
+// a shadow ray is traced: if that is met, it is proof.
 
 var<private> taken: Taken;
 // Pixels that needed a shadow ray.
@@ -9,10 +10,31 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let unknown = wanted & !known;
     asked |= unknown;
     var lit = wanted & known & is_lit(taken, light);
-    if any_ray(unknown) { lit |= unknown & !shadowed(ray, unknown); }
+    if any_ray(unknown) {
+        var open = unknown;
+        if KEEP_OCCLUDERS { open &= !hidden_likewise(unknown, ray); }
+        if any_ray(open) { lit |= open & (occluders_of(ray, open) == U(MISS)); }
+    }
     return lit;
 }
 
 fn light_bits() -> U {
     return U(0u);
+}
+
+// Which rays meet what hides some light from one of the left samples beside their points.
+fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
+    var hidden: U;
+    var index = 0u;
+    loop {
+        let a = of_ray_u(taken.occluders_a, index);
+        let b = of_ray_u(taken.occluders_b, index);
+        if of_ray_b(unknown, index) {
+            if a != MISS && is_occluded_by(a, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
+            if b != MISS && b != a && is_occluded_by(b, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
+        }
+        index += 1u;
+        if index >= RAYS { break; }
+    }
+    return hidden == U(1u);
 }

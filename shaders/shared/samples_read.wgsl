@@ -1,7 +1,7 @@
 // What the left view's samples saw.
 struct LeftSample {
     depth: f32,       // along the view axis (FAR: nothing hit)
-    slot: u32,        // place in `primitives`, any where nothing was hit
+    other: u32,       // a place in `primitives`: with KEEP_OCCLUDERS of what hides some light, MISS where nothing does; else its own
     component: u32,   // of connected primitives
     bits: u32,        // of the first 16 lights: it is seen, from bit 0; a shadow ray asked, from bit 16
 }

@@ -5,7 +5,16 @@ const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 
 var<private> shadow_rays: u32;
 
-fn shadowed(ray: ShadowRay, wanted: B) -> B {
+// What stands in the way, by its place in `primitives`; MISS where nothing does.
+fn occluders_of(ray: ShadowRay, wanted: B) -> U {
     shadow_rays += count_rays(wanted);
-    return any_hit(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));
+    return any_slot(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));
+}
+
+// Whether a primitive stands in the way of one of the rays, as traversal would find it.
+fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
+    if COUNT { primitives_tested += 1u; }
+    let per_length_squared = 1.0 / dot3(ray.direction, ray.direction);
+    let t = of_ray(intersect(primitive_at(slot), Rays(ray.light, ray.direction), per_length_squared, F(0.0)), index);
+    return (t >= 0.0) & (t <= of_ray(ray.distance, index));
 }

@@ -5,6 +5,8 @@
 struct Taken {
     known: U,
     lit: U,
+    occluders_a: U,   // places in `primitives` of what hides some light from the samples on both sides of the point, or MISS
+    occluders_b: U,
 }
 
 // Parallaxes of samples and point differ by no more than this, pixels.
@@ -19,8 +21,7 @@ fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(ligh
 
 // Bits of one hit point at a right pixel, and which of them count, as in LeftSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
-    var known: U;
-    var lit: U;
+    var result = Taken(U(0u), U(0u), U(MISS), U(MISS));
     var ray = 0u;
     loop {
         let pixel = pixel_of_ray(pixels, ray);
@@ -28,19 +29,24 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
         let position = f32(pixel.x) + 0.5 - parallax(depth);
         let column = floor(position - 0.5);
         let usable = of_ray_b(surfaces.there, ray) & (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
+        let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
         let agreed = agreed_bits(
-            vec2u(u32(select(0.0, column, usable)), pixel.y),
+            first,
             depth,
             of_ray_u(surfaces.component, ray),
             of_ray3(surfaces.geometric_normal, ray),
             of_ray_u(hits_there.slot, ray),
         );
-        known = with_ray_u(known, ray, select(0u, agreed >> 16u, usable));
-        lit = with_ray_u(lit, ray, agreed & 0xffffu);
+        result.known = with_ray_u(result.known, ray, select(0u, agreed >> 16u, usable));
+        result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
+        if KEEP_OCCLUDERS && usable {
+            result.occluders_a = with_ray_u(result.occluders_a, ray, left_sample(first).other);
+            result.occluders_b = with_ray_u(result.occluders_b, ray, left_sample(first + vec2u(1u, 0u)).other);
+        }
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    return Taken(known, lit);
+    return result;
 }
 
 // The bits of a left sample as far as it vouches for a point of that depth and component.
