@@ -444,7 +444,10 @@ impl Kernel {
                 SkyKind::Map => part!("shared/sky_map.wgsl"),
             });
             match with.lights {
-                true => parts.extend([with.shadows.part(), part!("shared/lights.wgsl")]),
+                true => {
+                    let shadows = if with.triangles || with.spheres { with.shadows } else { Shadows::None };
+                    parts.extend([shadows.part(), part!("shared/lights.wgsl")]);
+                }
                 false => parts.extend([Shadows::None.part(), part!("shared/lights_none.wgsl")]),
             }
             if matches!(self.name, "resolve_tiles" | "trace_bounded" | "shade_listed") {
