@@ -14,7 +14,7 @@ use crate::{
     auto::CostModel,
     bvh,
     gpu::{Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
-    kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Specialisation, Touches},
+    kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Shadows, Specialisation, Touches},
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
     traversal::{Fetch, Traversal},
@@ -146,6 +146,14 @@ impl UploadedScene {
         let table = gpu.checked(upload).await?;
         let _ = self.object_table.set(table); // another frame's is as good
         Ok(())
+    }
+
+    /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
+    fn choose_early(&self, gpu: &Gpu, pose: &Pose) -> Option<Choice> {
+        let lights = if self.specialisation.shadows == Shadows::None { 0 } else { self.lights };
+        let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
+        let best = CostModel::of(gpu).choose(pose, u64::from(lights) * pixels, 0);
+        (best.method == Method::Naive).then_some(best)
     }
 
     /// # Errors
@@ -495,6 +503,8 @@ impl Renderer {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, pose, scene);
         method.check()?;
+        let early = if method == Method::Auto { scene.choose_early(&self.gpu, pose) } else { None };
+        let method = early.map_or(method, |choice| choice.method);
         let kept = Kept::of(options.g_buffer, method);
         let need = Need {
             size: pose.size,
@@ -531,7 +541,7 @@ impl Renderer {
         let (slot_bytes, host, choice) = (passes.slot_bytes, passes.host, passes.choice);
         let method = choice.map_or(method, |choice| choice.method);
         let mut statistics = self.statistics(&picture, method).await?;
-        statistics.choice = choice;
+        statistics.choice = choice.or(early);
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes += slot_bytes;
         if let Some(timestamps) = &self.timestamps {

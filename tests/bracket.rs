@@ -97,6 +97,16 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
     assert!(chosen.contains("bracket") && chosen.contains("naive"), "{chosen:?}");
 }
 
+#[test]
+fn auto_is_naive_from_the_start_where_there_are_no_shadows_to_take_over() {
+    let mut scene = Builtin::Hall.scene();
+    scene.shadows = false;
+    let pair = render(&scene, &Builtin::Hall.camera(61, 45), Method::Auto);
+    let on_a_cpu = renderer().gpu().adapter_info().device_type == stereotrace::wgpu::DeviceType::Cpu;
+    assert_eq!(pair.statistics.method == Method::Naive, on_a_cpu);
+    assert!(pair.statistics.choice.is_some());
+}
+
 /// Triangles and spheres over a floor, some sharing corners, with lights all around.
 fn random_scene(seed: u64) -> Scene {
     let mut random = Random(seed);
