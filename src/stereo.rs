@@ -234,7 +234,10 @@ impl Picture {
         let what = format!("a {}x{} picture", size[0], size[1]);
         let counters = 4 * (u64::from(size[1]) * layout::COUNTERS as u64 + if cost_map { 2 * pixels } else { 0 });
         let hits = pixels.saturating_mul(2 * kept.bytes());
-        check_bytes(&what, pixels.saturating_mul(16).max(counters).max(hits), allowed, "render a smaller one")?;
+        let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
+        let found = if kept == Kept::Samples { found_bytes(size[0], band_rows(size, band_pixels)) } else { 0 };
+        let largest = pixels.saturating_mul(16).max(counters).max(hits).max(found);
+        check_bytes(&what, largest, allowed, "render a smaller one")?;
         let side = gpu.limits.max_texture_dimension_2d;
         if kept == Kept::Samples && size[0].max(size[1]) > side {
             return Err(Error::Limit {
@@ -257,9 +260,6 @@ impl Picture {
             });
         }
         let storage = |label, bytes| gpu.storage_buffer(label, bytes);
-        let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
-        let tiles = u64::from(size[0].div_ceil(layout::TILE) * (band_rows(size, band_pixels) / layout::TILE));
-        let found = 4 * tiles * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS);
         Ok(Self {
             size,
             kept,
@@ -272,7 +272,7 @@ impl Picture {
             right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
             lists: storage("lists", if reuse { layout::LISTS_HEADS + 4 * band * 4 } else { 0 }),
             samples: (kept == Kept::Samples).then(|| samples_texture(gpu, size)),
-            found: storage("found", if kept == Kept::Samples { found } else { 0 }),
+            found: storage("found", found),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("indirect"),
                 size: 12,
@@ -343,6 +343,12 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),
         remedy: "use fewer primitives",
     })
+}
+
+/// Bytes of the lists that `search_tiles` makes of so many rows.
+fn found_bytes(width: u32, rows: u32) -> u64 {
+    let tiles = u64::from(width.div_ceil(layout::TILE)) * u64::from(rows.div_ceil(layout::TILE));
+    4 * tiles * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS)
 }
 
 /// Rows of a dispatch: whole workgroups of them.
