@@ -53,10 +53,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
 
 fn search(tile: Tile, lists: u32, limit: f32) {
     let projection = projection_of(tile);
-    let to_grid = bvh.grid_origin - frame.right_eye;
-    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
-    let to_low = to_grid - slack;
-    let to_high = to_grid + slack;
+    let to_grid = offsets_from(frame.right_eye);
     var stack: array<u32, STACK_SIZE>;
     stack[0] = DONE;
     var top = 0;
@@ -67,8 +64,8 @@ fn search(tile: Tile, lists: u32, limit: f32) {
         var gathered = 0u;
         loop {
             if COUNT { nodes_visited += 1u; }
-            let a = child_at(2u * CHILD_TEXELS * link, to_low, to_high);
-            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_low, to_high);
+            let a = child_at(2u * CHILD_TEXELS * link, to_grid.low, to_grid.high);
+            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_grid.low, to_grid.high);
             if meets_frustum(a, projection, limit) {
                 if (a.link & LEAF) != 0u { leaves[gathered] = a.link; gathered += 1u; } else { top += 1; stack[top] = a.link; }
             }

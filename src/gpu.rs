@@ -261,10 +261,15 @@ impl Gpu {
             });
         }
         let width = if rows == 1 { texels.len().max(1) as u32 } else { TEXTURE_WIDTH };
-        let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
+        Ok(Texels::Texture(self.filled_texture(label, width, texels)))
+    }
+
+    /// A texture of texels in rows, the last of which may be short.
+    pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
+        let height = texels.len().div_ceil(width as usize).max(1) as u32;
         let texture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
-            size,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -292,7 +297,7 @@ impl Gpu {
         if !rest.is_empty() {
             write(full, rest, rest.len() as u32, 1);
         }
-        Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     /// Copies a buffer back to the host.

@@ -754,7 +754,7 @@ mod tests {
 
     #[test]
     fn counters_and_marks_have_the_same_numbers_in_both_languages() {
-        let types = [part!("shared/types.wgsl"), MARKS, TILES].map(|part| part.text).concat();
+        let types = [part!("shared/types.wgsl"), MARKS, TILES, LISTS].map(|part| part.text).concat();
         for (name, value) in [
             ("WORKGROUP", layout::WORKGROUP),
             ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
@@ -773,6 +773,10 @@ mod tests {
             ("MISSED", layout::MISSED),
             ("ASKED", layout::ASKED),
             ("GAP_PIXELS", layout::GAP_PIXELS as u32),
+            ("TO_TRACE", layout::TO_TRACE),
+            ("TO_LIGHT", layout::TO_LIGHT),
+            ("TO_RESOLVE", layout::TO_RESOLVE),
+            ("SKY", layout::SKY),
             ("TILE", layout::TILE),
             ("TILE_BLOCKS", layout::TILE_BLOCKS),
             ("LIST_WORDS", layout::LIST_WORDS),

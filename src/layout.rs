@@ -47,9 +47,16 @@ pub(crate) struct PixelHit {
 /// The place in `primitives` within the word that `hits_samples.wgsl` keeps of a pixel; all bits: nothing hit.
 pub(crate) const NO_SLOT: u32 = 0x0fff_ffff;
 
-/// Bytes of `Lists` before its pixels (`shaders/shared/lists.wgsl`): an indirect dispatch and a count for each of
-/// the lists `TO_TRACE`, `TO_LIGHT`, `TO_RESOLVE` and `SKY`.
-pub(crate) const LISTS_HEADS: u64 = 64;
+/// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of nothing, and no entries.
+pub(crate) const EMPTY_LIST: [u32; 4] = [0, 1, 1, 0];
+/// Lists in `Lists`, and which is which.
+pub(crate) const LISTS: usize = 4;
+pub(crate) const TO_TRACE: u32 = 0;
+pub(crate) const TO_LIGHT: u32 = 1;
+pub(crate) const TO_RESOLVE: u32 = 2;
+pub(crate) const SKY: u32 = 3;
+/// Bytes of `Lists` before its entries.
+pub(crate) const LISTS_HEADS: u64 = (LISTS * size_of::<[u32; 4]>()) as u64;
 /// Blocks of a tile, and words of each one's list of primitives (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE_BLOCKS: u32 = 16;
 pub(crate) const LIST_WORDS: u32 = 64;

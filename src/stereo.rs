@@ -270,7 +270,7 @@ impl Picture {
             right_color: storage("right_color", pixels * 16),
             hits: storage("hits", 2 * pixels * kept.bytes()),
             right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
-            lists: storage("lists", if reuse { layout::LISTS_HEADS + 4 * band * 4 } else { 0 }),
+            lists: storage("lists", if reuse { layout::LISTS_HEADS + layout::LISTS as u64 * band * 4 } else { 0 }),
             samples: (kept == Kept::Samples).then(|| samples_texture(gpu, size)),
             found: storage("found", found),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -299,22 +299,8 @@ impl Picture {
 }
 
 fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("left_samples"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Uint,
-        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    // Else wgpu clears it at its first use, and after a clear Mesa's software driver takes every timestamp too early.
-    let bytes_per_row = 16 * width;
-    let zeros = vec![0; bytes_per_row as usize * height as usize];
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
-    gpu.queue.write_texture(texture.as_image_copy(), &zeros, layout, texture.size());
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    // Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
+    gpu.filled_texture("left_samples", width, &vec![[0; 4]; width as usize * height as usize])
 }
 
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.
@@ -619,12 +605,16 @@ impl Renderer {
         statistics: Statistics,
     ) -> Result<StereoPair, Error> {
         let pixels = picture.size[0] as usize * picture.size[1] as usize;
+        // What bracket keeps has marks besides, so it is read whatever the user wants of it.
+        let samples: Vec<layout::PixelHit> = match picture.kept {
+            Kept::Samples => self.gpu.read(&picture.hits, 2 * pixels).await?,
+            _ => Vec::new(),
+        };
         let hits: Vec<layout::PixelHit> = match (options.g_buffer, picture.kept) {
             (GBuffer::None, _) | (_, Kept::None) => Vec::new(),
             (_, Kept::Samples) => {
-                let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
                 let id = |word: u32| scene.ids.get((word & layout::NO_SLOT) as usize).copied().unwrap_or(crate::MISS);
-                hits.iter().map(|hit| layout::PixelHit { primitive: id(hit.primitive), ..*hit }).collect()
+                samples.iter().map(|hit| layout::PixelHit { primitive: id(hit.primitive), ..*hit }).collect()
             }
             (_, Kept::Ids) => self.gpu.read(&picture.hits, 2 * pixels).await?,
             (_, Kept::Depth) => {
@@ -667,9 +657,9 @@ impl Renderer {
                 (vec![PixelSource::Reused; pixels], left_linear.clone())
             }
             Method::Reuse { overlap: Overlap::Bracket(_), .. } => {
-                let hits: Vec<layout::PixelHit> = self.gpu.read(&picture.hits, 2 * pixels).await?;
-                let source = hits[pixels..].iter().map(|hit| pixel_source(hit.primitive)).collect();
-                shadow_source = hits[pixels..].iter().map(|hit| shadow_source_of(hit.primitive)).collect();
+                let marks = || samples[pixels..].iter().map(|hit| hit.primitive);
+                let source = marks().map(pixel_source).collect();
+                shadow_source = marks().map(shadow_source_of).collect();
                 (source, self.gpu.read(&picture.right_color, pixels).await?)
             }
             Method::Reuse { .. } => {
@@ -858,8 +848,7 @@ impl Passes<'_> {
         self.bands(self.rows, kernels::RESOLVE_RIGHT.name, |this, encoder| {
             this.empty_lists();
             this.dispatch(encoder, &kernels::RESOLVE_RIGHT, resolve, Launch::Pixels);
-            encoder.copy_buffer_to_buffer(&p.lists, 0, &p.indirect, 0, Some(12));
-            this.dispatch(encoder, &kernels::TRACE_LISTED, trace, Launch::Indirect);
+            this.dispatch_listed(encoder, layout::TO_TRACE, &kernels::TRACE_LISTED, trace);
         })
         .await
     }
@@ -899,20 +888,33 @@ impl Passes<'_> {
             this.empty_lists();
             this.dispatch(encoder, &kernels::SEARCH_TILES, search, Launch::Tiles);
             for (list, kernel, buffers) in [
-                (2, &kernels::RESOLVE_TILES, resolve),
-                (3, &kernels::SHADE_SKY, listed),
-                (0, &kernels::TRACE_BOUNDED, listed),
-                (1, &kernels::SHADE_LISTED, listed),
+                (layout::TO_RESOLVE, &kernels::RESOLVE_TILES, resolve),
+                (layout::SKY, &kernels::SHADE_SKY, listed),
+                (layout::TO_TRACE, &kernels::TRACE_BOUNDED, listed),
+                (layout::TO_LIGHT, &kernels::SHADE_LISTED, listed),
             ] {
-                encoder.copy_buffer_to_buffer(&p.lists, 16 * list, &p.indirect, 0, Some(12));
-                this.dispatch(encoder, kernel, buffers, Launch::Indirect);
+                this.dispatch_listed(encoder, list, kernel, buffers);
             }
         })
         .await
     }
 
     fn empty_lists(&self) {
-        self.gpu.queue.write_buffer(&self.picture.lists, 0, bytemuck::cast_slice(&[[0_u32, 1, 1, 0]; 4]));
+        self.gpu.queue.write_buffer(&self.picture.lists, 0, bytemuck::cast_slice(&[layout::EMPTY_LIST; layout::LISTS]));
+    }
+
+    /// One kernel over what stands in a list. Its head is copied: what dispatches may not be bound for writing.
+    fn dispatch_listed(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        list: u32,
+        kernel: &Kernel,
+        buffers: &[&wgpu::Buffer],
+    ) {
+        let p = self.picture;
+        let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
+        encoder.copy_buffer_to_buffer(&p.lists, head, &p.indirect, 0, Some(p.indirect.size()));
+        self.dispatch(encoder, kernel, buffers, Launch::Indirect);
     }
 
     /// Pass 2 of `Buffer`, in bands of rows whose slots fit one binding.
@@ -1057,22 +1059,15 @@ impl Passes<'_> {
             };
             pass.set_bind_group(2, table, &[]);
         }
+        let [width, rows] = [self.picture.size[0], self.frame.row_end - self.frame.row_begin];
+        // Pixels of a thread in x and in y.
+        let mut over = |x: u32, y: u32| {
+            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows.div_ceil(WORKGROUP * y), 1);
+        };
         match launch {
-            Launch::Pixels => {
-                let rows = self.frame.row_end - self.frame.row_begin;
-                let side = WORKGROUP * kernel.block(&self.specialisation);
-                pass.dispatch_workgroups(self.picture.size[0].div_ceil(side), rows.div_ceil(side), 1);
-            }
-            Launch::Runs => {
-                let rows = self.frame.row_end - self.frame.row_begin;
-                let runs = self.picture.size[0].div_ceil(layout::TILE);
-                pass.dispatch_workgroups(runs.div_ceil(WORKGROUP), rows.div_ceil(WORKGROUP), 1);
-            }
-            Launch::Tiles => {
-                let rows = self.frame.row_end - self.frame.row_begin;
-                let side = WORKGROUP * layout::TILE;
-                pass.dispatch_workgroups(self.picture.size[0].div_ceil(side), rows.div_ceil(side), 1);
-            }
+            Launch::Pixels => over(kernel.block(&self.specialisation), kernel.block(&self.specialisation)),
+            Launch::Runs => over(layout::TILE, 1),
+            Launch::Tiles => over(layout::TILE, layout::TILE),
             Launch::Rows(workgroups) => pass.dispatch_workgroups(1, workgroups, 1),
             Launch::Indirect => pass.dispatch_workgroups_indirect(&self.picture.indirect, 0),
         }

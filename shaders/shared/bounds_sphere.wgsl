@@ -5,9 +5,9 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let radius = primitive.b.x;
     let z = dot(center, projection.forward);
     let columns = tangents(dot(center, frame.right_axis), z, radius);
-    let rows = tangents(dot(center, cross(frame.right_axis, projection.forward)), z, radius);
-    let per_column = 1.0 / dot(frame.step_x, frame.right_axis);
     let up = cross(frame.right_axis, projection.forward);
+    let rows = tangents(dot(center, up), z, radius);
+    let per_column = 1.0 / dot(frame.step_x, frame.right_axis);
     let per_row = 1.0 / dot(frame.step_y, up);
     let x = (columns - dot(frame.right_corner, frame.right_axis)) * per_column;
     let y = (rows - dot(frame.right_corner, up)) * per_row;

@@ -92,16 +92,25 @@ fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
     return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
 }
 
+// What brings boxes' corners from the grid's origin to theirs from a point.
+struct Offsets {
+    low: vec3f,
+    high: vec3f,
+}
+
+// Boxes are moved outwards by more than all absolute rounding in the slab and primitive tests can amount to; rounding relative to t is
+// BOX_MARGIN's.
+fn offsets_from(origin: vec3f) -> Offsets {
+    let to_grid = bvh.grid_origin - origin;
+    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
+    return Offsets(to_grid - slack, to_grid + slack);
+}
+
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let direction = rays.direction;
     let per_length_squared = 1.0 / dot3(direction, direction);
     let inverse = F3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
-    // Boxes are moved outwards by more than all absolute rounding in the slab and primitive tests can amount to;
-    // rounding relative to t is BOX_MARGIN's.
-    let to_grid = bvh.grid_origin - rays.origin;
-    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
-    let to_low = to_grid - slack;
-    let to_high = to_grid + slack;
+    let to_grid = offsets_from(rays.origin);
 
     var hits = Hits(t_max, U(MISS), U(0u));
     var stack: array<u32, STACK_SIZE>;
@@ -113,8 +122,8 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         // Down: into the nearer child, the farther one on the stack; up where both boxes are missed.
         loop {
             if COUNT { nodes_visited += 1u; }
-            let a = child_at(2u * CHILD_TEXELS * link, to_low, to_high);
-            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_low, to_high);
+            let a = child_at(2u * CHILD_TEXELS * link, to_grid.low, to_grid.high);
+            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_grid.low, to_grid.high);
             let entry_a = box_entry(a, inverse, t_min, hits.t);
             let entry_b = box_entry(b, inverse, t_min, hits.t);
             let a_first = entry_a <= entry_b;

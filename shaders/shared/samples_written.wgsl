@@ -3,6 +3,7 @@
 
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     let depth = bitcast<u32>(of_ray(samples.depth, ray));
-    let other = of_ray_u(select(samples.slot, found_occluders, U(u32(KEEP_OCCLUDERS)) == U(1u)), ray);
-    textureStore(left_samples, pixel, vec4u(depth, other, of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
+    var other = samples.slot;
+    if KEEP_OCCLUDERS { other = found_occluders; }
+    textureStore(left_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
 }
