@@ -30,7 +30,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     let list = tile_lists(first) + block_of(first) * LIST_WORDS;
     let bound = bitcast<f32>(found[list + 1u]);
     let rays = Rays(frame.right_eye, pixel_directions(frame.right_corner, pixels));
-    var nearest = nearest_listed(rays, list);
+    var nearest = nearest_listed(rays, list, pixels);
     let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
     nearest.primitive = select(U(MISS), nearest.primitive, finished);
 
@@ -73,22 +73,27 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
 }
 
 // The nearest hits among listed primitives.
-fn nearest_listed(rays: Rays, list: u32) -> Hits {
+fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
     let per_length_squared = 1.0 / dot3(rays.direction, rays.direction);
     let count = found[list];
+    let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
     var nearest = Hits(F(FAR), U(MISS), U(0u));
-    var entry = 0u;
+    var place = 0u;
     loop {
-        if entry >= count { break; }
-        if COUNT { primitives_tested += 1u; }
-        let slot = found[list + LIST_HEADER + entry];
-        let primitive = primitive_at(slot);
-        let t = intersect(primitive, rays, per_length_squared, F(0.0));
-        let hit = is_nearer(nearest, t, F(0.0), primitive.id);
-        nearest.t = select(nearest.t, t, hit);
-        nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
-        nearest.slot = select(nearest.slot, U(slot), hit);
-        entry += 1u;
+        if place >= count { break; }
+        let entry = found[list + LIST_HEADER + place];
+        // A block's four rays want nearly all of its list.
+        if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {
+            if COUNT { primitives_tested += 1u; }
+            let slot = entry & FIRST_SLOT;
+            let primitive = primitive_at(slot);
+            let t = intersect(primitive, rays, per_length_squared, F(0.0));
+            let hit = is_nearer(nearest, t, F(0.0), primitive.id);
+            nearest.t = select(nearest.t, t, hit);
+            nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
+            nearest.slot = select(nearest.slot, U(slot), hit);
+        }
+        place += 1u;
     }
     return nearest;
 }

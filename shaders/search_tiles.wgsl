@@ -54,38 +54,44 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
 fn search(tile: Tile, lists: u32, limit: f32) {
     let projection = projection_of(tile);
     let to_grid = offsets_from(frame.right_eye);
-    var stack: array<u32, STACK_SIZE>;
-    stack[0] = DONE;
-    var top = 0;
+    // Links to open from below, leaves from above.
+    var links: array<u32, STACK_SIZE + LEAVES>;
+    links[0] = DONE;
+    var top = 0u;
     var link = 0u;
     loop {
         // Leaves are gathered first: a subgroup's threads then do the same most of the time.
-        var leaves: array<u32, LEAVES>;
         var gathered = 0u;
         loop {
             if COUNT { nodes_visited += 1u; }
             let a = child_at(2u * CHILD_TEXELS * link, to_grid.low, to_grid.high);
             let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_grid.low, to_grid.high);
-            if meets_frustum(a, projection, limit) {
-                if (a.link & LEAF) != 0u { leaves[gathered] = a.link; gathered += 1u; } else { top += 1; stack[top] = a.link; }
-            }
-            if meets_frustum(b, projection, limit) {
-                if (b.link & LEAF) != 0u { leaves[gathered] = b.link; gathered += 1u; } else { top += 1; stack[top] = b.link; }
-            }
-            link = stack[top];
-            top -= 1;
+            let met_a = meets_frustum(a, projection, limit);
+            let met_b = meets_frustum(b, projection, limit);
+            // Written whether met or not: what stands past the ends does not count.
+            let leaf_a = (a.link & LEAF) != 0u;
+            links[select(top + 1u, STACK_SIZE + LEAVES - 1u - gathered, leaf_a)] = a.link;
+            top += select(0u, 1u, met_a & !leaf_a);
+            gathered += select(0u, 1u, met_a & leaf_a);
+            let leaf_b = (b.link & LEAF) != 0u;
+            links[select(top + 1u, STACK_SIZE + LEAVES - 1u - gathered, leaf_b)] = b.link;
+            top += select(0u, 1u, met_b & !leaf_b);
+            gathered += select(0u, 1u, met_b & leaf_b);
+            link = links[top];
+            top -= 1u;
             if link == DONE || gathered + 2u > LEAVES { break; }
         }
         var leaf = 0u;
-        var slot = leaves[0] & FIRST_SLOT;
-        var last = slot + ((leaves[0] >> 28u) & 7u);
+        let first_leaf = links[STACK_SIZE + LEAVES - 1u];
+        var slot = first_leaf & FIRST_SLOT;
+        var last = slot + ((first_leaf >> 28u) & 7u);
         loop {
             if leaf >= gathered { break; }
             list_primitive(slot, tile, lists, projection);
             slot += 1u;
             if slot > last {
                 leaf += 1u;
-                let next = leaves[min(leaf, LEAVES - 1u)];
+                let next = links[STACK_SIZE + LEAVES - 1u - min(leaf, LEAVES - 1u)];
                 slot = next & FIRST_SLOT;
                 last = slot + ((next >> 28u) & 7u);
             }
@@ -110,9 +116,17 @@ fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
             let block = u32(y) * BLOCKS + u32(x);
             let place = listed[block];
             listed[block] = place + 1u;
-            if place < LIST_MOST { found[lists + block * LIST_WORDS + LIST_HEADER + place] = slot; }
+            let entry = slot | pixels_of_block(covered, 2 * x, 2 * y) << FIRST_PIXEL_BIT;
+            if place < LIST_MOST { found[lists + block * LIST_WORDS + LIST_HEADER + place] = entry; }
         }
         x += 1;
         if x > last.x { x = first.x; y += 1; }
     }
+}
+
+// Which of a block's pixels are covered, a bit each, row by row.
+fn pixels_of_block(covered: vec4i, x: i32, y: i32) -> u32 {
+    let columns = select(0u, 1u, covered.x <= x) | select(0u, 2u, covered.z > x);
+    let rows = select(0u, 3u, covered.y <= y) | select(0u, 12u, covered.w > y);
+    return columns * 5u & rows;
 }
