@@ -4,7 +4,7 @@
 // Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
-fn agreed_bits(first: vec2u, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+fn agreed_bits(first: vec2u, way: f32, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
     if first.y == 0u || first.y + 1u >= frame.image_size.y { return 0u; }
     var row = first.y - 1u;
     var bits: u32;

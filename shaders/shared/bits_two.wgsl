@@ -1,7 +1,13 @@
-// `two`: the left samples on both sides of the point.
+// `two`: the left samples on both sides of the point. In a groove between them, deeper than the line from one to the other, a light that both
+// see may be hidden.
 
-fn agreed_bits(first: vec2u, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    let before = vouched_bits(left_sample(first), depth, component);
-    let after = vouched_bits(left_sample(first + vec2u(1u, 0u)), depth, component);
-    return agreeing(before, after);
+// Depth of a groove, pixels of parallax.
+const GROOVE: f32 = 1.0 / 128.0;
+
+fn agreed_bits(first: vec2u, way: f32, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+    let before = left_sample(first);
+    let after = left_sample(first + vec2u(1u, 0u));
+    let bits = agreeing(vouched_bits(before, depth, component), vouched_bits(after, depth, component));
+    let in_groove = parallax(depth) - mix(parallax(before.depth), parallax(after.depth), way) > GROOVE;
+    return select(bits, bits & ~(bits << 16u), in_groove);
 }

@@ -32,6 +32,7 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
         let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
         let agreed = agreed_bits(
             first,
+            position - 0.5 - column,
             depth,
             of_ray_u(surfaces.component, ray),
             of_ray3(surfaces.geometric_normal, ray),

@@ -10,6 +10,8 @@ use crate::{FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource, layout::TI
 const BETWEEN: f32 = 1.001;
 /// Parallaxes of samples and point differ by no more than this, pixels.
 const SAME_PARALLAX: f32 = 0.75;
+/// `GROOVE` of `bits_two.wgsl`.
+const GROOVE: f32 = 1.0 / 128.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
@@ -108,6 +110,14 @@ pub fn shadow_sources(
         let agreed = samples.iter().fold(if samples.is_empty() { 0 } else { u32::MAX }, |agreed, sample| {
             agreed & sample.known & !(sample.lit ^ samples[0].lit)
         });
+        let in_groove = || {
+            let at = row * width + position as usize;
+            let [before, after] = [left[at].0, left[at + 1].0].map(parallax);
+            let way = column as f32 + 0.5 - parallax(depth) - 0.5 - position;
+            parallax(depth) - (before + (after - before) * way) > GROOVE
+        };
+        let open = if reuse == ShadowReuse::Two && beside && in_groove() { samples[0].lit } else { 0 };
+        let agreed = agreed & !open;
         let wanted = light_bits(scene, frame, Eye::Right, index, (depth, id), false).known;
         if wanted & !agreed == 0 { ShadowSource::Taken } else { ShadowSource::Traced }
     };
