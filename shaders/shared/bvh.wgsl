@@ -19,8 +19,8 @@ struct Rays {
 
 // What a lane's rays hit.
 struct Hits {
-    t: F,                 // t_max where nothing was hit; any_hit leaves it open
-    primitive: U,         // id in the scene's order, MISS where nothing was hit
+    t: F,                 // t_max where nothing was hit; any_slot leaves it open
+    primitive: U,         // id in the scene's order, MISS where nothing was hit; any_slot leaves it open
     slot: U,              // place in `primitives`
 }
 
@@ -112,7 +112,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let inverse = F3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
     let to_grid = offsets_from(rays.origin);
 
-    var hits = Hits(t_max, U(MISS), U(0u));
+    var hits = Hits(t_max, U(MISS), select(U(0u), U(MISS), any_is_enough));
     var stack: array<u32, STACK_SIZE>;
     stack[0] = DONE;
     var top = 0;
@@ -149,7 +149,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
             let t = intersect(primitive, rays, per_length_squared, t_min);
             let hit = is_nearer(hits, t, t_min, primitive.id);
             hits.t = select(hits.t, select(t, F(NEVER), any_is_enough), hit);
-            hits.primitive = select(hits.primitive, U(primitive.id), hit);
+            hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
             hits.slot = select(hits.slot, U(slot), hit);
             slot += 1u;
             if slot > last {
@@ -195,6 +195,5 @@ fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
 
 // The place in `primitives` of something that is, or MISS.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
-    let hits = traverse(rays, t_min, t_max, true);
-    return select(hits.slot, U(MISS), hits.primitive == U(MISS));
+    return traverse(rays, t_min, t_max, true).slot;
 }
