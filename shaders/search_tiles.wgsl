@@ -20,6 +20,8 @@ const BETWEEN: f32 = 1.001;
 const DEEPER: f32 = 1.0001;
 // Leaves that are gathered before their primitives are looked at.
 const LEAVES: u32 = 32u;
+// Links to open stand from 0 on, leaves from here down.
+const FIRST_LEAF: u32 = STACK_SIZE + LEAVES - 1u;
 
 // Primitives listed so far.
 var<private> listed: array<u32, TILE_BLOCKS>;
@@ -54,7 +56,6 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
 fn search(tile: Tile, lists: u32, limit: f32) {
     let projection = projection_of(tile);
     let to_grid = offsets_from(frame.right_eye);
-    // Links to open from below, leaves from above.
     var links: array<u32, STACK_SIZE + LEAVES>;
     links[0] = DONE;
     var top = 0u;
@@ -70,11 +71,11 @@ fn search(tile: Tile, lists: u32, limit: f32) {
             let met_b = meets_frustum(b, projection, limit);
             // Written whether met or not: what stands past the ends does not count.
             let leaf_a = (a.link & LEAF) != 0u;
-            links[select(top + 1u, STACK_SIZE + LEAVES - 1u - gathered, leaf_a)] = a.link;
+            links[select(top + 1u, FIRST_LEAF - gathered, leaf_a)] = a.link;
             top += select(0u, 1u, met_a & !leaf_a);
             gathered += select(0u, 1u, met_a & leaf_a);
             let leaf_b = (b.link & LEAF) != 0u;
-            links[select(top + 1u, STACK_SIZE + LEAVES - 1u - gathered, leaf_b)] = b.link;
+            links[select(top + 1u, FIRST_LEAF - gathered, leaf_b)] = b.link;
             top += select(0u, 1u, met_b & !leaf_b);
             gathered += select(0u, 1u, met_b & leaf_b);
             link = links[top];
@@ -82,7 +83,7 @@ fn search(tile: Tile, lists: u32, limit: f32) {
             if link == DONE || gathered + 2u > LEAVES { break; }
         }
         var leaf = 0u;
-        let first_leaf = links[STACK_SIZE + LEAVES - 1u];
+        let first_leaf = links[FIRST_LEAF];
         var slot = first_leaf & FIRST_SLOT;
         var last = slot + ((first_leaf >> 28u) & 7u);
         loop {
@@ -91,7 +92,7 @@ fn search(tile: Tile, lists: u32, limit: f32) {
             slot += 1u;
             if slot > last {
                 leaf += 1u;
-                let next = links[STACK_SIZE + LEAVES - 1u - min(leaf, LEAVES - 1u)];
+                let next = links[FIRST_LEAF - min(leaf, LEAVES - 1u)];
                 slot = next & FIRST_SLOT;
                 last = slot + ((next >> 28u) & 7u);
             }

@@ -4,13 +4,13 @@
 // Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
-fn agreed_bits(first: vec2u, way: f32, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
     if first.y == 0u || first.y + 1u >= frame.image_size.y { return 0u; }
     var row = first.y - 1u;
     var bits: u32;
     loop {
-        let before = smooth_bits(left_sample(vec2u(first.x, row)), depth, component, normal, slot);
-        let after = smooth_bits(left_sample(vec2u(first.x + 1u, row)), depth, component, normal, slot);
+        let before = smooth_bits(left_sample(vec2u(first.x, row)), point_parallax, component, normal, slot);
+        let after = smooth_bits(left_sample(vec2u(first.x + 1u, row)), point_parallax, component, normal, slot);
         let pair = agreeing(before, after);
         bits = select(agreeing(bits, pair), pair, row + 1u == first.y);
         row += 1u;
@@ -19,8 +19,8 @@ fn agreed_bits(first: vec2u, way: f32, depth: f32, component: u32, normal: vec3f
     return bits;
 }
 
-fn smooth_bits(sample: LeftSample, depth: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    let bits = vouched_bits(sample, depth, component);
+fn smooth_bits(sample: LeftSample, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+    let bits = vouched_bits(sample, point_parallax, component);
     let other = primitive_at(select(sample.other, slot, bits == 0u));
     // The side does not matter: beside each other and both seen, they are seen from the same.
     let its_normal = normalize(largest_one(cross(largest_one(other.b - other.a), largest_one(other.c - other.a))));

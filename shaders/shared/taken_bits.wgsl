@@ -25,15 +25,15 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     var ray = 0u;
     loop {
         let pixel = pixel_of_ray(pixels, ray);
-        let depth = of_ray(hits_there.t, ray);
-        let position = f32(pixel.x) + 0.5 - parallax(depth);
+        let point_parallax = parallax(of_ray(hits_there.t, ray));
+        let position = f32(pixel.x) + 0.5 - point_parallax;
         let column = floor(position - 0.5);
         let usable = of_ray_b(surfaces.there, ray) & (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
         let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
         let agreed = agreed_bits(
             first,
             position - 0.5 - column,
-            depth,
+            point_parallax,
             of_ray_u(surfaces.component, ray),
             of_ray3(surfaces.geometric_normal, ray),
             of_ray_u(hits_there.slot, ray),
@@ -50,9 +50,9 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     return result;
 }
 
-// The bits of a left sample as far as it vouches for a point of that depth and component.
-fn vouched_bits(sample: LeftSample, depth: f32, component: u32) -> u32 {
-    let same = sample.component == component && abs(parallax(sample.depth) - parallax(depth)) <= SAME_PARALLAX;
+// The bits of a left sample as far as it vouches for a point of that parallax and component.
+fn vouched_bits(sample: LeftSample, point_parallax: f32, component: u32) -> u32 {
+    let same = sample.component == component && abs(parallax(sample.depth) - point_parallax) <= SAME_PARALLAX;
     return select(0u, sample.bits, same);
 }
 

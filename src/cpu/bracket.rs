@@ -84,14 +84,16 @@ pub fn shadow_sources(
             return ShadowSource::Taken;
         }
         let (column, row) = (index % width, index / width);
-        let position = (column as f32 + 0.5 - parallax(depth) - 0.5).floor();
+        let point_parallax = parallax(depth);
+        let place = column as f32 + 0.5 - point_parallax - 0.5;
+        let position = place.floor();
         let beside = position >= 0.0 && position + 1.0 < width as f32;
         let normal = surface_normal(scene, frame, Eye::Right, index, (depth, id));
         let vouches = |at: usize| {
             let (its_depth, its_id) = left[at];
             let same = its_id != MISS
                 && components[its_id as usize] == components[id as usize]
-                && (parallax(its_depth) - parallax(depth)).abs() <= SAME_PARALLAX;
+                && (parallax(its_depth) - point_parallax).abs() <= SAME_PARALLAX;
             let smooth = || {
                 let its_normal = || surface_normal(scene, frame, Eye::Left, at, left[at]);
                 reuse != ShadowReuse::Block || its_id == id || its_normal().dot(normal).abs() >= SAME_NORMAL
@@ -113,8 +115,7 @@ pub fn shadow_sources(
         let in_groove = || {
             let at = row * width + position as usize;
             let [before, after] = [left[at].0, left[at + 1].0].map(parallax);
-            let way = column as f32 + 0.5 - parallax(depth) - 0.5 - position;
-            parallax(depth) - (before + (after - before) * way) > GROOVE
+            point_parallax - (before + (after - before) * (place - position)) > GROOVE
         };
         let open = if reuse == ShadowReuse::Two && beside && in_groove() { samples[0].lit } else { 0 };
         let agreed = agreed & !open;
