@@ -415,7 +415,7 @@ impl Renderer {
                     primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
                 },
                 objects,
-                ids: packed.ids.clone(),
+                ids: packed.ids,
             })
         };
         let mut uploaded = gpu.checked(upload).await?;
