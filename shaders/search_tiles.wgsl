@@ -117,7 +117,7 @@ fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
             let block = u32(y) * BLOCKS + u32(x);
             let place = listed[block];
             listed[block] = place + 1u;
-            let entry = slot | pixels_of_block(covered, 2 * x, 2 * y) << FIRST_PIXEL_BIT;
+            let entry = slot | (pixels_of_block(covered, 2 * x, 2 * y) << FIRST_PIXEL_BIT);
             if place < LIST_MOST { found[lists + block * LIST_WORDS + LIST_HEADER + place] = entry; }
         }
         x += 1;
@@ -129,5 +129,5 @@ fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
 fn pixels_of_block(covered: vec4i, x: i32, y: i32) -> u32 {
     let columns = select(0u, 1u, covered.x <= x) | select(0u, 2u, covered.z > x);
     let rows = select(0u, 3u, covered.y <= y) | select(0u, 12u, covered.w > y);
-    return columns * 5u & rows;
+    return (columns * 5u) & rows;
 }

@@ -29,7 +29,7 @@ fn trace_bounded(@builtin(global_invocation_id) id: vec3u) {
             let pixel = pixel_of_ray(listed.pixels, ray);
             right_color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
             var hit = sample_hit(samples, ray);
-            hit.slot |= hits[right_index(pixel)].slot & (BAD | MISSED) | select(0u, ASKED, of_ray_b(asked, ray));
+            hit.slot |= (hits[right_index(pixel)].slot & (BAD | MISSED)) | select(0u, ASKED, of_ray_b(asked, ray));
             hits[right_index(pixel)] = hit;
         }
         ray += 1u;

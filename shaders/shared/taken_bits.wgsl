@@ -58,6 +58,6 @@ fn vouched_bits(sample: LeftSample, point_parallax: f32, component: u32) -> u32 
 
 // Bits that two samples agree in.
 fn agreeing(a: u32, b: u32) -> u32 {
-    let known = (a & b) >> 16u & ~(a ^ b) & 0xffffu;
-    return known << 16u | (a & known);
+    let known = ((a & b) >> 16u) & ~(a ^ b) & 0xffffu;
+    return (known << 16u) | (a & known);
 }
