@@ -608,29 +608,51 @@ mod tests {
             .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)))
     }
 
+    /// Every distinct text, with its kernel and a specialisation that gives it.
+    fn modules() -> Vec<(&'static Kernel, Specialisation, String)> {
+        let mut seen = BTreeSet::new();
+        let all =
+            ALL.into_iter().flat_map(|kernel| specialisations_of(kernel).into_iter().map(move |with| (kernel, with)));
+        let all = all.map(|(kernel, with)| (kernel, with, kernel.text(&with)));
+        all.filter(|(_, _, text)| seen.insert(text.clone())).collect()
+    }
+
     #[test]
     fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buffers() {
-        let mut validated = BTreeSet::new();
-        for kernel in ALL {
-            for with in specialisations_of(kernel) {
-                let text = kernel.text(&with);
-                if !validated.insert(text.clone()) {
-                    continue;
-                }
-                let module = parse(kernel, &with);
-                let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-                    .validate(&module)
-                    .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
-                assert_eq!(module.entry_points.len(), 1);
-                assert_eq!(module.entry_points[0].name, kernel.name);
-                let used = module.global_variables.iter().filter(|(handle, variable)| {
-                    !info.get_entry_point(0)[*handle].is_empty()
-                        && matches!(variable.space, naga::AddressSpace::Storage { .. })
-                });
-                assert!(used.count() <= 8, "{} {with:?}", kernel.name);
-            }
+        let modules = modules();
+        assert!(modules.len() > 100, "{}", modules.len());
+        for (kernel, with, text) in modules {
+            let module = parse(kernel, &with);
+            let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+                .validate(&module)
+                .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
+            assert_eq!(module.entry_points.len(), 1);
+            assert_eq!(module.entry_points[0].name, kernel.name);
+            let used = module.global_variables.iter().filter(|(handle, variable)| {
+                !info.get_entry_point(0)[*handle].is_empty()
+                    && matches!(variable.space, naga::AddressSpace::Storage { .. })
+            });
+            assert!(used.count() <= 8, "{} {with:?}", kernel.name);
         }
-        assert!(validated.len() > 100, "{}", validated.len());
+    }
+
+    /// For `scripts/check_wgsl.sh`, which shows them to a stricter front end than naga. Above each part stands its file and the
+    /// line before its first, so that an error in the whole text can be told by file and line.
+    #[test]
+    fn every_distinct_module_is_written_to_target_wgsl() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/wgsl");
+        let _ = std::fs::remove_dir_all(folder);
+        std::fs::create_dir_all(folder).unwrap();
+        let modules = modules();
+        for (number, (kernel, with, text)) in modules.iter().enumerate() {
+            let head = text.len() - kernel.parts(with).iter().map(|part| part.text.len()).sum::<usize>();
+            let mut marked = text[..head].to_owned();
+            for part in kernel.parts(with) {
+                marked += &format!("// file: shaders/{}\n{}", part.file, part.text);
+            }
+            std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), marked).unwrap();
+        }
+        assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
     }
 
     #[test]
