@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
-const BATCH: usize = 1 << 20;
+pub(crate) const BATCH: usize = 1 << 20;
 
 /// A ray from the point that its list belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use std::{
 use crate::{
     Error, ShadowReuse,
     bvh::Texel,
-    kernels::{Access, Kept, Kernel, SAMPLES_BINDING, Shadows, SkyKind, Specialisation, Touches},
+    kernels::{self, Access, Kept, Kernel, SAMPLES_BINDING, Shadows, SkyKind, Specialisation, Touches},
     method::Verify,
     traversal::Fetch,
 };
@@ -99,7 +99,7 @@ impl Gpu {
         };
         let (device, queue) =
             adapter.request_device(&descriptor).await.map_err(|error| Error::Gpu(error.to_string()))?;
-        let gpu = Self::from_device(device, queue);
+        let gpu = Self::from_device(device, queue)?;
         let lost = gpu.lost.clone();
         gpu.device.set_device_lost_callback(move |reason, message| {
             log::warn!("device lost ({reason:?}): {message}");
@@ -111,17 +111,60 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Uses a device of the caller's. It keeps its own handlers for errors and loss. Timestamps need the feature
-    /// `TIMESTAMP_QUERY`; limits are those that the device was opened with.
-    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self {
+    /// The features that a device must have: none. Frames are timed where it has `TIMESTAMP_QUERY`.
+    pub fn required_features() -> wgpu::Features {
+        wgpu::Features::empty()
+    }
+
+    /// The limits that a device must have at least, none of them over WebGPU's defaults. A device with more of
+    /// `max_storage_buffer_binding_size`, `max_buffer_size` and `max_texture_dimension_2d` takes larger scenes and
+    /// pictures: each is checked when it comes.
+    ///
+    /// ```no_run
+    /// # async fn open(adapter: stereotrace::wgpu::Adapter) -> Result<(), Box<dyn std::error::Error>> {
+    /// use stereotrace::{Gpu, Renderer, wgpu};
+    ///
+    /// let descriptor = wgpu::DeviceDescriptor {
+    ///     required_features: Gpu::required_features() | (adapter.features() & wgpu::Features::TIMESTAMP_QUERY),
+    ///     required_limits: Gpu::required_limits().or_better_values_from(&adapter.limits()),
+    ///     ..Default::default()
+    /// };
+    /// let (device, queue) = adapter.request_device(&descriptor).await?;
+    /// let renderer = Renderer::new(Gpu::from_device(device, queue)?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn required_limits() -> wgpu::Limits {
+        kernels::limits_over(wgpu::Limits::downlevel_defaults())
+    }
+
+    /// Uses a device of the caller's. It keeps its own handlers for errors and loss.
+    ///
+    /// # Errors
+    /// [`Error::Limit`], naming the first limit below [`Gpu::required_limits`] that kernels need.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Error> {
+        let limits = device.limits();
+        let mut short = None;
+        kernels::limits_over(limits.clone()).check_limits_with_fail_fn(&limits, true, |limit, needed, allowed| {
+            short = Some(Error::Limit {
+                what: "rendering".into(),
+                needed: needed.to_string(),
+                limit,
+                allowed: allowed.to_string(),
+                remedy: "open the device with Gpu::required_limits(), or use another adapter",
+            });
+        });
+        if let Some(error) = short {
+            return Err(error);
+        }
+        Ok(Self {
             info: device.adapter_info(),
-            limits: device.limits(),
+            limits,
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
             lost: Arc::default(),
             device,
             queue,
-        }
+        })
     }
 
     /// The same Gpu, or a clone of it. (Devices of different instances can compare equal.)

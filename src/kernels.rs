@@ -4,7 +4,7 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky, layout,
+    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky, cast, layout,
     method::Verify,
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
@@ -388,6 +388,24 @@ pub(crate) const COMPOSE: Kernel = Kernel {
     main: part!("compose.wgsl"),
 };
 
+/// What kernels need of a device's limits; those that they don't ask for are taken from `others`.
+pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
+    wgpu::Limits {
+        max_bind_groups: 3,
+        max_bindings_per_bind_group: SAMPLES_BINDING + 1,
+        max_storage_buffers_per_shader_stage: 8,
+        max_storage_textures_per_shader_stage: 4,
+        max_uniform_buffers_per_shader_stage: 2,
+        max_buffers_and_acceleration_structures_per_shader_stage: 10,
+        max_compute_invocations_per_workgroup: layout::LIST_WORKGROUP,
+        max_compute_workgroup_size_x: layout::LIST_WORKGROUP,
+        max_compute_workgroup_size_y: layout::WORKGROUP,
+        max_compute_workgroup_size_z: 1,
+        max_compute_workgroups_per_dimension: cast::BATCH as u32 / layout::LIST_WORKGROUP,
+        ..others
+    }
+}
+
 impl Kernel {
     /// Pixels of a thread's block in x and in y.
     pub(crate) fn block(&self, with: &Specialisation) -> u32 {
@@ -653,6 +671,47 @@ mod tests {
             std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), marked).unwrap();
         }
         assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
+    }
+
+    #[test]
+    fn the_limits_asked_for_are_those_that_some_kernel_needs() {
+        let mut needed = wgpu::Limits::downlevel_webgl2_defaults();
+        let asked = limits_over(needed.clone());
+        needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension; // a launch's, not a kernel's
+        needed.max_bind_groups = 0;
+        needed.max_bindings_per_bind_group = 0;
+        needed.max_uniform_buffers_per_shader_stage = 0;
+        needed.max_buffers_and_acceleration_structures_per_shader_stage = 0;
+        for (kernel, with, _) in modules() {
+            let module = parse(kernel, &with);
+            let [x, y, z] = module.entry_points[0].workgroup_size;
+            let mut raise = |limit: fn(&mut wgpu::Limits) -> &mut u32, to: u32| {
+                let limit = limit(&mut needed);
+                *limit = to.max(*limit);
+            };
+            raise(|limits| &mut limits.max_compute_workgroup_size_x, x);
+            raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
+            raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
+            raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
+            let mut count = [0; 3];
+            for (_, variable) in module.global_variables.iter() {
+                let Some(binding) = &variable.binding else { continue };
+                raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
+                raise(|limits| &mut limits.max_bindings_per_bind_group, binding.binding + 1);
+                count[match variable.space {
+                    naga::AddressSpace::Uniform => 0,
+                    naga::AddressSpace::Storage { .. } => 1,
+                    _ => 2,
+                }] += 1;
+            }
+            let [uniforms, buffers, textures] = count;
+            raise(|limits| &mut limits.max_uniform_buffers_per_shader_stage, uniforms);
+            raise(|limits| &mut limits.max_storage_buffers_per_shader_stage, buffers);
+            raise(|limits| &mut limits.max_storage_textures_per_shader_stage, textures);
+            raise(|limits| &mut limits.max_buffers_and_acceleration_structures_per_shader_stage, uniforms + buffers);
+        }
+        assert_eq!(needed, asked);
+        assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
     }
 
     #[test]

@@ -255,15 +255,8 @@ fn a_destroyed_device_is_an_error_and_no_panic() {
 
 #[test]
 fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
-    let own = gpu();
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let info = own.adapter_info().clone();
-    let adapter = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
-        .into_iter()
-        .find(|adapter| (adapter.get_info().name, adapter.get_info().backend) == (info.name.clone(), info.backend))
-        .unwrap();
-    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-    let mut theirs = Renderer::new(Gpu::from_device(device.clone(), queue));
+    let (device, queue) = common::device(wgpu::Limits::default());
+    let mut theirs = Renderer::new(Gpu::from_device(device.clone(), queue).unwrap());
     let scene = Builtin::Hall.scene();
     let uploaded = theirs.upload(&scene).unwrap();
     let camera = Builtin::Hall.camera(SIZE.0, SIZE.1);
@@ -272,6 +265,8 @@ fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
     assert_eq!(pair.right, render_builtin(Builtin::Hall, Method::BUFFER).right);
     device.destroy();
     let error = theirs.render(&uploaded, &camera, &Options::default()).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost(_)), "{error}");
+    let error = Renderer::new(theirs.gpu().clone()).upload(&scene).unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
 }
 
@@ -435,21 +430,12 @@ fn every_effort_at_the_tree_gives_the_same_picture() {
 
 /// A device of the tests' adapter with lower limits.
 fn limited(bytes: u64, side: u32) -> Gpu {
-    let gpu = gpu();
-    let mut limits = gpu.device().limits();
+    let mut limits = gpu().device().limits();
     limits.max_storage_buffer_binding_size = bytes;
     limits.max_texture_dimension_2d = side;
     limits.max_texture_dimension_1d = limits.max_texture_dimension_1d.min(side);
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-    let same = |adapter: &wgpu::Adapter| {
-        let info = adapter.get_info();
-        (&info.name, info.backend) == (&gpu.adapter_info().name, gpu.adapter_info().backend)
-    };
-    let adapter = adapters.into_iter().find(same).expect("the adapter that was just opened");
-    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
-    Gpu::from_device(device, queue)
+    let (device, queue) = common::device(limits);
+    Gpu::from_device(device, queue).unwrap()
 }
 
 #[test]

@@ -17,6 +17,20 @@ pub fn gpu() -> Gpu {
     Gpu::open(&wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
 }
 
+/// A device of the tests' adapter with limits of the caller's choice.
+pub fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
+    let own = gpu();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let same = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        (&info.name, info.backend) == (&own.adapter_info().name, own.adapter_info().backend)
+    };
+    let adapter = adapters.into_iter().find(same).expect("the adapter that was just opened");
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+}
+
 /// One renderer for all tests of a file: its pipelines are compiled once.
 pub fn renderer() -> MutexGuard<'static, Renderer> {
     static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
