@@ -7,6 +7,9 @@ use crate::Error;
 /// Depth of a ray that hits nothing, in every buffer; WGSL has no infinity. Results turn it into `f32::INFINITY`.
 pub const FAR: f32 = 3.4e38;
 
+/// Longest side of a picture in pixels: past it f32 does not hold the centres of its pixels, which lie at halves.
+pub const MAX_SIDE: u32 = 1 << 23;
+
 /// Distance between human eyes in metres, on average (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
 
@@ -173,13 +176,17 @@ impl StereoCamera {
     /// Checks the camera and works out its axes and sizes.
     ///
     /// # Errors
-    /// [`Error::Camera`], naming the field: a size of zero, `d` not above 0, a field of view outside 0 to 180
+    /// [`Error::Camera`], naming the field: a size of zero or over [`MAX_SIDE`], `d` not above 0, a field of view outside 0 to 180
     /// degrees, an interaxial that is negative or no number, or `up` parallel to the view.
     pub fn pose(&self) -> Result<Pose, Error> {
         let fault = |field, value: String, reason| Err(Error::Camera { field, value, reason });
         let positive = |value: f32| value > 0.0 && value.is_finite();
         if self.width == 0 || self.height == 0 {
             return fault("size", format!("{}x{}", self.width, self.height), "width and height must be at least 1");
+        }
+        if self.width.max(self.height) > MAX_SIDE {
+            let reason = "width and height must be at most 8388608 (2^23)";
+            return fault("size", format!("{}x{}", self.width, self.height), reason);
         }
         for (field, value) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
             if !value.to_array().iter().all(|v| v.abs() <= crate::scene::MAX_COORDINATE) {

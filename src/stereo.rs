@@ -152,7 +152,7 @@ impl UploadedScene {
     fn choose_early(&self, gpu: &Gpu, pose: &Pose) -> Option<Choice> {
         let lights = if self.specialisation.shadows == Shadows::None { 0 } else { self.lights };
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
-        let best = CostModel::of(gpu).choose(pose, u64::from(lights) * pixels, 0);
+        let best = CostModel::of(gpu).choose(pose, u64::from(lights).saturating_mul(pixels), 0);
         (best.method == Method::Naive).then_some(best)
     }
 
@@ -236,7 +236,8 @@ impl Picture {
         let hits = pixels.saturating_mul(2 * kept.bytes());
         let band = u64::from(size[0]) * u64::from(band_rows(size, band_pixels));
         let found = if kept == Kept::Samples { found_bytes(size[0], band_rows(size, band_pixels)) } else { 0 };
-        let largest = pixels.saturating_mul(16).max(counters).max(hits).max(found);
+        let lists = if reuse { layout::LISTS_HEADS + layout::LISTS as u64 * band * 4 } else { 0 };
+        let largest = pixels.saturating_mul(16).max(counters).max(hits).max(found).max(lists);
         check_bytes(&what, largest, allowed, "render a smaller one")?;
         let side = gpu.limits.max_texture_dimension_2d;
         if kept == Kept::Samples && size[0].max(size[1]) > side {
@@ -248,12 +249,14 @@ impl Picture {
                 remedy: "render a smaller one, or by another method",
             });
         }
-        let workgroups = size[0].div_ceil(WORKGROUP);
+        // Those of a band, and by some reuse methods those of a launch with a thread a row.
+        let rows = if reuse { size[1].div_ceil(WORKGROUP * WORKGROUP) } else { 0 };
+        let workgroups = size[0].max(band_rows(size, band_pixels)).div_ceil(WORKGROUP).max(rows);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
         if workgroups > allowed {
             return Err(Error::Limit {
                 what,
-                needed: format!("{workgroups} workgroups a row"),
+                needed: format!("{workgroups} workgroups in a row or column"),
                 limit: "max_compute_workgroups_per_dimension",
                 allowed: allowed.to_string(),
                 remedy: "render a smaller one",
@@ -270,7 +273,7 @@ impl Picture {
             right_color: storage("right_color", pixels * 16),
             hits: storage("hits", 2 * pixels * kept.bytes()),
             right_source: storage("right_source", if reuse { pixels * 4 } else { 0 }),
-            lists: storage("lists", if reuse { layout::LISTS_HEADS + layout::LISTS as u64 * band * 4 } else { 0 }),
+            lists: storage("lists", lists),
             samples: (kept == Kept::Samples).then(|| samples_texture(gpu, size)),
             found: storage("found", found),
             indirect: gpu.device.create_buffer(&wgpu::BufferDescriptor {

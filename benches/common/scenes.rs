@@ -61,7 +61,7 @@ pub fn load_thesis(
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/thesis.json");
     let (mut scene, entry) = match name {
         "spheres" => (Builtin::Spheres.scene(), name),
-        "spheres-turned" => (spheres_turned(TURN), "spheres"),
+        "spheres-turned" => (spheres_turned(TURN)?, "spheres"),
         _ => {
             let obj = folder().join(name).join(format!("{name}.obj"));
             if !obj.is_file() {

@@ -21,7 +21,7 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Film>,
     let camera = Builtin::Spheres.camera(plan.size[0], plan.size[1]);
     let mut flickers: Vec<_> = plan.methods.iter().map(|_| Ok(Flicker::default())).collect();
     for frame in 0..plan.frames {
-        let scene = renderer.upload(&spheres_turned(TAU * frame as f32 / plan.frames as f32))?;
+        let scene = renderer.upload(&spheres_turned(TAU * frame as f32 / plan.frames as f32)?)?;
         let truth = renderer.render(&scene, &camera, &Options::new(Method::Naive))?.right;
         for (&method, state) in plan.methods.iter().zip(&mut flickers) {
             let Ok(flicker) = state else { continue };

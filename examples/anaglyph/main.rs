@@ -112,7 +112,7 @@ fn film(
 ) -> Result<String, Box<dyn Error>> {
     let (mut build, mut render) = (Duration::ZERO, Duration::ZERO);
     for frame in 0..frames {
-        let mut scene = spheres_turned(std::f32::consts::TAU * frame as f32 / frames as f32);
+        let mut scene = spheres_turned(std::f32::consts::TAU * frame as f32 / frames as f32)?;
         (scene.lights, scene.ambient, scene.sky) = (still.lights.clone(), still.ambient, still.sky.clone());
         let begin = Instant::now();
         let uploaded = renderer.upload_with(&scene, BvhBuild::Fast)?;

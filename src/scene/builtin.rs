@@ -139,14 +139,20 @@ const CLOUD_HALF_HEIGHT: f32 = 4.2;
 const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 
 /// [`Builtin::Spheres`], turned about the y axis by an angle in radians: the frames of a film.
-pub fn spheres_turned(angle: f32) -> Scene {
+///
+/// # Errors
+/// [`Error::Scene`] for an angle that is no finite number.
+pub fn spheres_turned(angle: f32) -> Result<Scene, Error> {
+    if !angle.is_finite() {
+        return Err(Error::Scene { element: "spheres".into(), reason: format!("turned by {angle}, no finite number") });
+    }
     let still = spheres();
     let turn = glam::Mat3::from_rotation_y(angle);
     let mut scene = Scene { spheres: Vec::new(), ..still.clone() };
     for &sphere in still.spheres() {
-        scene.add_sphere(Sphere { center: turn * sphere.center, ..sphere }).expect("turned, it stays finite");
+        scene.add_sphere(Sphere { center: turn * sphere.center, ..sphere })?;
     }
-    scene
+    Ok(scene)
 }
 
 fn spheres() -> Scene {

@@ -16,6 +16,9 @@ use crate::{Error, StereoCamera};
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
 
+/// Lights that a scene may have at most.
+pub const MAX_LIGHTS: usize = 1 << 20;
+
 /// The share of the light that every surface gets when nothing else is said, see [`Scene::place_lights`].
 const DEFAULT_AMBIENT: f32 = 0.15;
 
@@ -255,9 +258,10 @@ impl Scene {
     /// behind a wall. Lights and ambient together add up to 1, so that white stays short of burning out.
     ///
     /// # Errors
-    /// [`Error::Camera`] if the camera is invalid.
+    /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`].
     pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
         let pose = camera.pose()?;
+        check_light_count(count)?;
         let inner = self.bounds().and_then(|(low, high)| {
             let inset = (high - low) * 0.05;
             let inside = pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all();
@@ -323,8 +327,12 @@ impl Scene {
     }
 
     /// The object of a primitive: meshes count first, in the order they were added, then spheres.
+    /// [`MISS`](crate::MISS) for numbers out of range.
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
+        if primitive as usize >= self.primitive_count() {
+            return crate::MISS;
+        }
         if primitive >= triangles {
             return self.mesh_objects.len() as u32 + (primitive - triangles);
         }
@@ -360,6 +368,7 @@ impl Scene {
         for (index, material) in self.materials.iter().enumerate() {
             finite(format!("material {index} '{}'", material.name), &[material.albedo])?;
         }
+        check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             finite(format!("light {index}"), &[light.position, light.intensity])?;
             check_coordinate(light.position)
@@ -367,6 +376,13 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+fn check_light_count(count: usize) -> Result<(), Error> {
+    if count <= MAX_LIGHTS {
+        return Ok(());
+    }
+    Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
 }
 
 fn check_coordinate(point: Vec3) -> Result<(), String> {

@@ -21,6 +21,9 @@ impl std::fmt::Debug for SkyMap {
     }
 }
 
+/// Widest sky that [`SkyMap::procedural`] makes: 1.6 GB.
+const MAX_PROCEDURAL_WIDTH: u32 = 16_384;
+
 impl SkyMap {
     /// A picture of `width * height` colours, row-major, linear RGB.
     ///
@@ -49,8 +52,12 @@ impl SkyMap {
     /// A sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
     ///
     /// # Errors
-    /// As [`SkyMap::new`], for an odd width.
+    /// [`Error::Scene`] for a width that is odd, zero or over 16,384.
     pub fn procedural(width: u32) -> Result<Self, Error> {
+        if width > MAX_PROCEDURAL_WIDTH {
+            let reason = format!("a procedural one of width {width}; it can be at most {MAX_PROCEDURAL_WIDTH} wide");
+            return Err(Error::Scene { element: "sky".into(), reason });
+        }
         let height = width / 2;
         let sun = Vec3::new(0.5, 0.45, -0.75).normalize();
         let color = |index: u32| {
@@ -164,7 +171,10 @@ mod tests {
             assert!(step(row(y)[127], row(y)[0]) <= widest.max(0.02), "row {y}");
         }
         assert!(sky.pixels().iter().any(|color| color.min_element() > 1.0));
-        assert!(SkyMap::procedural(7).is_err());
+        for width in [0, 1, 7, 100_000, u32::MAX] {
+            let message = SkyMap::procedural(width).unwrap_err().to_string();
+            assert!(message.contains("sky") && message.contains(&width.to_string()), "{message}");
+        }
     }
 
     #[cfg(feature = "sky")]
