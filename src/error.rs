@@ -11,7 +11,7 @@ pub enum Error {
         "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
     )]
     NoAdapter {
-        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…`, or empty.
+        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
         wanted: String,
         /// What the driver loader said, or which adapters there are.
         reason: String,

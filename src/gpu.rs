@@ -15,7 +15,8 @@ use crate::{
     traversal::Fetch,
 };
 
-/// The variable that chooses the adapter: `software`, or a part of its name.
+/// The variable that chooses the adapter: `software`, or a part of its name. wgpu's own `WGPU_BACKEND` chooses the backend
+/// besides: `vulkan`, `gl`, `dx12` or `metal`.
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
@@ -82,7 +83,7 @@ impl Gpu {
             }
         }
         Err(Error::NoAdapter {
-            wanted: wanted.map(|name| format!(" for {ADAPTER_VARIABLE}={name}")).unwrap_or_default(),
+            wanted: asked(wanted, std::env::var("WGPU_BACKEND").ok().as_deref()),
             reason: match names.as_slice() {
                 [] => "no Vulkan, Metal, DirectX 12 or OpenGL driver offers one".into(),
                 names => format!("there are: {}", names.join(", ")),
@@ -405,6 +406,13 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({:?}, {:?})", info.name, info.device_type, info.backend)
 }
 
+/// What was asked for, as messages say it.
+fn asked(adapter: Option<&str>, backend: Option<&str>) -> String {
+    let rules = [(ADAPTER_VARIABLE, adapter), ("WGPU_BACKEND", backend)];
+    let rules: Vec<_> = rules.iter().filter_map(|(name, value)| Some(format!("{name}={}", (*value)?))).collect();
+    if rules.is_empty() { String::new() } else { format!(" for {}", rules.join(", ")) }
+}
+
 fn is_wanted(info: &wgpu::AdapterInfo, wanted: Option<&str>) -> bool {
     match wanted {
         None => true,
@@ -718,6 +726,13 @@ mod tests {
             message.contains("STEREOTRACE_ADAPTER=no such adapter") && message.contains("there are: "),
             "{message}"
         );
+    }
+
+    #[test]
+    fn messages_say_which_rules_left_no_adapter() {
+        assert_eq!(asked(None, None), "");
+        assert_eq!(asked(None, Some("gl")), " for WGPU_BACKEND=gl");
+        assert_eq!(asked(Some("x"), Some("gl")), " for STEREOTRACE_ADAPTER=x, WGPU_BACKEND=gl");
     }
 
     #[test]

@@ -46,8 +46,10 @@
 //! # Adapters
 //!
 //! Any adapter that wgpu offers will do, software ones included; the environment variable `STEREOTRACE_ADAPTER`
-//! (`software`, or a part of a name) chooses. The library prints nothing: messages go through the `log` facade. (Mesa prints
-//! a line about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
+//! (`software`, or a part of a name) chooses, and `WGPU_BACKEND` (`vulkan`, `gl`, …) the backend. The tests of pictures
+//! pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL (`scripts/other_drivers.sh`). A device of the caller's must
+//! have [`Gpu::required_limits`]. The library prints nothing: messages go through the `log` facade. (Mesa prints a line
+//! about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
 //!
 //! # Features
 //!
