@@ -1,6 +1,7 @@
-// Shows every WGSL file of a folder to Tint, Chrome's front end, by Dawn's package for Node. It needs no graphics driver.
+// Shows every WGSL file of a folder to Tint, Chrome's front end, by Dawn's package for Node. No driver is needed.
 //   node check_wgsl.mjs FOLDER PACKAGE
-// FOLDER is what the test `every_distinct_module_is_written_to_target_wgsl` writes; PACKAGE the path of webgpu's index.js.
+// FOLDER is what the test `every_distinct_module_is_written_to_target_wgsl` writes, PACKAGE the path of webgpu's
+// index.js.
 // A line `// file: NAME` begins each part of a module, so that an error is told by the part's own file and line.
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';

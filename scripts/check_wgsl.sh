@@ -1,8 +1,8 @@
 #!/bin/sh
 # Shows every distinct kernel to Tint, the WGSL front end of Chrome and Dawn, which refuses some of what naga takes.
 #   sh scripts/check_wgsl.sh
-# Needs Node 18 or newer and npm, which it installs where apt-get can (tried with Debian's 18.20 and with 20.20), and the
-# npm registry once: Dawn's package is unpacked into target/webgpu, 130 MB. No graphics driver is used.
+# Needs Node 18 or newer and npm, which it installs where apt-get can (tried with Debian's 18.20 and with 20.20), and
+# the npm registry once: Dawn's package is unpacked into target/webgpu, 130 MB. No graphics driver is used.
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck disable=SC2034 # setup.sh reads it
