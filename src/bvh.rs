@@ -300,7 +300,7 @@ fn pack_normal(normal: Vec3) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MaterialId, Mesh};
+    use crate::{MaterialId, Mesh, random::Random};
 
     fn scene_of(corners: Vec<Vec3>) -> Scene {
         let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
@@ -308,12 +308,6 @@ mod tests {
         let mesh = Mesh { positions: corners, triangles, materials: vec![MaterialId(0)], ..Mesh::default() };
         scene.add_mesh(&mesh).unwrap();
         scene
-    }
-
-    fn random(seed: &mut u32) -> f32 {
-        *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let word = ((*seed >> ((*seed >> 28) + 4)) ^ *seed).wrapping_mul(277_803_737);
-        ((word >> 22) ^ word) as f32 / u32::MAX as f32
     }
 
     /// Decodes as the kernel does, but in f64, and walks the whole tree.
@@ -358,9 +352,9 @@ mod tests {
 
     #[test]
     fn boxes_hold_their_primitives_at_every_scale_and_place() {
-        let mut seed = 1;
+        let mut random = Random::new(1);
         for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e5), (1e-3, 10.0), (1e7, 5e7)] {
-            let mut point = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed) * 0.01);
+            let mut point = || 0.5 * Vec3::new(1.0, 1.0, 0.01) * (random.point(1.0) + 1.0);
             let corners: Vec<Vec3> = (0..600)
                 .flat_map(|_| {
                     let at = point();
@@ -408,10 +402,9 @@ mod tests {
 
     #[test]
     fn normals_survive_packing_within_a_16_bit_step() {
-        let mut seed = 7;
+        let mut random = Random::new(7);
         for _ in 0..1000 {
-            let mut signed = || 2.0 * random(&mut seed) - 1.0;
-            let normal = Vec3::new(signed(), signed(), signed()).normalize();
+            let normal = random.point(1.0).normalize();
             let word = pack_normal(normal);
             let part = |bits: u32| f32::from(bits as u16 as i16) / 32767.0;
             let (x, y) = (part(word & 0xffff), part(word >> 16));

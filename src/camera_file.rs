@@ -121,17 +121,15 @@ fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::folder::Folder;
 
     const HALL: &str = r#"{ "eye": [-13.5, 2.2, -0.3], "target": [10, 3.2, 0.2], "up": [0, 1, 0], "vfov_deg": 60,
         "screen_distance": 6, "eye_separation": 0.065, "note": "ignored" }"#;
 
     /// Writes `text` to a file of its own and reads the camera `name` from it.
     fn read(test: &str, text: impl AsRef<[u8]>, name: &str) -> Result<StereoCamera, Error> {
-        let path = std::env::temp_dir().join(format!("stereotrace_{}_{test}.json", std::process::id()));
-        fs::write(&path, text).unwrap();
-        let camera = StereoCamera::from_json(&path, name, 640, 480);
-        fs::remove_file(&path).unwrap();
-        camera
+        let folder = Folder::new("camera");
+        StereoCamera::from_json(folder.write(&format!("{test}.json"), text), name, 640, 480)
     }
 
     fn message(test: &str, text: impl AsRef<[u8]>, name: &str) -> String {
@@ -160,11 +158,11 @@ mod tests {
     #[test]
     fn lights_and_ambient_are_read_and_faults_named() {
         let light = |test: &str, extra: &str| {
-            let path = std::env::temp_dir().join(format!("stereotrace_{}_{test}.json", std::process::id()));
-            fs::write(&path, format!(r#"{{ "hall": {} }}"#, HALL.replace(r#""note": "ignored""#, extra))).unwrap();
+            let folder = Folder::new("camera");
+            let text = format!(r#"{{ "hall": {} }}"#, HALL.replace(r#""note": "ignored""#, extra));
             let mut scene = Scene::new();
-            let read = scene.light_from_json(&path, "hall").map_err(|error| error.to_string());
-            fs::remove_file(&path).unwrap();
+            let read = scene.light_from_json(folder.write(&format!("{test}.json"), text), "hall");
+            let read = read.map_err(|error| error.to_string());
             (read, scene)
         };
         let lamp = r#""lights": [{ "position": [1, 2, 3], "intensity": [0.5, 0.25, 0] }]"#;
@@ -233,10 +231,9 @@ mod tests {
     #[test]
     fn a_missing_file_and_a_size_of_zero_are_no_fault_of_the_content() {
         assert!(matches!(StereoCamera::from_json("no/such/file.json", "hall", 1, 1), Err(Error::Io { .. })));
-        let path = std::env::temp_dir().join(format!("stereotrace_{}_size.json", std::process::id()));
-        fs::write(&path, format!(r#"{{ "hall": {HALL} }}"#)).unwrap();
+        let folder = Folder::new("camera");
+        let path = folder.write("size.json", format!(r#"{{ "hall": {HALL} }}"#));
         let camera = StereoCamera::from_json(&path, "hall", 0, 480);
-        fs::remove_file(&path).unwrap();
         assert!(matches!(camera, Err(Error::Camera { field: "size", .. })), "{camera:?}");
     }
 }

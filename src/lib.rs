@@ -67,6 +67,10 @@ mod camera_file;
 pub mod cast;
 pub mod cpu;
 mod error;
+#[cfg(test)]
+#[path = "../tests/common/folder.rs"]
+#[allow(dead_code, reason = "unit tests use a part of it")]
+mod folder;
 pub mod gpu;
 mod kernels;
 mod layout;
@@ -74,6 +78,7 @@ pub mod method;
 pub mod metrics;
 pub mod output;
 pub mod pair;
+mod random;
 pub mod scene;
 pub mod stereo;
 pub mod traversal;

@@ -1177,6 +1177,7 @@ pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
@@ -1281,11 +1282,7 @@ mod tests {
     #[test]
     fn the_index_buffer_equals_a_sequential_computation() {
         let size = [131, 37];
-        let mut seed = 9_u32;
-        let mut random = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut random = Random::new(9);
         for interaxial_px in [0.5, 7.0, 40.0] {
             let pose = pose(size, interaxial_px);
             let depths: Vec<f32> = (0..size[0] * size[1])
@@ -1293,8 +1290,8 @@ mod tests {
                     0 => crate::FAR,
                     1 => pose.screen_distance,
                     2 => 0.5 * pose.screen_distance,
-                    3 => 1e-6 * random(),
-                    _ => 1.0 + 9.0 * random(),
+                    3 => 1e-6 * random.unit(),
+                    _ => random.between(1.0, 10.0),
                 })
                 .collect();
             let expected = crate::cpu::reproject::reproject(&crate::cpu::Frame::new(&pose), &depths);

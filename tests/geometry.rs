@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Random, ball, mesh, render, renderer};
+use common::{ball, mesh, random::Random, render, renderer};
 use stereotrace::{
     MaterialId, Method, Options, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair,
     glam::{DVec3, Vec3},
@@ -166,7 +166,7 @@ fn a_closed_mesh_shows_no_crack_where_rays_go_exactly_through_its_vertices_and_e
 
 #[test]
 fn a_closed_ball_shows_no_crack_at_any_scale_or_place() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for (scale, offset) in [(1e-3, 0.0), (1.0, 0.0), (1e6, 0.0), (1.0, 1000.0)] {
         for rings in [16, 90] {
             let center = Vec3::splat(offset) + random.point(1.0) * scale;

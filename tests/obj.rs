@@ -1,12 +1,14 @@
 //! Odd OBJ and MTL files: what `Scene::from_obj` makes of them, and what it says where it can't.
 #![cfg(feature = "obj")]
 
+mod common;
+
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::{Mutex, Once},
 };
 
+use common::random::Random;
 use stereotrace::{Error, MaterialId, Scene, glam::Vec3};
 
 /// Every warning of this process; tests look for those that name their own folder.
@@ -28,8 +30,8 @@ impl log::Log for Collector {
     fn flush(&self) {}
 }
 
-/// A folder of one test, gone when the test is over.
-struct Folder(PathBuf);
+/// A folder of one test, whose OBJ files are read.
+struct Folder(common::folder::Folder);
 
 impl Folder {
     fn new(test: &str) -> Self {
@@ -38,18 +40,15 @@ impl Folder {
             log::set_logger(&Collector).unwrap();
             log::set_max_level(log::LevelFilter::Warn);
         });
-        let path = std::env::temp_dir().join(format!("stereotrace_obj_{}_{test}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
+        Self(common::folder::Folder::new(test))
     }
 
     fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.0.file(name)
     }
 
     fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
-        fs::create_dir_all(self.file(name).parent().unwrap()).unwrap();
-        fs::write(self.file(name), content).unwrap();
+        self.0.write(name, content);
         self
     }
 
@@ -82,15 +81,9 @@ impl Folder {
 
     /// The warnings that name a file of this folder, from the file's name on.
     fn warnings(&self) -> Vec<String> {
-        let prefix = format!("{}{}", self.0.display(), std::path::MAIN_SEPARATOR);
+        let prefix = format!("{}{}", self.0.path().display(), std::path::MAIN_SEPARATOR);
         let warnings = WARNINGS.lock().unwrap();
         warnings.iter().filter_map(|warning| warning.strip_prefix(&prefix)).map(str::to_owned).collect()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -434,20 +427,16 @@ fn no_damaged_file_panics() {
         "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nl 1 2 3\ng b\n\
          usemtl green\nf 4 5 6 1\n"
     );
-    let mut state = 1_u64;
-    let mut random = |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
+    let mut random = Random::new(1);
     let mut damage = |text: &str| {
         let mut bytes = text.as_bytes().to_vec();
-        for _ in 0..=random(4) {
+        for _ in 0..=random.below(4) {
             if bytes.len() < 2 {
                 break;
             }
-            let (at, other) = (random(bytes.len()), random(bytes.len()));
-            match random(5) {
-                0 => bytes[at] = b"0123456789-./ \t\r\n\\#fvnlog\xff\0"[random(27)],
+            let (at, other) = (random.below(bytes.len()), random.below(bytes.len()));
+            match random.below(5) {
+                0 => bytes[at] = b"0123456789-./ \t\r\n\\#fvnlog\xff\0"[random.below(27)],
                 1 => bytes.insert(at, bytes[other]),
                 2 => drop(bytes.remove(at)),
                 3 => bytes.truncate(at.max(1)),

@@ -2,37 +2,12 @@
 
 mod common;
 
-use common::{Random, ball, is_exact, mesh, renderer};
+use common::{RandomScene, ball, is_exact, mesh, random::Random, renderer};
 use stereotrace::{
-    Error, FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, Sphere, StereoCamera, Traversal,
+    Error, FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
     cpu::{Eye, Frame, intersect::closest_hit},
     glam::Vec3,
 };
-
-/// Random triangles, some of them coincident or without area, and some spheres.
-fn random_scene(random: &mut Random, scale: f32, offset: Vec3) -> Scene {
-    let mut scene = Scene::new();
-    let mut corners = Vec::new();
-    for index in 0..150 {
-        let at = random.point(1.0);
-        let size = if index % 5 == 0 { 0.9 } else { 0.15 };
-        let triangle = [(); 3].map(|()| at + random.point(size));
-        corners.extend(triangle);
-        match index % 10 {
-            0 => corners.extend(triangle),
-            1 => corners.extend([triangle[0], triangle[0], triangle[1]]),
-            _ => {}
-        }
-    }
-    let corners: Vec<Vec3> = corners.into_iter().map(|corner| corner * scale + offset).collect();
-    let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    scene.add_mesh(&mesh(corners, faces)).unwrap();
-    for _ in 0..20 {
-        let (center, radius) = (random.point(1.0) * scale + offset, random.range(0.02, 0.2) * scale);
-        scene.add_sphere(Sphere { center, radius, material: stereotrace::MaterialId(0) }).unwrap();
-    }
-    scene
-}
 
 /// A list of rays from a point, of one kind.
 struct List {
@@ -73,10 +48,10 @@ fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &m
 
 #[test]
 fn every_variant_hits_what_a_search_through_all_primitives_hits() {
-    let mut random = Random(77);
+    let mut random = Random::new(77);
     for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e4)] {
         let place = |v: Vec3| v * scale + Vec3::splat(offset);
-        let scene = random_scene(&mut random, scale, Vec3::splat(offset));
+        let scene = RandomScene { scale, offset, ..RandomScene::default() }.build();
         let camera = StereoCamera::look_at(place(Vec3::new(0.3, 0.4, 3.0)), place(Vec3::ZERO))
             .size(27, 19)
             .interaxial_pixels(3.0);
@@ -161,8 +136,7 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
 
 #[test]
 fn a_list_equals_the_picture_and_keeps_its_order() {
-    let mut random = Random(5);
-    let scene = random_scene(&mut random, 1.0, Vec3::ZERO);
+    let scene = RandomScene::default().build();
     let camera = StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO).size(33, 21);
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();

@@ -3,36 +3,23 @@
 
 #[path = "../benches/common/mod.rs"]
 mod common;
+#[path = "common/folder.rs"]
+mod folder;
 #[path = "../benches/thesis/record.rs"]
 mod record;
 #[path = "../benches/thesis/report.rs"]
 mod report;
 
-use std::{error::Error, fs, path::PathBuf};
+use std::{error::Error, fs};
 
 use crate::{
+    folder::Folder,
     record::Record,
     report::{Content, Picture, Sources, Stability},
 };
 
-/// A folder of its own, removed in the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> std::io::Result<Self> {
-        let path = std::env::temp_dir().join(format!("stereotrace-report-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).map(|()| Self(path))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0); // what is left is the system's to clear
-    }
-}
-
 fn page(content: &Content, folder: &Folder) -> Result<String, Box<dyn Error>> {
-    let paths = report::write(content, &folder.0)?;
+    let paths = report::write(content, folder.path())?;
     Ok(fs::read_to_string(paths.last().ok_or("no page")?)?)
 }
 
@@ -116,7 +103,7 @@ fn sources() -> Sources {
 
 #[test]
 fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error>> {
-    let folder = Folder::new("sources")?;
+    let folder = Folder::new("report");
     let records = vec![record("naive", 1000, 100.0), record("atomic", 540, 73.0), record("bracket", 580, 99.9875)];
     let page = page(&Content { records, sources: vec![sources()], ..Content::default() }, &folder)?;
     assert!(page.contains("<a href=\"#sources\">Where right pixels come from</a>"));
@@ -143,7 +130,7 @@ fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error
 
 #[test]
 fn the_page_says_whose_the_methods_are() -> Result<(), Box<dyn Error>> {
-    let folder = Folder::new("methods")?;
+    let folder = Folder::new("methods");
     let records = ["naive", "atomic", "atomic-edges", "bracket"].map(|method| record(method, 1, 99.0)).into();
     let page = page(&Content { records, ..Content::default() }, &folder)?;
     for text in [
@@ -158,8 +145,8 @@ fn the_page_says_whose_the_methods_are() -> Result<(), Box<dyn Error>> {
 
 #[test]
 fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn Error>> {
-    let folder = Folder::new("stability")?;
-    assert!(Stability::read(&folder.0)?.is_none());
+    let folder = Folder::new("stability");
+    assert!(Stability::read(folder.path())?.is_none());
     let row = |method: &str, figures: &str| {
         format!(
             "{{\"trial\": \"wires\", \"reason\": \"wires pass\", \"method\": \"{method}\", \"width\": 300, \"height\": \
@@ -175,12 +162,12 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
         "buffer",
         "\"second_eye_counters\": null, \"identical\": null, \"wrong_surface\": null, \"error\": \"too deep\"",
     );
-    fs::write(folder.0.join("results.json"), format!("[{found},\n{failed}]"))?;
-    let stability = Stability::read(&folder.0)?;
+    folder.write("results.json", format!("[{found},\n{failed}]"));
+    let stability = Stability::read(folder.path())?;
     assert!(!section(&page(&Content { stability, ..Content::default() }, &folder)?, "stability").contains("<svg"));
 
-    fs::write(folder.0.join("stability.svg"), "<svg width=\"8\" height=\"5\">\n<g/>\n</svg>\n")?;
-    let content = Content { stability: Stability::read(&folder.0)?, ..Content::default() };
+    folder.write("stability.svg", "<svg width=\"8\" height=\"5\">\n<g/>\n</svg>\n");
+    let content = Content { stability: Stability::read(folder.path())?, ..Content::default() };
     let page = page(&content, &folder)?;
     let section = section(&page, "stability");
     for text in [
@@ -194,15 +181,15 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
         assert!(section.contains(text), "{text}\n{section}");
     }
 
-    fs::write(folder.0.join("results.json"), "[{}]")?;
-    let message = Stability::read(&folder.0).err().map(|error| error.to_string()).unwrap_or_default();
+    folder.write("results.json", "[{}]");
+    let message = Stability::read(folder.path()).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(message.contains("results.json: missing field") && message.contains("cargo bench"), "{message}");
     Ok(())
 }
 
 #[test]
 fn without_results_the_page_names_the_stability_command() -> Result<(), Box<dyn Error>> {
-    let folder = Folder::new("without")?;
+    let folder = Folder::new("without");
     let page = page(&Content::default(), &folder)?;
     assert!(section(&page, "stability").contains("<code>cargo bench --bench stability</code>"));
     assert!(section(&page, "sources").contains("Left out"));

@@ -77,15 +77,15 @@ fn a_buffer_of_2e_slots_loses_candidates_nearer_than_half_the_screen_and_one_slo
 #[test]
 fn lemma_1_bounds_the_columns_that_meet() {
     // All that land on one right column, over random depths in [near, far]: fewer than B + 1 columns apart.
-    let mut random = common::Random(5);
+    let mut random = common::random::Random::new(5);
     for case in 0..200 {
         let camera = StereoCamera::look_at(Vec3::Z, Vec3::ZERO)
             .size(400, 1)
             .screen_distance(1.0)
-            .interaxial_pixels(random.range(0.0, 60.0));
+            .interaxial_pixels(random.between(0.0, 60.0));
         let pose = camera.pose().unwrap();
-        let near = random.range(0.05, 2.0);
-        let far = if case % 3 == 0 { f32::INFINITY } else { near * random.range(1.0, 20.0) };
+        let near = random.between(0.05, 2.0);
+        let far = if case % 3 == 0 { f32::INFINITY } else { near * random.between(1.0, 20.0) };
         let bound = lemma1(&pose, near, far);
         let frame = stereotrace::cpu::Frame::new(&pose);
         let mut first = vec![None; 400];
@@ -93,7 +93,7 @@ fn lemma_1_bounds_the_columns_that_meet() {
             let z = match random.unit() {
                 u if u < 0.2 => near,
                 u if u > 0.8 => far.min(stereotrace::FAR),
-                _ => (near * random.range(1.0, 20.0)).min(far),
+                _ => (near * random.between(1.0, 20.0)).min(far),
             };
             if let Some(right) = stereotrace::cpu::reproject::right_column(&frame, column, z) {
                 let first = *first[right].get_or_insert(column);

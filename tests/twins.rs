@@ -2,45 +2,12 @@
 
 mod common;
 
-use common::{Random, is_exact, mesh, renderer};
+use common::{RandomScene, is_exact, mesh, random::Random, renderer};
 use stereotrace::{
     FAR, MISS, Method, Options, PixelSource, Scene, Sphere, StereoCamera, StereoPair,
     cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
     glam::Vec3,
 };
-
-/// Random triangles, some of them twice (coincident surfaces, under other ids), some without area, some in one
-/// axis-aligned plane, and random spheres.
-fn random_scene(seed: u64, triangles: usize, spheres: usize, smooth: bool) -> Scene {
-    let mut random = Random(seed);
-    let mut scene = Scene::new();
-    let mut corners = Vec::new();
-    for index in 0..triangles {
-        let at = random.point(1.0);
-        let [a, b, c] = [(); 3].map(|()| at + random.point(0.35));
-        match index % 10 {
-            0 => corners.extend([a, b, c, c, a, b]),
-            1 => corners.extend([a, a, b]),
-            2 => corners.extend([a, b, c].map(|p| Vec3::new(p.x, p.y, 0.25))),
-            _ => corners.extend([a, b, c]),
-        }
-    }
-    if triangles > 0 {
-        let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect::<Vec<_>>();
-        let mut mesh = mesh(corners, faces);
-        if smooth {
-            mesh.normals = mesh.triangles.iter().map(|_| [(); 3].map(|()| random.point(1.0).normalize())).collect();
-        }
-        scene.add_mesh(&mesh).unwrap();
-    }
-    for _ in 0..spheres {
-        let sphere =
-            Sphere { center: random.point(1.0), radius: random.range(0.02, 0.3), material: stereotrace::MaterialId(0) };
-        scene.add_sphere(sphere).unwrap();
-        scene.add_sphere(sphere).unwrap();
-    }
-    scene
-}
 
 fn camera(width: u32, height: u32) -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO)
@@ -97,19 +64,34 @@ fn check(scene: &Scene, camera: &StereoCamera) {
 
 #[test]
 fn triangles_are_hit_as_by_brute_force() {
-    check(&random_scene(1, 300, 0, false), &camera(63, 65));
-    check(&random_scene(2, 40, 0, true), &camera(130, 64));
+    check(
+        &RandomScene { seed: 1, triangles: 300, spheres: 0, smooth: false, ..RandomScene::default() }.build(),
+        &camera(63, 65),
+    );
+    check(
+        &RandomScene { seed: 2, triangles: 40, spheres: 0, smooth: true, ..RandomScene::default() }.build(),
+        &camera(130, 64),
+    );
 }
 
 #[test]
 fn spheres_are_hit_as_by_brute_force() {
-    check(&random_scene(3, 0, 60, false), &camera(65, 63));
+    check(
+        &RandomScene { seed: 3, triangles: 0, spheres: 60, smooth: false, ..RandomScene::default() }.build(),
+        &camera(65, 63),
+    );
 }
 
 #[test]
 fn triangles_and_spheres_together_are_hit_as_by_brute_force() {
-    check(&random_scene(4, 150, 40, false), &camera(64, 64));
-    check(&random_scene(5, 150, 40, true), &camera(71, 33));
+    check(
+        &RandomScene { seed: 4, triangles: 150, spheres: 40, smooth: false, ..RandomScene::default() }.build(),
+        &camera(64, 64),
+    );
+    check(
+        &RandomScene { seed: 5, triangles: 150, spheres: 40, smooth: true, ..RandomScene::default() }.build(),
+        &camera(71, 33),
+    );
 }
 
 #[test]
@@ -128,12 +110,12 @@ fn one_triangle_one_sphere_one_pixel_and_nothing_at_all() {
 #[test]
 fn spheres_far_from_the_origin_lose_nothing_to_their_boxes() {
     let offset = Vec3::splat(1e5);
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     let mut scene = Scene::new();
     for _ in 0..40 {
         let center = offset + random.point(1.0);
         let material = stereotrace::MaterialId(0);
-        scene.add_sphere(Sphere { center, radius: random.range(0.05, 0.3), material }).unwrap();
+        scene.add_sphere(Sphere { center, radius: random.between(0.05, 0.3), material }).unwrap();
     }
     let camera = StereoCamera::look_at(offset + 3.0 * Vec3::Z, offset).size(64, 64).interaxial(0.25);
     check(&scene, &camera);
@@ -141,7 +123,8 @@ fn spheres_far_from_the_origin_lose_nothing_to_their_boxes() {
 
 #[test]
 fn smooth_triangles_that_are_dropped_leave_spheres_as_they_are() {
-    let mut scene = random_scene(12, 0, 20, false);
+    let mut scene =
+        RandomScene { seed: 12, triangles: 0, spheres: 20, smooth: false, ..RandomScene::default() }.build();
     let mut flat = mesh(vec![Vec3::ZERO, Vec3::X], vec![[0, 1, 1]]);
     flat.normals = vec![[Vec3::Y; 3]];
     scene.add_mesh(&flat).unwrap();

@@ -1,10 +1,16 @@
 //! The rays of each kind that a stereo pair of a scene is made of.
 
+#[path = "../../src/random.rs"]
+#[allow(dead_code, reason = "its sequence is not needed here")]
+mod random;
+
 use stereotrace::{
     FAR, Pose, Ray, Scene,
     cpu::{Eye, Frame},
     glam::Vec3,
 };
+
+use self::random::pcg;
 
 /// What is asked of a ray.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -53,7 +59,7 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         let depth = depth.min(FAR);
         Ray { direction: *direction, t_min: 0.98 * depth, t_max: 1.02 * depth }
     };
-    let scattered = right_directions.iter().enumerate().filter(|(index, _)| hash(*index as u32).is_multiple_of(10));
+    let scattered = right_directions.iter().enumerate().filter(|(index, _)| pcg(*index as u32).is_multiple_of(10));
     vec![
         Kind { name: "primary", query: Query::Closest, lists: vec![(left, primary)] },
         Kind {
@@ -90,11 +96,4 @@ fn in_blocks([width, height]: [usize; 2]) -> Vec<[usize; 2]> {
         }
     }
     pixels
-}
-
-/// A pixel is in the scattered list by chance that is the same in every run (PCG; O'Neill 2014).
-fn hash(index: u32) -> u32 {
-    let state = index.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
 }

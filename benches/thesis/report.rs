@@ -1542,12 +1542,10 @@ mod tests {
 
     #[test]
     fn page_without_records_says_what_it_leaves_out() -> Result<(), Box<dyn Error>> {
-        let folder = std::env::temp_dir().join(format!("stereotrace-report-{}", std::process::id()));
-        let paths = write(&Content::default(), &folder)?;
+        let folder = crate::folder::Folder::new("report");
+        let paths = write(&Content::default(), folder.path())?;
         let page = std::fs::read_to_string(&paths[0])?;
-        let left = std::fs::read_dir(&folder)?.count();
-        std::fs::remove_dir_all(&folder)?;
-        assert_eq!((paths.len(), left), (1, 1));
+        assert_eq!((paths.len(), folder.names().len()), (1, 1));
         assert_eq!(page.matches("class=\"none\"").count(), QUESTIONS.len() + COSTS.len() + 5);
         Ok(())
     }

@@ -40,7 +40,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::StereoCamera;
+    use crate::{StereoCamera, random::Random};
 
     /// What the right-to-left variation knows of a right column.
     #[derive(Clone, Copy, PartialEq)]
@@ -85,19 +85,15 @@ mod tests {
     #[test]
     fn the_sweep_from_the_right_gives_the_same_picture() {
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
-        let mut seed = 3_u32;
-        let mut random = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut random = Random::new(3);
         for interaxial_px in [0.5, 6.0, 30.0] {
             let frame = Frame::new(&camera.size(97, 40).interaxial_pixels(interaxial_px).pose().unwrap());
             // Surfaces some pixels wide at random depths, slanted, with sky between.
             let mut depths = Vec::new();
             while depths.len() < 97 * 40 {
-                let (z, slope) = (0.5 + 9.0 * random(), random() - 0.5);
-                let sky = random() < 0.15;
-                let width = 1 + (random() * 12.0) as usize;
+                let (z, slope) = (random.between(0.5, 9.5), random.between(-0.5, 0.5));
+                let sky = random.unit() < 0.15;
+                let width = 1 + random.below(12);
                 depths.extend((0..width).map(|i| if sky { crate::FAR } else { (z + slope * i as f32).max(1e-3) }));
             }
             depths.truncate(97 * 40);

@@ -158,34 +158,7 @@ impl Picture {
 mod tests {
     use super::super::tests::view;
     use super::*;
-
-    /// A folder of its own for one test, gone with it.
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(test: &str) -> Self {
-            let folder = std::env::temp_dir().join(format!("stereotrace-{test}-{}", std::process::id()));
-            fs::create_dir_all(&folder).unwrap();
-            Self(folder)
-        }
-
-        fn path(&self, name: &str) -> PathBuf {
-            self.0.join(name)
-        }
-
-        fn names(&self) -> Vec<String> {
-            let name = |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
-            let mut names: Vec<_> = fs::read_dir(&self.0).unwrap().map(name).collect();
-            names.sort();
-            names
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
+    use crate::folder::Folder;
 
     /// Reads a grey PFM as its definition says: size, and rows turned to top row first.
     fn read_pfm(path: &Path) -> (usize, usize, Vec<f32>) {
@@ -209,7 +182,7 @@ mod tests {
     fn a_pfm_reads_back_and_its_bytes_are_as_specified() {
         let folder = Folder::new("pfm");
         let values = [1.5, -2.0, f32::INFINITY, 0.0, 1e-30, 6.25];
-        let path = folder.path("a.pfm");
+        let path = folder.file("a.pfm");
         save_pfm(&path, 3, 2, &values).unwrap();
         assert_eq!(read_pfm(&path), (3, 2, values.to_vec()));
         // Upside down would read back too if the reader were wrong as well: the bottom row comes first.
@@ -222,9 +195,9 @@ mod tests {
     #[test]
     fn a_wrong_number_of_values_is_an_error_and_writes_nothing() {
         let folder = Folder::new("count");
-        let message = save_pfm(folder.path("a.pfm"), 2, 2, &[0.0; 3]).unwrap_err().to_string();
+        let message = save_pfm(folder.file("a.pfm"), 2, 2, &[0.0; 3]).unwrap_err().to_string();
         assert!(message.contains("a.pfm: a picture of 2x2 cannot be written from 3 pixels"), "{message}");
-        assert!(save_pfm(folder.path("a.pfm"), u32::MAX, u32::MAX, &[0.0]).is_err());
+        assert!(save_pfm(folder.file("a.pfm"), u32::MAX, u32::MAX, &[0.0]).is_err());
         assert!(folder.names().is_empty());
     }
 
@@ -234,10 +207,10 @@ mod tests {
         let mut view = view(1, &[[0; 3]; 3]);
         view.primitive = vec![0, MISS, 1 << 24];
         view.object = vec![4, MISS, (1 << 24) + 1];
-        let path = folder.path("ids.pfm");
+        let path = folder.file("ids.pfm");
         view.save_primitive_ids(&path).unwrap();
         assert_eq!(read_pfm(&path), (1, 3, vec![0.0, -1.0, 16_777_216.0]));
-        let message = view.save_object_ids(folder.path("objects.pfm")).unwrap_err().to_string();
+        let message = view.save_object_ids(folder.file("objects.pfm")).unwrap_err().to_string();
         assert!(message.contains("objects.pfm: id 16777217 is over 16777216"), "{message}");
         view.save_depth(&path).unwrap();
         assert_eq!(read_pfm(&path), (1, 3, vec![f32::INFINITY; 3]));
@@ -247,7 +220,7 @@ mod tests {
     #[test]
     fn a_failed_write_leaves_the_old_file_and_no_temporary() {
         let folder = Folder::new("failed");
-        let path = folder.path("a.bin");
+        let path = folder.file("a.bin");
         write_whole(&path, b"old").unwrap();
         let result = write_whole_with(&path, |file| {
             file.write_all(b"half of the n")?;
@@ -265,10 +238,10 @@ mod tests {
     #[test]
     fn a_folder_is_not_replaced_and_a_missing_one_is_named() {
         let folder = Folder::new("folder");
-        let inner = folder.path("inner");
+        let inner = folder.file("inner");
         fs::create_dir(&inner).unwrap();
         assert!(write_whole(&inner, b"x").unwrap_err().to_string().contains("inner: "));
-        let message = write_whole(folder.path("none").join("a.bin"), b"x").unwrap_err().to_string();
+        let message = write_whole(folder.file("none").join("a.bin"), b"x").unwrap_err().to_string();
         assert!(message.contains("a.bin: "), "{message}");
         assert!(write_whole("", b"x").is_err());
         assert_eq!(folder.names(), ["inner"]);
@@ -281,7 +254,7 @@ mod tests {
         use std::os::unix::net::UnixListener;
 
         let folder = Folder::new("unix");
-        let (file, link) = (folder.path("file"), folder.path("link"));
+        let (file, link) = (folder.file("file"), folder.file("link"));
         fs::write(&file, b"old").unwrap();
         fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
         symlink(&file, &link).unwrap();
@@ -290,8 +263,8 @@ mod tests {
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
         let long = "n".repeat(255);
-        write_whole(folder.path(&long), b"x").unwrap();
-        let socket = folder.path("socket");
+        write_whole(folder.file(&long), b"x").unwrap();
+        let socket = folder.file("socket");
         let _listener = UnixListener::bind(&socket).unwrap();
         assert!(write_whole(&socket, b"x").is_err());
         assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
@@ -303,7 +276,7 @@ mod tests {
     fn a_png_reads_back_as_it_was() {
         let folder = Folder::new("png");
         let rgba8: Vec<_> = (0..6).map(|i| [40 * i, 255 - i, i, 255]).collect();
-        let path = folder.path("a.png");
+        let path = folder.file("a.png");
         Picture { width: 3, height: 2, rgba8: rgba8.clone() }.save_png(&path).unwrap();
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!((read.width(), read.height()), (3, 2));
@@ -315,7 +288,7 @@ mod tests {
     #[test]
     fn a_picture_of_no_size_or_the_wrong_one_is_an_error() {
         let folder = Folder::new("empty");
-        let path = folder.path("a.png");
+        let path = folder.file("a.png");
         assert!(Picture { width: 0, height: 0, rgba8: vec![] }.save_png(&path).is_err());
         assert!(Picture { width: 2, height: 2, rgba8: vec![[0; 4]; 3] }.save_png(&path).is_err());
         assert!(folder.names().is_empty());

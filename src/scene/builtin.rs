@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use self::shapes::Shape;
 use super::{MaterialId, PointLight, Scene, Sky, Sphere};
-use crate::{Error, StereoCamera};
+use crate::{Error, StereoCamera, random::Random};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
 pub(super) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
@@ -108,28 +108,6 @@ pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId 
     scene.add_material(name, Vec3::from_array(linear))
 }
 
-/// PCG (O'Neill 2014) as a hash of one word, as in Jarzynski and Olano 2020: whole numbers only, so that it gives the
-/// same scene on every machine.
-pub(super) fn pcg(input: u32) -> u32 {
-    let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
-}
-
-/// Numbers from 0 to 1, exact in f32.
-pub(super) struct Random(pub(super) u32);
-
-impl Random {
-    pub(super) fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(1);
-        (pcg(self.0) >> 8) as f32 / (1 << 24) as f32
-    }
-
-    pub(super) fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
-    }
-}
-
 const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
 /// The cloud is a cylinder around the y axis, which may turn about it and stay as far from the eyes.
@@ -220,6 +198,7 @@ mod tests {
 
     use super::*;
     use crate::Pose;
+    use crate::random::pcg;
 
     /// A scene, its camera and a tree to cast rays with, in pictures of `SIZE`.
     struct Caster {

@@ -120,7 +120,7 @@ fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu};
+    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu, folder::Folder};
 
     /// A sky whose colour is its direction.
     fn compass(width: u32) -> SkyMap {
@@ -180,7 +180,8 @@ mod tests {
     #[cfg(feature = "sky")]
     #[test]
     fn a_sky_is_read_from_png_and_a_broken_file_is_named() {
-        let path = std::env::temp_dir().join(format!("stereotrace_{}_sky.png", std::process::id()));
+        let folder = Folder::new("sky");
+        let path = folder.file("sky.png");
         let mut picture = image::RgbImage::new(4, 2);
         picture.put_pixel(1, 0, image::Rgb([255, 188, 0]));
         picture.save(&path).unwrap();
@@ -194,8 +195,10 @@ mod tests {
         let broken = SkyMap::open(&path).unwrap_err().to_string();
         std::fs::remove_file(&path).unwrap();
         let missing = SkyMap::open(&path).unwrap_err().to_string();
-        let name = path.file_name().unwrap().to_str().unwrap();
-        assert!([&odd, &broken, &missing].iter().all(|message| message.contains(name)), "{odd} {broken} {missing}");
+        assert!(
+            [&odd, &broken, &missing].iter().all(|message| message.contains("sky.png")),
+            "{odd} {broken} {missing}"
+        );
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
     }
 }

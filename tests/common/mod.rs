@@ -1,5 +1,10 @@
 //! What the integration tests share: the device, its name in the output, scenes and comparisons.
-#![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
+#![allow(dead_code, unreachable_pub, unused_imports, reason = "each test file uses its own part of this")]
+
+pub mod folder;
+#[path = "../../src/random.rs"]
+pub mod random;
+mod random_scene;
 
 use std::{
     io::Write,
@@ -9,6 +14,8 @@ use std::{
 use stereotrace::{
     Gpu, MaterialId, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, glam::Vec3, wgpu,
 };
+
+pub use self::random_scene::{RandomScene, random_stage};
 
 /// Opens the adapter that tests run on: `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing one is a
 /// failure with a remedy, not a skip.
@@ -53,28 +60,6 @@ pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPai
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).unwrap();
     renderer.render(&uploaded, camera, &Options::new(method)).unwrap()
-}
-
-/// The same numbers in every run.
-pub struct Random(pub u64);
-
-impl Random {
-    /// Uniform in 0..1 (`SplitMix64`).
-    pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    pub fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
-    }
-
-    pub fn point(&mut self, half: f32) -> Vec3 {
-        Vec3::new(self.range(-half, half), self.range(-half, half), self.range(-half, half))
-    }
 }
 
 /// A mesh of one grey material.

@@ -5,10 +5,10 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::{
-    add, lamp, paint, pcg,
+    add, lamp, paint,
     shapes::{Shading, Shape, torus},
 };
-use crate::{MaterialId, Scene, Sky, StereoCamera};
+use crate::{MaterialId, Scene, Sky, StereoCamera, random::pcg};
 
 /// Where the rows of columns stand (x, metres); the outermost are engaged in the walls.
 const ROWS: [f32; 6] = [-12.0, -7.6, -3.2, 3.2, 7.6, 12.0];

@@ -5,10 +5,13 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::{
-    INTERAXIAL_SHARE, Random, add, lamp, paint, pcg,
+    INTERAXIAL_SHARE, add, lamp, paint,
     shapes::{Shading, Shape},
 };
-use crate::{Scene, Sky, Sphere, StereoCamera};
+use crate::{
+    Scene, Sky, Sphere, StereoCamera,
+    random::{Random, pcg},
+};
 
 /// The stage: eyes above a tiled floor, before a wall.
 pub(in crate::scene) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);

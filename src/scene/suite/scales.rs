@@ -7,10 +7,11 @@ use glam::{Vec2, Vec3};
 use super::on_sphere;
 use crate::{
     StereoCamera,
+    random::Random,
     scene::{
         Scene, Sky, Sphere,
         builtin::{
-            Random, add, lamp, paint,
+            add, lamp, paint,
             shapes::{Shading, Shape},
             stage::{self, EYE, SCREEN, stage},
         },

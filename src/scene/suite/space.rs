@@ -5,12 +5,15 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::on_sphere;
-use crate::scene::{
-    Scene, Sky, Sphere,
-    builtin::{
-        Random, add, lamp, paint, pcg,
-        shapes::{Shading, Shape},
-        stage::{EYE, INTERAXIAL, stage},
+use crate::{
+    random::{Random, pcg},
+    scene::{
+        Scene, Sky, Sphere,
+        builtin::{
+            add, lamp, paint,
+            shapes::{Shading, Shape},
+            stage::{EYE, INTERAXIAL, stage},
+        },
     },
 };
 

@@ -5,12 +5,15 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::on_sphere;
-use crate::scene::{
-    MaterialId, Scene, Sphere,
-    builtin::{
-        add, paint, pcg,
-        shapes::{Shading, Shape},
-        stage::{EYE, stage},
+use crate::{
+    random::pcg,
+    scene::{
+        MaterialId, Scene, Sphere,
+        builtin::{
+            add, paint,
+            shapes::{Shading, Shape},
+            stage::{EYE, stage},
+        },
     },
 };
 

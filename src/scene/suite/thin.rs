@@ -5,12 +5,15 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::PIXEL;
-use crate::scene::{
-    MaterialId, Scene, Sphere,
-    builtin::{
-        Random, add, paint,
-        shapes::{Shading, Shape},
-        stage::{EYE, stage},
+use crate::{
+    random::Random,
+    scene::{
+        MaterialId, Scene, Sphere,
+        builtin::{
+            add, paint,
+            shapes::{Shading, Shape},
+            stage::{EYE, stage},
+        },
     },
 };
 

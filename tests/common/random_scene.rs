@@ -1,0 +1,89 @@
+//! Random scenes: one to find hits wrong in, one to find shadows wrong in.
+
+use stereotrace::{MaterialId, PointLight, Scene, Sphere, glam::Vec3};
+
+use super::{mesh, random::Random};
+
+/// Triangles and spheres without order, in a cube of two units or so about the origin. Some triangles stand there twice
+/// (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are large;
+/// each sphere stands there twice.
+#[derive(Clone, Copy)]
+pub struct RandomScene {
+    pub seed: u32,
+    pub triangles: usize,
+    pub spheres: usize,
+    /// Whether triangles have vertex normals, which point anywhere.
+    pub smooth: bool,
+    pub scale: f32,
+    /// Added to each coordinate after the scale.
+    pub offset: f32,
+}
+
+impl Default for RandomScene {
+    fn default() -> Self {
+        Self { seed: 1, triangles: 150, spheres: 20, smooth: false, scale: 1.0, offset: 0.0 }
+    }
+}
+
+impl RandomScene {
+    pub fn build(self) -> Scene {
+        let mut random = Random::new(self.seed);
+        let place = |point: Vec3| point * self.scale + Vec3::splat(self.offset);
+        let mut scene = Scene::new();
+        let corners: Vec<Vec3> = self.corners(&mut random).into_iter().map(place).collect();
+        if !corners.is_empty() {
+            let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+            let mut mesh = mesh(corners, faces);
+            if self.smooth {
+                mesh.normals = mesh.triangles.iter().map(|_| [(); 3].map(|()| random.point(1.0).normalize())).collect();
+            }
+            scene.add_mesh(&mesh).unwrap();
+        }
+        for _ in 0..self.spheres {
+            let (center, radius) = (place(random.point(1.0)), random.between(0.02, 0.3) * self.scale);
+            let sphere = Sphere { center, radius, material: MaterialId(0) };
+            scene.add_sphere(sphere).unwrap();
+            scene.add_sphere(sphere).unwrap();
+        }
+        scene
+    }
+
+    fn corners(&self, random: &mut Random) -> Vec<Vec3> {
+        let mut corners = Vec::new();
+        for index in 0..self.triangles {
+            let at = random.point(1.0);
+            let size = if index % 5 == 4 { 0.9 } else { 0.3 };
+            let [a, b, c] = [(); 3].map(|()| at + random.point(size));
+            match index % 10 {
+                0 => corners.extend([a, b, c, c, a, b]),
+                1 => corners.extend([a, a, b]),
+                2 => corners.extend([a, b, c].map(|p| Vec3::new(p.x, p.y, 0.25))),
+                _ => corners.extend([a, b, c]),
+            }
+        }
+        corners
+    }
+}
+
+/// Fans of triangles that share their edges, and spheres, over a floor among four lights.
+pub fn random_stage(seed: u32) -> Scene {
+    let mut random = Random::new(seed);
+    let mut scene = Scene::new();
+    scene.add_material("grey", Vec3::splat(0.5));
+    let floor = [[-4.0, -1.0, -6.0], [4.0, -1.0, -6.0], [4.0, -1.0, 3.0], [-4.0, -1.0, 3.0]].map(Vec3::from_array);
+    scene.add_mesh(&mesh(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    for _ in 0..12 {
+        let middle = random.point(1.5) + Vec3::NEG_Z;
+        let corners: Vec<Vec3> = std::iter::once(middle).chain((0..4).map(|_| middle + random.point(0.8))).collect();
+        scene.add_mesh(&mesh(corners, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]])).unwrap();
+    }
+    for _ in 0..6 {
+        let (center, radius) = (random.point(1.5), random.between(0.1, 0.4));
+        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+    }
+    scene.ambient = Vec3::splat(0.1);
+    for position in [[3.0, 4.0, 2.0], [-3.0, 3.0, 1.0], [0.5, 5.0, -2.0], [0.0, 0.5, 5.0]] {
+        scene.lights.push(PointLight { position: Vec3::from_array(position), intensity: Vec3::splat(0.4) });
+    }
+    scene
+}
