@@ -1,6 +1,6 @@
 //! How far two views differ: the accuracy figures of DESIGN, section 7.
 
-use crate::{Error, Pose, View};
+use crate::{Error, MISS, Pose, View};
 
 /// Parallaxes of one surface differ by less than this, in pixels.
 const SAME_SURFACE_PX: f64 = 1.0;
@@ -26,6 +26,12 @@ pub struct Difference {
     pub wrong_surface_percent: f64,
     /// Largest difference in parallax of any pixel, pixels.
     pub largest_parallax_error_px: f64,
+    /// The pixels in which either view shows a surface, percent: in the others both show sky, which is easily right.
+    pub surface_percent: f64,
+    /// Of these, the pixels with the same colour, percent; 100 if there are none.
+    pub identical_of_surfaces_percent: f64,
+    /// Of these, the pixels that count for [`Self::wrong_surface_percent`], percent; 0 if there are none.
+    pub wrong_of_surfaces_percent: f64,
 }
 
 /// Compares a view to the true one, both seen from `pose`.
@@ -45,14 +51,21 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
     let errors = view.depth.iter().zip(&truth.depth).map(|(&a, &b)| (parallax(a) - parallax(b)).abs());
     let objects = view.object.iter().zip(&truth.object);
     let (mut wrong_surface, mut largest_parallax_error_px) = (0, 0.0_f64);
-    for (error, (object, true_object)) in errors.zip(objects) {
+    let (mut surfaces, mut differing_surfaces, mut wrong_of_surfaces) = (0, 0, 0);
+    for ((error, (object, true_object)), &square) in errors.zip(objects).zip(&squares) {
         // A depth that is no number must not pass for a right one.
         let error = if error.is_nan() { f64::INFINITY } else { error };
-        wrong_surface += usize::from(object != true_object || error > SAME_SURFACE_PX);
+        let wrong = object != true_object || error > SAME_SURFACE_PX;
+        let surface = *object != MISS || *true_object != MISS;
+        wrong_surface += usize::from(wrong);
+        surfaces += usize::from(surface);
+        differing_surfaces += usize::from(surface && square > 0);
+        wrong_of_surfaces += usize::from(surface && wrong);
         largest_parallax_error_px = largest_parallax_error_px.max(error);
     }
 
     let percent = |count: usize| 100.0 * count as f64 / pixels as f64;
+    let of_surfaces = |count: usize| 100.0 * count as f64 / surfaces.max(1) as f64;
     Ok(Difference {
         identical_percent: percent(pixels - differing),
         differing_percent: percent(differing),
@@ -62,6 +75,9 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
         p999: f64::from(permille_999(squares)).sqrt(),
         wrong_surface_percent: percent(wrong_surface),
         largest_parallax_error_px,
+        surface_percent: percent(surfaces),
+        identical_of_surfaces_percent: 100.0 - of_surfaces(differing_surfaces),
+        wrong_of_surfaces_percent: of_surfaces(wrong_of_surfaces),
     })
 }
 
@@ -106,8 +122,8 @@ fn permille_999(mut values: Vec<u32>) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::StereoCamera;
     use crate::glam::Vec3;
-    use crate::{MISS, StereoCamera};
 
     /// `e_px` = 10 and `d` = 5: parallax 10 (1 - 5/Z).
     fn pose(width: u32, height: u32) -> Pose {
@@ -139,7 +155,8 @@ mod tests {
 
     #[test]
     fn identical_views_do_not_differ() {
-        for (width, height) in [(1, 1), (50, 40)] {
+        // The last pixel is sky: of a single one no surface is left.
+        for (width, height, surface_percent) in [(1, 1, 0.0), (50, 40, 99.95)] {
             let expected = Difference {
                 identical_percent: 100.0,
                 differing_percent: 0.0,
@@ -149,6 +166,9 @@ mod tests {
                 p999: 0.0,
                 wrong_surface_percent: 0.0,
                 largest_parallax_error_px: 0.0,
+                surface_percent,
+                identical_of_surfaces_percent: 100.0,
+                wrong_of_surfaces_percent: 0.0,
             };
             let view = wall(width, height);
             assert_eq!(compare(&view, &view, &pose(width, height)).unwrap(), expected);
@@ -173,6 +193,31 @@ mod tests {
         assert!(close(difference.largest_parallax_error_px, 5.0));
         // A difference has no sign.
         assert_eq!(compare(&truth, &view, &pose(20, 10)).unwrap(), difference);
+    }
+
+    #[test]
+    fn sky_in_both_views_counts_for_all_pixels_and_not_for_surfaces() {
+        // A surface that is right, one of another colour and place, and sky twice.
+        let mut truth = wall(4, 1);
+        (truth.depth[2], truth.object[2]) = (f32::INFINITY, MISS);
+        let mut view = truth.clone();
+        view.rgba8[1] = [0, 0, 0, 255];
+        view.depth[1] = 10.0;
+        let figures = |view: &View, truth: &View| {
+            let found = compare(view, truth, &pose(4, 1)).unwrap();
+            let of_all = [found.identical_percent, found.wrong_surface_percent];
+            (of_all, found.surface_percent, [found.identical_of_surfaces_percent, found.wrong_of_surfaces_percent])
+        };
+        assert_eq!(figures(&view, &truth), ([75.0, 25.0], 50.0, [50.0, 50.0]));
+        // A colour that differs in the sky is no surface's fault.
+        view.rgba8[2] = [0, 0, 0, 255];
+        assert_eq!(figures(&view, &truth), ([50.0, 25.0], 50.0, [50.0, 50.0]));
+        // Sky in one view only, whichever it is: a third pixel shows a surface, the wrong one and of another colour.
+        (view.depth[2], view.object[2]) = (5.0, 0);
+        let of_three = [100.0 - 200.0 / 3.0, 200.0 / 3.0];
+        for (view, truth) in [(&view, &truth), (&truth, &view)] {
+            assert_eq!(figures(view, truth), ([50.0, 50.0], 75.0, of_three));
+        }
     }
 
     #[test]

@@ -55,6 +55,8 @@ fn record(method: &str, rays_shadow: u64, identical: f64) -> Record {
         identical,
         differing: 100.0 - identical,
         wrong_surface: 0.0,
+        identical_of_surfaces: 2.0 * identical - 100.0,
+        wrong_of_surfaces: 0.25,
         mean_difference: 1.0,
         mse: 0.0175,
         psnr: Some(58.0),
@@ -117,10 +119,10 @@ fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error
         "<b>91.50%</b>",
         "red: shadow rays, at least one: <b>8.50%</b>",
         "<b>99.9993%</b>", // one pixel is not rounded away
-        // second eye by time and by counters, re-traced, shadow rays, differing, wrong surface, MSE
+        // second eye by time and by counters, re-traced, shadow rays, differing and wrong surface, each of surfaces too, MSE
         "<tr><td>bracket</td><td>fixed spheres</td><td class=\"n\">600x600</td><td class=\"n\">0.454</td><td class=\"n\">0.131</td><td \
-         class=\"n\">0.63</td><td class=\"n\">58.00</td><td class=\"n\">0.01</td><td class=\"n\">0.00</td><td \
-         class=\"n\">0.0175</td></tr>",
+         class=\"n\">0.63</td><td class=\"n\">58.00</td><td class=\"n\">0.01</td><td class=\"n\">0.03</td><td \
+         class=\"n\">0.00</td><td class=\"n\">0.25</td><td class=\"n\">0.0175</td></tr>",
     ] {
         assert!(section.contains(text), "{text}\n{section}");
     }
@@ -156,7 +158,8 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
     };
     let found = row(
         "bracket",
-        "\"second_eye_counters\": 0.0882, \"identical\": 96.92, \"wrong_surface\": 0.0011, \"error\": null",
+        "\"second_eye_counters\": 0.0882, \"identical\": 96.92, \"wrong_surface\": 0.0011, \
+         \"identical_of_surfaces\": 91.5, \"wrong_of_surfaces\": 0.25, \"error\": null",
     );
     let failed = row(
         "buffer",
@@ -174,8 +177,9 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
         "1 scene made to be hard",
         "300x300; adapter: a &lt;b&gt;; commit: abc; 2012-06-30.",
         "<b>wires</b> wires pass</th>",
-        "<td class=\"n first\">0.09</td><td class=\"n\">96.92</td><td class=\"n\">0.001</td>",
-        "<td class=\"first error\" colspan=\"3\">too deep</td>",
+        "<td class=\"n first\">0.09</td><td class=\"n\">96.92</td><td class=\"n\">91.50</td><td \
+         class=\"n\">0.001</td><td class=\"n\">0.25</td>",
+        "<td class=\"first error\" colspan=\"5\">too deep</td>",
         "<svg role=\"img\" aria-label=\"Stability: accuracy against cost\" width=\"8\" height=\"5\">\n<g/>",
     ] {
         assert!(section.contains(text), "{text}\n{section}");

@@ -50,6 +50,9 @@ fn of_row(row: &Row, plan: &Plan, provenance: &Provenance) -> Record {
         ("pair_of_naive_counters", figure(|figures| figures.of_naive)),
         ("identical", figure(|figures| figures.difference.identical_percent)),
         ("wrong_surface", figure(|figures| figures.difference.wrong_surface_percent)),
+        ("surface", figure(|figures| figures.difference.surface_percent)),
+        ("identical_of_surfaces", figure(|figures| figures.difference.identical_of_surfaces_percent)),
+        ("wrong_of_surfaces", figure(|figures| figures.difference.wrong_of_surfaces_percent)),
         ("psnr", figure(|figures| figures.difference.psnr)), // null where infinite: the pictures are the same
         ("error", json!(row.figures.as_ref().err())),
     ];

@@ -9,11 +9,12 @@ pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> S
     let [width, height] = plan.size;
     let mut text = format!(
         "adapter: {}\ndriver:  {}\n{width}x{height}; second eye: the first one's cost = 1; pair: naive's cost = 1, \
-         both by counters; the rest: the right view against naive's\n\n",
+         both by counters; the rest: the right view against naive's, of \
+         all pixels and of those in which either view shows a surface\n\n",
         provenance.adapter, provenance.driver
     );
-    text += "| trial | method | second eye | pair | identical % | wrong surface % | PSNR dB | why it is hard |\n\
-             |---|---|---|---|---|---|---|---|\n";
+    text += "| trial | method | second eye | pair | identical % | of surfaces % | wrong surface % | of surfaces % | PSNR dB | why it \
+             is hard |\n|---|---|---|---|---|---|---|---|---|---|\n";
     let mut last = None;
     for row in rows {
         // Said once a trial.
@@ -21,14 +22,16 @@ pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> S
         last = Some(row.trial);
         let figures = match &row.figures {
             Ok(figures) => format!(
-                "{:.3} | {:.3} | {:.3} | {:.4} | {:.1}",
+                "{:.3} | {:.3} | {:.3} | {:.3} | {:.4} | {:.4} | {:.1}",
                 figures.second_eye,
                 figures.of_naive,
                 figures.difference.identical_percent,
+                figures.difference.identical_of_surfaces_percent,
                 figures.difference.wrong_surface_percent,
+                figures.difference.wrong_of_surfaces_percent,
                 figures.difference.psnr,
             ),
-            Err(error) => format!("{} | | | |", cell(error)),
+            Err(error) => format!("{} | | | | | |", cell(error)),
         };
         let _ = writeln!(text, "| {} | {} | {figures} | {reason} |", row.trial, row.method);
     }

@@ -64,6 +64,9 @@ fn record(scene: &Measured, figures: &MethodFigures, plan: &Plan, provenance: &P
         ("identical", json!(difference.identical_percent)),
         ("differing", json!(difference.differing_percent)),
         ("wrong_surface", json!(difference.wrong_surface_percent)),
+        ("surface", json!(difference.surface_percent)),
+        ("identical_of_surfaces", json!(difference.identical_of_surfaces_percent)),
+        ("wrong_of_surfaces", json!(difference.wrong_of_surfaces_percent)),
         ("mean_difference", json!(difference.mean_difference)),
         ("mse", json!(difference.mse)),
         ("psnr", json!(difference.psnr)), // null where infinite: the pictures are the same

@@ -66,15 +66,26 @@ fn time(measured: &Measured) -> String {
     })
 }
 
-/// The right view against naive's.
+/// The right view against naive's; of surfaces: of the pixels in which either view shows one.
 fn accuracy(measured: &Measured) -> String {
-    let head = ["accuracy", "identical %", "wrong surface %", "mean difference", "MSE", "PSNR dB"];
+    let head = [
+        "accuracy",
+        "identical %",
+        "of surfaces %",
+        "wrong surface %",
+        "of surfaces %",
+        "mean difference",
+        "MSE",
+        "PSNR dB",
+    ];
     table(measured, head, |figures| {
         let difference = &figures.difference;
         [
             figures.method.to_string(),
             format!("{:.3}", difference.identical_percent),
+            format!("{:.3}", difference.identical_of_surfaces_percent),
             format!("{:.4}", difference.wrong_surface_percent),
+            format!("{:.4}", difference.wrong_of_surfaces_percent),
             format!("{:.2}", difference.mean_difference),
             format!("{:.4}", difference.mse),
             format!("{:.1}", difference.psnr),

@@ -268,6 +268,8 @@ fn record(step: &Step, measured: &Measured, figures: &MethodFigures, plan: &Plan
         identical: difference.identical_percent,
         differing: difference.differing_percent,
         wrong_surface: difference.wrong_surface_percent,
+        identical_of_surfaces: difference.identical_of_surfaces_percent,
+        wrong_of_surfaces: difference.wrong_of_surfaces_percent,
         mean_difference: difference.mean_difference,
         mse: difference.mse,
         psnr: difference.psnr.is_finite().then_some(difference.psnr),

@@ -35,6 +35,9 @@ pub(crate) struct Record {
     pub(crate) identical: f64,
     pub(crate) differing: f64,
     pub(crate) wrong_surface: f64,
+    /// The same two, percent of the pixels in which either view shows a surface.
+    pub(crate) identical_of_surfaces: f64,
+    pub(crate) wrong_of_surfaces: f64,
     pub(crate) mean_difference: f64,
     pub(crate) mse: f64,
     /// `None` where the pictures are the same.

@@ -1286,7 +1286,7 @@ impl Cell {
 /// Heading, whether it is sorted as a number, and a record's cell.
 type Column = (&'static str, bool, fn(&Record) -> Cell);
 
-const COLUMNS: [Column; 19] = [
+const COLUMNS: [Column; 21] = [
     ("suite", false, |r| Cell::text(&r.suite)),
     ("scene", false, |r| Cell::text(scenes::title(&r.scene))),
     ("method", false, |r| Cell::text(&r.method)),
@@ -1304,7 +1304,9 @@ const COLUMNS: [Column; 19] = [
     ("speed-up %", true, |r| Cell::number(100.0 * r.speed_up, 1)),
     ("by counters %", true, |r| Cell::number(100.0 * r.speed_up_counters, 1)),
     ("identical %", true, |r| Cell::number(r.identical, 3)),
+    ("of surfaces %", true, |r| Cell::number(r.identical_of_surfaces, 3)),
     ("wrong surface %", true, |r| Cell::number(r.wrong_surface, 4)),
+    ("of surfaces %", true, |r| Cell::number(r.wrong_of_surfaces, 4)),
     ("MSE", true, |r| Cell::number(r.mse, 4)),
     ("PSNR", true, |r| match r.psnr {
         Some(psnr) => Cell::number(psnr, 1),
@@ -1321,7 +1323,8 @@ fn table(records: &[Record]) -> String {
         return html;
     }
     html += "<p>Click on a heading to sort by it, and again to turn the order round. e is in pixels, PSNR in dB; \
-             second eye is what it costs where the first costs 1; slots are a buffer's, a right pixel.</p>\n\
+             second eye is what it costs where the first costs 1; slots are a buffer's, a right pixel; of surfaces are \
+             the pixels in which either view shows one.</p>\n\
              <div class=\"table\" tabindex=\"0\"><table id=\"table\">\n<thead><tr>";
     for (heading, is_number, _) in COLUMNS {
         let class = if is_number { " class=\"n\"" } else { "" };

@@ -80,6 +80,9 @@ impl Display for Report<'_> {
             let (identical, wrong) = (difference.identical_percent, difference.wrong_surface_percent);
             let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
             line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
+            let (identical, wrong) = (difference.identical_of_surfaces_percent, difference.wrong_of_surfaces_percent);
+            let text = format!("{identical:.2}% identical of surfaces, {wrong:.3}% wrong of surfaces");
+            line(f, "", format!("{text}, which {:.2}% of the pixels show", difference.surface_percent))?;
         }
         if self.pair.left.primitive.iter().all(|id| *id == MISS) {
             line(f, "warning", "the left eye sees nothing but sky: see --eye and --target")?;

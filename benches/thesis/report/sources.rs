@@ -94,13 +94,15 @@ fn table(records: &[&Record], names: &Names) -> String {
         "re-traced %",
         "shadow rays of both eyes, % of naive's",
         "differing %",
+        "of surfaces %",
         "wrong surface %",
+        "of surfaces %",
         "MSE",
     ];
     let heads: String = heads.iter().map(|head| format!("<th scope=\"col\" class=\"n\">{head}</th>")).collect();
     format!(
         "<p>It and its kin as measured, by the records: the first eye costs 1, and the right view is set against \
-         naive's.</p>\n<div class=\"table plain\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">method</th><th \
+         naive's, by all pixels and by those in which either view shows a surface.</p>\n<div class=\"table plain\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">method</th><th \
          scope=\"col\">scene</th><th scope=\"col\" class=\"n\">size</th>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
          </table></div>\n"
     )
@@ -117,7 +119,9 @@ fn row(record: &Record, records: &[&Record]) -> String {
         percent(100.0 * record.retraced),
         shadows.map(percent).unwrap_or_default(),
         percent(100.0 - record.identical),
+        percent(100.0 - record.identical_of_surfaces),
         percent(record.wrong_surface),
+        percent(record.wrong_of_surfaces),
         format!("{:.4}", record.mse),
     ];
     let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();

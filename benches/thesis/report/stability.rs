@@ -9,6 +9,8 @@ use super::{count, distinct, escape, sources::percent};
 pub(super) const SLUG: &str = "stability";
 pub(super) const TITLE: &str = "Stability suite";
 const COMMAND: &str = "cargo bench --bench stability";
+/// Cost, identical and wrong surface of all pixels and of surfaces.
+const COLUMNS: usize = 5;
 
 /// What the benchmark wrote.
 pub(crate) struct Stability {
@@ -28,6 +30,9 @@ struct Row {
     second_eye_counters: Option<f64>,
     identical: Option<f64>,
     wrong_surface: Option<f64>,
+    /// Missing too where an older benchmark wrote the file.
+    identical_of_surfaces: Option<f64>,
+    wrong_of_surfaces: Option<f64>,
     error: Option<String>,
     adapter: String,
     commit: String,
@@ -61,7 +66,8 @@ pub(super) fn html(stability: Option<&Stability>) -> String {
     let _ = writeln!(
         html,
         "<p>{} made to be hard, by <code>{COMMAND}</code>: {}; adapter: {}; commit: {}; {}. Cost is the second eye's by \
-         counters, the first eye's being 1; the rest sets the right view against naive's, in percent of its pixels.</p>",
+         counters, the first eye's being 1; the rest sets the right view against naive's, in percent of its pixels \
+         and of those in which either view shows a surface.</p>",
         count(trials.len(), "scene"),
         list(&|row| format!("{}x{}", row.width, row.height)),
         list(&|row| row.adapter.clone()),
@@ -76,19 +82,21 @@ pub(super) fn html(stability: Option<&Stability>) -> String {
     html
 }
 
-/// A row a trial, three columns a method.
+/// A row a trial, [`COLUMNS`] a method.
 fn table(rows: &[Row], trials: &[&str]) -> String {
     let methods: Vec<&str> = distinct(rows.iter().map(|row| row.method.as_str()));
     let mut html = "<div class=\"table suite\" tabindex=\"0\"><table>\n<thead>\n<tr><th scope=\"col\" rowspan=\"2\">trial, and why \
                     it is hard</th>"
         .to_owned();
     for method in &methods {
-        let _ = write!(html, "<th scope=\"colgroup\" colspan=\"3\" class=\"first\">{}</th>", escape(method));
+        let _ = write!(html, "<th scope=\"colgroup\" colspan=\"{COLUMNS}\" class=\"first\">{}</th>", escape(method));
     }
     html += "</tr>\n<tr>";
     for _ in &methods {
-        html += "<th scope=\"col\" class=\"n first\">cost</th><th scope=\"col\" class=\"n\">identical %</th><th scope=\"col\" \
-                 class=\"n\">wrong surface %</th>";
+        html += "<th scope=\"col\" class=\"n first\">cost</th>";
+        for head in ["identical %", "of surfaces %", "wrong surface %", "of surfaces %"] {
+            let _ = write!(html, "<th scope=\"col\" class=\"n\">{head}</th>");
+        }
     }
     html += "</tr>\n</thead>\n<tbody>\n";
     for &trial in trials {
@@ -104,16 +112,17 @@ fn table(rows: &[Row], trials: &[&str]) -> String {
 }
 
 fn cells(row: Option<&Row>) -> String {
-    let Some(row) = row else { return "<td class=\"first\" colspan=\"3\"></td>".into() };
+    let Some(row) = row else { return format!("<td class=\"first\" colspan=\"{COLUMNS}\"></td>") };
     match (row.second_eye_counters, row.identical, row.wrong_surface) {
-        (Some(cost), Some(identical), Some(wrong)) => format!(
-            "<td class=\"n first\">{cost:.2}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-            percent(identical),
-            percent(wrong)
-        ),
+        (Some(cost), Some(identical), Some(wrong)) => {
+            let cells = [Some(identical), row.identical_of_surfaces, Some(wrong), row.wrong_of_surfaces];
+            let cell =
+                |figure: Option<f64>| format!("<td class=\"n\">{}</td>", figure.map(percent).unwrap_or_default());
+            format!("<td class=\"n first\">{cost:.2}</td>{}", cells.map(cell).concat())
+        }
         _ => {
             let error = row.error.as_deref().unwrap_or("no figures");
-            format!("<td class=\"first error\" colspan=\"3\">{}</td>", escape(error))
+            format!("<td class=\"first error\" colspan=\"{COLUMNS}\">{}</td>", escape(error))
         }
     }
 }
