@@ -1200,11 +1200,17 @@ mod tests {
     fn bands_change_nothing_but_the_number_of_dispatches() {
         let builtin = crate::scene::builtin::Builtin::Hall;
         let camera = builtin.camera(130, 71);
-        for method in [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER] {
-            let options = Options::new(method).counting();
+        let mut renderer = renderer(BAND_PIXELS);
+        let uploaded = renderer.upload(&builtin.scene()).unwrap();
+        // Counting traces one ray a lane; those of the tiles' search are to be seen as they ship.
+        let counted = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::BRACKET];
+        let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
+        let counted = counted.map(|method| Options::new(method).counting());
+        for options in counted.into_iter().chain(shipped.map(Options::new)) {
+            let method = options.method;
             let [whole, banded] = [BAND_PIXELS, 130 * 16].map(|band_pixels| {
-                let mut renderer = renderer(band_pixels);
-                let uploaded = renderer.upload(&builtin.scene()).unwrap();
+                renderer.band_pixels = band_pixels;
+                renderer.picture = None; // its lists are as long as a band
                 let mut calls = 0;
                 let mut count = |_| {
                     calls += 1;
