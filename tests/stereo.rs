@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{gpu, render, renderer};
+use common::{gpu, gpu_with_limits, render, renderer};
 use stereotrace::{
     BufferDepth, BvhBuild, Error, Fetch, GBuffer, Gpu, MISS, Method, Options, Overlap, PixelSource, PointLight,
     RaysPerLane, Renderer, Scene, StereoCamera, StereoPair, Traversal, Verify,
@@ -255,15 +255,14 @@ fn a_destroyed_device_is_an_error_and_no_panic() {
 
 #[test]
 fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
-    let (device, queue) = common::device(wgpu::Limits::default());
-    let mut theirs = Renderer::new(Gpu::from_device(device.clone(), queue).unwrap());
+    let mut theirs = Renderer::new(gpu_with_limits(wgpu::Limits::default()));
     let scene = Builtin::Hall.scene();
     let uploaded = theirs.upload(&scene).unwrap();
     let camera = Builtin::Hall.camera(SIZE.0, SIZE.1);
     let pair = theirs.render(&uploaded, &camera, &Options::new(Method::BUFFER)).unwrap();
     assert!(pair.statistics.times.is_none(), "timestamps were not asked for");
     assert_eq!(pair.right, render_builtin(Builtin::Hall, Method::BUFFER).right);
-    device.destroy();
+    theirs.gpu().device().destroy();
     let error = theirs.render(&uploaded, &camera, &Options::default()).unwrap_err();
     assert!(matches!(error, Error::DeviceLost(_)), "{error}");
     let error = Renderer::new(theirs.gpu().clone()).upload(&scene).unwrap_err();
@@ -434,8 +433,7 @@ fn limited(bytes: u64, side: u32) -> Gpu {
     limits.max_storage_buffer_binding_size = bytes;
     limits.max_texture_dimension_2d = side;
     limits.max_texture_dimension_1d = limits.max_texture_dimension_1d.min(side);
-    let (device, queue) = common::device(limits);
-    Gpu::from_device(device, queue).unwrap()
+    gpu_with_limits(limits)
 }
 
 #[test]

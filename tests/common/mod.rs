@@ -38,6 +38,12 @@ pub fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
     pollster::block_on(adapter.request_device(&descriptor)).unwrap()
 }
 
+/// A [`Gpu`] of the caller's own on the tests' adapter, with these limits.
+pub fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
+    let (device, queue) = device(limits);
+    Gpu::from_device(device, queue).unwrap()
+}
+
 /// One renderer for all tests of a file: its pipelines are compiled once.
 pub fn renderer() -> MutexGuard<'static, Renderer> {
     static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
