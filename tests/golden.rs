@@ -6,7 +6,7 @@ mod common;
 
 use common::{render, renderer};
 use stereotrace::{
-    Method,
+    Method, Options,
     output::{Anaglyph, Picture},
     scene::builtin::Builtin,
     wgpu,
@@ -59,6 +59,16 @@ fn the_hall_s_anaglyph_and_map_are_as_stored() {
     let pair = render(&Builtin::Hall.scene(), &Builtin::Hall.camera(192, 108), Method::ATOMIC);
     check("hall_anaglyph", &pair.anaglyph(Anaglyph::Dubois));
     check("hall_map", &pair.retrace_picture());
+}
+
+#[test]
+fn the_hall_s_right_view_by_the_default_method_is_as_stored() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+    let pair = renderer.render(&uploaded, &Builtin::Hall.camera(192, 108), &Options::default()).unwrap();
+    // With five lights it pays on software adapters and on GPUs.
+    assert_eq!(pair.statistics.method, Method::BRACKET);
+    check("hall_default", &pair.right.picture());
 }
 
 #[test]
