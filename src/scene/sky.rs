@@ -120,7 +120,7 @@ fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu, folder::Folder};
+    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu};
 
     /// A sky whose colour is its direction.
     fn compass(width: u32) -> SkyMap {
@@ -180,7 +180,7 @@ mod tests {
     #[cfg(feature = "sky")]
     #[test]
     fn a_sky_is_read_from_png_and_a_broken_file_is_named() {
-        let folder = Folder::new("sky");
+        let folder = crate::folder::Folder::new("sky");
         let path = folder.file("sky.png");
         let mut picture = image::RgbImage::new(4, 2);
         picture.put_pixel(1, 0, image::Rgb([255, 188, 0]));
