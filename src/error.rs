@@ -1,8 +1,11 @@
 //! The one error type.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy.
+use crate::message::{escaped, tidy};
+
+/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
+/// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -68,7 +71,7 @@ pub enum Error {
         reason: String,
     },
     /// A scene with an element that cannot be rendered.
-    #[error("invalid scene: {element}: {reason}")]
+    #[error("invalid scene: {}: {}", tidy(element), tidy(reason))]
     Scene {
         /// The element, as `mesh 'table', vertex 12`.
         element: String,
@@ -76,7 +79,7 @@ pub enum Error {
         reason: String,
     },
     /// A name that is none of those known.
-    #[error("unknown {what} '{name}'; use one of {known}")]
+    #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]
     UnknownName {
         /// What it should name, as `method`.
         what: &'static str,
@@ -86,7 +89,7 @@ pub enum Error {
         known: String,
     },
     /// A file whose content is wrong.
-    #[error("{}{}: {reason}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+    #[error("{}{}: {}", shown(path), line.map(|line| format!(":{line}")).unwrap_or_default(), tidy(reason))]
     File {
         /// The file.
         path: PathBuf,
@@ -96,7 +99,7 @@ pub enum Error {
         reason: String,
     },
     /// A file that could not be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Io {
         /// The file.
         path: PathBuf,
@@ -106,6 +109,11 @@ pub enum Error {
     /// The progress callback asked to stop.
     #[error("cancelled by the progress callback")]
     Cancelled,
+}
+
+/// A path as messages show it: whole, since that is how it is found.
+fn shown(path: &Path) -> String {
+    escaped(&path.to_string_lossy())
 }
 
 impl Error {
@@ -132,6 +140,28 @@ impl Error {
             limit: "bound on the loops of a thread",
             allowed: "reached (llvmpipe's is 65535)".into(),
             remedy: "use fewer lights or a simpler scene",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_quote_files_tidily_whatever_their_kind() {
+        let odd = format!("\u{1b}[2J{}", "n".repeat(100));
+        let errors = [
+            Error::file(&odd, Some(3), &*odd),
+            Error::Scene { element: odd.clone(), reason: odd.clone() },
+            Error::unknown_name("method", &odd, &[&odd]),
+            Error::io(&odd, std::io::Error::other("full")),
+        ];
+        for error in errors {
+            let message = error.to_string();
+            assert!(message.contains(r"\u{1b}[2J") && !message.contains('\u{1b}'), "{message}");
+            let path_alone = matches!(error, Error::Io { .. });
+            assert_eq!(message.contains('…'), !path_alone, "{message}");
         }
     }
 }

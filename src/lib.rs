@@ -74,6 +74,7 @@ mod folder;
 pub mod gpu;
 mod kernels;
 mod layout;
+mod message;
 pub mod method;
 pub mod metrics;
 pub mod output;

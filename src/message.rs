@@ -1,0 +1,64 @@
+//! Text of files in messages: a name in a file must not steer a terminal, nor fill it.
+
+/// Longer words are cut in their middle, so that the quotation mark and colon at a name's end stay.
+const LONGEST_WORD: usize = 80;
+/// How much of a cut word stands behind the cut.
+const WORD_END: usize = 8;
+/// Longer texts are cut at their end. Lists of the names there are may be long.
+const LONGEST_TEXT: usize = 2000;
+
+/// A text that may quote a file: control characters are escaped, long words and very long texts are cut.
+pub(crate) fn tidy(text: &str) -> String {
+    let tidied = escaped(text).split(' ').map(cut_word).collect::<Vec<_>>().join(" ");
+    match tidied.char_indices().nth(LONGEST_TEXT) {
+        Some((end, _)) => format!("{}…", &tidied[..end]),
+        None => tidied,
+    }
+}
+
+/// The text with what moves the cursor or turns the direction of writing shown by number.
+pub(crate) fn escaped(text: &str) -> String {
+    let steers = |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        if steers(c) { result.extend(c.escape_default()) } else { result.push(c) }
+    }
+    result
+}
+
+fn cut_word(word: &str) -> String {
+    let count = word.chars().count();
+    if count <= LONGEST_WORD {
+        return word.into();
+    }
+    let start = word.chars().take(LONGEST_WORD - WORD_END - 1);
+    start.chain(['…']).chain(word.chars().skip(count - WORD_END)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_escaped_and_the_rest_stays() {
+        assert_eq!(tidy("red\u{1b}[2J\r\n\u{7f}\u{9b}\u{202e}x"), r"red\u{1b}[2J\r\n\u{7f}\u{9b}\u{202e}x");
+        let plain = r"C:\models\'é', 日本 – e\u{301} and two  spaces";
+        assert_eq!(tidy(plain), plain);
+    }
+
+    #[test]
+    fn words_over_80_characters_are_cut_and_keep_their_ends() {
+        let longest = "é".repeat(80);
+        assert_eq!(tidy(&format!("a {longest} b")), format!("a {longest} b"));
+        let cut = tidy(&format!("mesh '{}':", "n".repeat(90)));
+        assert_eq!(cut, format!("mesh '{}…nnnnnn':", "n".repeat(70)));
+        assert_eq!(cut.split(' ').nth(1).unwrap().chars().count(), 80);
+        // Escaped first: a word of control characters is no way around.
+        assert_eq!(tidy(&"\u{1}".repeat(50)).chars().count(), 80);
+    }
+
+    #[test]
+    fn texts_of_many_short_words_end() {
+        assert_eq!(tidy(&"ab ".repeat(1_000_000)).chars().count(), 2001);
+    }
+}
