@@ -277,6 +277,11 @@ impl Gpu {
         }
     }
 
+    /// How many texels a scene's shading table may have, read either way.
+    pub(crate) fn largest_table(&self) -> u64 {
+        self.texel_capacity(Fetch::Texture).max(self.texel_capacity(Fetch::Buffer))
+    }
+
     /// Uploads texels as a texture or a storage buffer.
     ///
     /// # Errors

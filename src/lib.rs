@@ -72,6 +72,8 @@ mod error;
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 pub mod gpu;
+#[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+mod input;
 mod kernels;
 mod layout;
 mod message;
@@ -90,6 +92,8 @@ pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use error::Error;
 pub use gpu::Gpu;
+#[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+pub use input::Limits;
 pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use scene::builtin::Builtin;

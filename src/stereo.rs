@@ -124,6 +124,8 @@ pub struct UploadInfo {
     pub node_bytes: u64,
     /// Bytes of the primitives.
     pub primitive_bytes: u64,
+    /// Triangles without area ([`Scene::degenerate_count`]): they are not in the BVH.
+    pub dropped_triangles: usize,
 }
 
 impl UploadedScene {
@@ -416,6 +418,7 @@ impl Renderer {
                     upload: Duration::ZERO,
                     node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
                     primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
+                    dropped_triangles: scene.degenerate_count(),
                 },
                 objects,
                 ids: packed.ids,

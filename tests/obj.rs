@@ -189,7 +189,7 @@ fn objects_are_o_lines_and_materials_do_not_split_them() {
     assert_eq!(objects(&scene), [("", 0), ("table", 1), ("chair set", 4), ("chair set", 5)]);
     assert_eq!(corners(&scene), [[1, 2, 3], [2, 3, 4], [3, 4, 5], [4, 5, 6], [1, 3, 5], [2, 4, 6]]);
     assert_eq!(materials(&scene), ["", "red", "green", "red", "red", "red"]);
-    assert!(folder.warnings().is_empty(), "{:?}", folder.warnings());
+    assert_eq!(folder.warnings(), ["scene.obj: 1 of 6 triangles have no area and are dropped"]); // f 1 3 5
 }
 
 #[test]
@@ -274,6 +274,141 @@ fn names_may_be_odd_and_libraries_several() {
     let albedo = |triangle: usize| scene.materials()[scene.triangles()[triangle].material.0 as usize].albedo;
     assert_eq!([0, 1, 2, 3].map(albedo), [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)]);
     assert!(folder.warnings().is_empty(), "{:?}", folder.warnings());
+}
+
+#[test]
+fn of_like_warnings_five_are_printed_and_the_rest_counted() {
+    let folder = Folder::new("like");
+    folder.write("m.mtl", (0..9).map(|index| format!("newmtl m{index}\nKd red\n")).collect::<String>());
+    let faces: String = (0..12).map(|index| format!("usemtl gone{index}\nf 1 2 3\n")).collect();
+    folder.scene(format!("mtllib m.mtl\n{SIX}{faces}"));
+    let warnings = folder.warnings();
+    let starting = |start: &str| warnings.iter().filter(|warning| warning.starts_with(start)).count();
+    assert_eq!((starting("m.mtl:"), starting("scene.obj:")), (6, 6), "{warnings:?}");
+    for counted in ["m.mtl: 4 more diffuse colours", "scene.obj: 7 more materials that are in no MTL file"] {
+        assert_eq!(starting(counted), 1, "{counted}: {warnings:?}");
+    }
+}
+
+#[test]
+fn names_in_messages_steer_no_terminal_and_are_cut() {
+    let folder = Folder::new("escape");
+    let name = format!("red\u{1b}[31m{}", "n".repeat(1000));
+    folder.scene(format!("{SIX}usemtl {name}\nf 1 2 3\n"));
+    let warnings = folder.warnings();
+    assert!(warnings[0].contains(r"'red\u{1b}[31mnnn") && warnings[0].len() < 200, "{warnings:?}");
+    let error = folder.read(format!("{SIX}f 1 2 \u{1b}c{}\n", "9".repeat(1000))).unwrap_err().to_string();
+    let reason = error.rsplit("scene.obj").next().unwrap();
+    assert!(reason.contains(r"\u{1b}c999") && reason.len() < 300 && !reason.contains('\u{1b}'), "{reason}");
+}
+
+#[test]
+fn what_is_left_out_is_said_once_a_file() {
+    let folder = Folder::new("left_out");
+    let material = "Ka 1 1 1\nKs 0.5 0.5 0.5\nNs 10\nNi 1.5\nKe 1 0 0\nmap_Kd a.png\nbump b.png\nillum 2\nd 0.5\nfoo\n";
+    folder.write("m.mtl", format!("newmtl a\nKd 1 1 1\n{material}newmtl b\nKd 1 0 0\nillum 5\n{material}"));
+    folder
+        .scene(format!("mtllib m.mtl\n{SIX}vt 0 0\ns 1\nl 1 2\nl 2 3\np 1\nf 1 2\nf 1 2 3\nf 1 1 2\ncurv 1 2\nbar\n"));
+    let mut warnings = folder.warnings();
+    warnings.sort();
+    let expected = [
+        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; 2 emissions (Ke) from line 7 on; \
+         2 highlights (Ks) from line 4 on; 2 indices of refraction (Ni) from line 6 on; \
+         reflections and refractions (illum 3 and above) on line 15; 4 textures (map_Kd and their like) from line 8 on; \
+         2 transparencies (d, Tr, Tf) from line 11 on; 2 unknown statements from line 12 on",
+        "scene.obj: 1 of 2 triangles have no area and are dropped",
+        "scene.obj: left out: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; \
+         points (p) on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; \
+         unknown statements on line 17",
+    ];
+    assert_eq!(warnings, expected);
+}
+
+#[test]
+fn what_changes_nothing_is_not_worth_a_word() {
+    let folder = Folder::new("neutral");
+    folder.write(
+        "m.mtl",
+        "# c\n\nnewmtl a # b\nKd 1 1 1\nKs 0 0 0\nKe 0 0 0 # no\nKa 0\nd 1.0\nTr 0\nTf 1 1 1\nillum 2\n",
+    );
+    folder.scene(format!("# c\n\nmtllib m.mtl\n{SIX}vn 0 0 1\nvt 0 0\ns 1\ns off\nf 1//1 2//1 3//1\n"));
+    assert!(folder.warnings().is_empty(), "{:?}", folder.warnings());
+}
+
+#[test]
+fn mirrors_and_glass_without_a_colour_take_the_specular_one() {
+    let folder = Folder::new("mirrors");
+    folder.write(
+        "m.mtl",
+        "newmtl mirror\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 3\nnewmtl glass\nillum 7\nKs 0 0 0\nnewmtl chrome\nKs 2 1 1\n\
+         illum 5\nnewmtl tinted\nKd 0.2 0 0\nKs 1 1 1\nillum 4\nnewmtl soot\nKd 0 0 0\nKs 1 1 1\nillum 2\n",
+    );
+    let scene = folder.scene(format!("mtllib m.mtl\n{SIX}f 1 2 3\n"));
+    let albedos: Vec<Vec3> = scene.materials()[1..].iter().map(|material| material.albedo).collect();
+    let (mirror, grey) = (Vec3::new(0.9, 0.8, 0.7), Vec3::splat(0.7));
+    assert_eq!(albedos, [mirror, grey, Vec3::ONE, Vec3::new(0.2, 0.0, 0.0), Vec3::ZERO]);
+    let warnings = folder.warnings();
+    let said = |line: usize, text: &str| {
+        let start = format!("m.mtl:{line}: material {text}");
+        assert!(warnings.iter().any(|warning| warning.starts_with(&start)), "{start}: {warnings:?}");
+    };
+    said(1, "'mirror' is a mirror or glass (illum 3) without a diffuse colour; reflection is not rendered, its spec");
+    said(5, "'glass' is a mirror or glass (illum 7) without a diffuse colour; reflection is not rendered, grey");
+    said(8, "'chrome'");
+    assert_eq!(warnings.len(), 4, "{warnings:?}");
+}
+
+#[test]
+fn a_name_that_is_defined_twice_is_one_material_and_the_last_holds() {
+    let folder = Folder::new("twice");
+    folder.write("a.mtl", "newmtl red\nKd 0.1 0 0\nnewmtl green\nKd 0 1 0\n").write("b.mtl", "newmtl red\nKd 1 0 0\n");
+    let scene = folder.scene(format!("mtllib a.mtl\nmtllib b.mtl\nmtllib a.mtl\n{SIX}usemtl red\nf 1 2 3\n"));
+    assert_eq!(scene.materials().len(), 3);
+    assert_eq!(scene.materials()[scene.triangles()[0].material.0 as usize].albedo, Vec3::X);
+}
+
+#[test]
+fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
+    let folder = Folder::new("own_meshes");
+    let name = folder.file("mesh").display().to_string();
+    let flat = stereotrace::Mesh {
+        name: name.clone(),
+        positions: vec![Vec3::ZERO; 3],
+        triangles: vec![[0, 1, 2]],
+        materials: vec![MaterialId(0)],
+        ..Default::default()
+    };
+    let mut scene = Scene::new();
+    (0..20).for_each(|_| scene.add_mesh(&flat).unwrap());
+    assert_eq!(scene.degenerate_count(), 20);
+    let start = "mesh '/";
+    let all = WARNINGS.lock().unwrap().clone();
+    let own: Vec<_> = all.iter().filter(|text| text.starts_with(start) && text.contains("own_meshes")).collect();
+    assert_eq!(own.len(), 6, "{all:?}");
+    assert!(own[0].ends_with("1 of 1 triangles have no area and are dropped"), "{}", own[0]);
+    assert!(own[5].ends_with("more meshes with triangles without area follow; they are counted"), "{}", own[5]);
+}
+
+/// A grid of 40,000 quads, each a hundredth wide, far from the origin.
+#[test]
+fn triangles_lost_to_rounding_are_told_and_counted() {
+    let folder = Folder::new("rounding");
+    let mut text = String::new();
+    for index in 0..201 * 201 {
+        text += &format!("v {} 0 {}\n", 1e7 + 0.01 * f64::from(index % 201), 1e7 + 0.01 * f64::from(index / 201));
+    }
+    for quad in (0..201 * 200).filter(|quad| quad % 201 < 200).map(|quad| quad + 1) {
+        text += &format!("f {} {} {} {}\n", quad, quad + 1, quad + 202, quad + 201);
+    }
+    let scene = folder.scene(text);
+    assert_eq!(scene.primitive_count(), 80_000);
+    let dropped = scene.degenerate_count();
+    assert!(dropped > 79_900, "{dropped}");
+    let expected = format!(
+        "scene.obj: {dropped} of 80000 triangles have no area and are dropped; coordinates near 1.0000002e7 are rounded \
+         to steps of 1: move it nearer to the origin"
+    );
+    assert_eq!(folder.warnings(), [expected]);
 }
 
 #[test]

@@ -6,12 +6,16 @@ pub(crate) mod components;
 mod obj;
 mod sky;
 pub mod suite;
+#[cfg(feature = "obj")]
+mod warnings;
 
 pub use sky::SkyMap;
 
 use glam::{DVec3, Vec3};
 
-use crate::{Error, StereoCamera};
+#[cfg(feature = "obj")]
+use crate::Limits;
+use crate::{Error, StereoCamera, message::tidy};
 
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
@@ -21,6 +25,9 @@ pub const MAX_LIGHTS: usize = 1 << 20;
 
 /// The share of the light that every surface gets when nothing else is said, see [`Scene::place_lights`].
 const DEFAULT_AMBIENT: f32 = 0.15;
+
+/// Of like warnings so many are logged; the rest are counted.
+const PRINTED_WARNINGS: usize = 5;
 
 /// Index of a [`Material`] in its [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -147,6 +154,10 @@ pub struct Scene {
     spheres: Vec<Sphere>,
     mesh_objects: Vec<Object>,
     has_normals: bool,
+    /// How many of the triangles are degenerate.
+    dropped: usize,
+    /// How many meshes were warned of for it.
+    dropping_meshes: usize,
 }
 
 impl Default for Scene {
@@ -168,6 +179,8 @@ impl Scene {
             spheres: Vec::new(),
             mesh_objects: Vec::new(),
             has_normals: false,
+            dropped: 0,
+            dropping_meshes: 0,
         }
     }
 
@@ -177,12 +190,30 @@ impl Scene {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Adds a mesh as one object.
+    /// Adds a mesh as one object. That triangles without area are dropped is logged as a warning.
     ///
     /// # Errors
     /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
     /// larger than [`MAX_COORDINATE`], lists whose lengths don't fit, or a material that is not there.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
+        let (triangles, dropped) = (self.triangles.len(), self.dropped);
+        self.push_mesh(mesh)?;
+        if self.dropped > dropped {
+            self.dropping_meshes += 1;
+            let text = match self.dropping_meshes {
+                0..=PRINTED_WARNINGS => dropped_text(self.dropped - dropped, &self.triangles[triangles..]),
+                next if next == PRINTED_WARNINGS + 1 => {
+                    "more meshes with triangles without area follow; they are counted".into()
+                }
+                _ => return Ok(()),
+            };
+            log::warn!("{}", tidy(&format!("mesh '{}': {text}", mesh.name)));
+        }
+        Ok(())
+    }
+
+    /// [`Scene::add_mesh`] without a word about dropped triangles.
+    fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let fault = |element: String, reason: String| Error::Scene {
             element: format!("mesh '{}', {element}", mesh.name),
             reason,
@@ -216,7 +247,11 @@ impl Scene {
             triangles.push(Triangle { corners, normals, material });
         }
         self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: self.triangles.len() as u32 });
-        self.has_normals |= triangles.iter().any(|triangle| !triangle.is_degenerate() && triangle.is_smooth());
+        for triangle in &triangles {
+            let degenerate = triangle.is_degenerate();
+            self.dropped += usize::from(degenerate);
+            self.has_normals |= !degenerate && triangle.is_smooth();
+        }
         self.triangles.extend(triangles);
         Ok(())
     }
@@ -241,14 +276,26 @@ impl Scene {
     }
 
     /// Reads a scene from an OBJ file and the MTL files it names. Polygons are fanned, missing normals make flat
-    /// triangles, a missing MTL is logged and gives grey. The scene has no lights yet: see [`Scene::place_lights`].
+    /// triangles, a missing MTL is logged and gives grey. A mirror or glass (`illum` 3 and above) without a diffuse
+    /// colour takes its specular one. What pictures don't show of a file is logged once a file: textures, highlights,
+    /// lines and points, and the like. The scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if its content
-    /// is wrong: numbers that don't parse or are not finite, indices out of range, no faces at all.
+    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if it is no regular
+    /// file or larger than [`Limits`] says, or if its content is wrong: numbers that don't parse or are not finite,
+    /// indices out of range, no faces at all.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        obj::read(path.as_ref())
+        Self::from_obj_within(path, &Limits::default())
+    }
+
+    /// [`Scene::from_obj`] with other limits than the usual ones.
+    ///
+    /// # Errors
+    /// Those of [`Scene::from_obj`].
+    #[cfg(feature = "obj")]
+    pub fn from_obj_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
+        obj::read(path.as_ref(), limits)
     }
 
     /// Replaces `lights` by `count` lights, and `ambient` by 0.15, by one rule for every method and scene file (DESIGN,
@@ -298,7 +345,7 @@ impl Scene {
 
     /// Triangles without area, which are counted and not traced.
     pub fn degenerate_count(&self) -> usize {
-        self.triangles.iter().filter(|triangle| triangle.is_degenerate()).count()
+        self.dropped
     }
 
     /// All triangles, degenerate ones too; index = primitive id.
@@ -383,6 +430,20 @@ fn check_light_count(count: usize) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
+}
+
+/// What to say of dropped triangles: how many of these, and whether they were lost to the rounding of coordinates.
+fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
+    let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
+    let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
+    let largest = low.abs().max(high.abs()).max_element();
+    let step = largest.next_up() - largest;
+    let mut text = format!("{dropped} of {} triangles have no area and are dropped", triangles.len());
+    // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
+    if largest > 0.0 && step > (high - low).max_element() * 1e-5 {
+        text += &format!("; coordinates near {largest:e} are rounded to steps of {step}: move it nearer to the origin");
+    }
+    text
 }
 
 fn check_coordinate(point: Vec3) -> Result<(), String> {

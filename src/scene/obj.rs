@@ -4,18 +4,14 @@
 //! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
 //! it checks every index and leaves only lines that tobj reads as they are meant.
 
-use std::{
-    borrow::Cow,
-    collections::HashSet,
-    fs,
-    io::Read,
-    path::{Path, PathBuf},
-};
+mod mtl;
+
+use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
 use glam::Vec3;
 
-use super::{MAX_COORDINATE, Material, MaterialId, Mesh, Scene};
-use crate::Error;
+use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, dropped_text, warnings::Warnings};
+use crate::{Error, Limits, input};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
@@ -24,97 +20,106 @@ const GREY: Vec3 = Vec3::splat(0.7);
 type Fault = (usize, String);
 
 /// A run of faces that belong together: it ends at each `o` and `g`, and where faces with and without normals meet.
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 struct Section {
     /// How many `o` lines came before.
     object: usize,
-    object_name: String,
-    group_name: String,
+    /// The object's name as an index into [`Prepared::names`]: a name may be long, and sections as many as faces.
+    object_name: usize,
+    /// The group's.
+    group_name: usize,
 }
 
 /// An OBJ file in the form that tobj gets.
-#[derive(Default)]
 struct Prepared {
-    /// The `mtllib` lines. They go first, so that a `usemtl` may stand before them.
-    libraries: String,
+    /// What `mtllib` lines name, each once.
+    libraries: Vec<String>,
     /// All other lines that matter. Each section opens with `o` and its index, so tobj's models bear that name.
     text: String,
     sections: Vec<Section>,
+    /// The names of objects and groups, an empty one first.
+    names: Vec<String>,
     /// The names given to `usemtl`, each once, with the first line that does.
     used_materials: Vec<(usize, String)>,
     vertices: usize,
 }
 
-/// See [`Scene::from_obj`].
-pub(super) fn read(path: &Path) -> Result<Scene, Error> {
-    let text = read_text(path).map_err(|source| Error::io(path, source))?;
-    let fault = |fault: Fault| Error::file(path, Some(fault.0), fault.1);
+/// See [`Scene::from_obj_within`].
+pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
+    let (text, _) = read_text(path, limits.file_bytes)?;
+    let mut warnings = Warnings::new(path);
     // Of a bad number and a bad index, the message names whichever comes first in the file.
-    let prepared = prepare(&text).map_err(|bad_index| {
+    let prepared = prepare(&text, &mut warnings).map_err(|bad_index| {
         let bad_number = find_bad_number(&text).filter(|bad_number| bad_number.0 < bad_index.0);
-        fault(bad_number.unwrap_or(bad_index))
+        let (line, reason) = bad_number.unwrap_or(bad_index);
+        Error::file(path, Some(line), reason)
     })?;
+    let library = mtl::read(path, &prepared.libraries, limits);
+    let models = parse(path, &text, &prepared, &library)?;
 
-    // One index for positions and normals: a model then has as many normals as positions, or too few to use.
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reader = prepared.libraries.as_bytes().chain(prepared.text.as_bytes());
-    let loaded = tobj::load_obj_buf(&mut reader, &options, |library| {
-        let materials = read_libraries(folder, library);
-        let keys = materials.iter().enumerate().map(|(index, material)| (key(&material.name), index)).collect();
-        Ok((materials, keys))
-    });
-    let (models, materials) = match loaded {
-        Ok((models, materials)) => (models, materials.unwrap_or_default()),
-        Err(tobj::LoadError::FaceColorOutOfBounds) => {
-            let place = find_bad_number(&text).or_else(|| find_mixed_color(&text));
-            return Err(place.map_or_else(|| Error::file(path, None, "vertex colours are incomplete"), fault));
-        }
-        Err(error) => {
-            let place = find_bad_number(&text);
-            return Err(place.map_or_else(|| Error::file(path, None, error.to_string()), fault));
-        }
-    };
-    let numbers = |model: &tobj::Model| {
-        model.mesh.positions.iter().all(|value| value.abs() <= MAX_COORDINATE)
-            && model.mesh.normals.iter().all(|value| value.is_finite())
-    };
-    if !models.iter().all(numbers) {
-        let place = find_bad_number(&text);
-        return Err(place.map_or_else(|| Error::file(path, None, "a coordinate is no usable number"), fault));
-    }
-
-    let known: HashSet<&str> = materials.iter().map(|material| material.name.as_str()).collect();
     for (line, name) in &prepared.used_materials {
-        if !known.contains(name.as_str()) {
-            log::warn!("{}:{line}: no material '{name}' in the MTL files; its faces are grey", path.display());
+        if !library.index_of.contains_key(name) {
+            let text = format!("no material '{name}' in the MTL files; its faces are grey");
+            warnings.warn("materials that are in no MTL file", *line, text);
         }
     }
     let mut scene = Scene::new();
-    for material in materials {
-        let albedo = material.diffuse.map_or(GREY, |color| Vec3::from(color).clamp(Vec3::ZERO, Vec3::ONE));
-        scene.materials.push(Material { name: material.name, albedo });
-    }
-    for mesh in join_models(&models, &prepared.sections) {
-        scene.add_mesh(&mesh)?;
+    scene.materials.extend(library.materials);
+    for mesh in join_models(&models, &prepared) {
+        scene.push_mesh(&mesh)?;
     }
     if scene.triangles.is_empty() {
         let reason =
             format!("no faces and {} vertices; a scene needs `f` lines of 3 corners or more", prepared.vertices);
         return Err(Error::file(path, None, reason));
     }
+    if scene.dropped > 0 {
+        warnings.warn_once(dropped_text(scene.dropped, &scene.triangles));
+    }
     Ok(scene)
 }
 
-/// The file as text. Names and comments in another encoding are no reason to refuse a file, so what is not UTF-8
-/// becomes a replacement character; a byte order mark goes.
-fn read_text(path: &Path) -> std::io::Result<String> {
-    let bytes = fs::read(path)?;
+/// Lets tobj read numbers and faces.
+fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -> Result<Vec<tobj::Model>, Error> {
+    // One index for positions and normals: a model then has as many normals as positions, or too few to use.
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    // The library is read already; its name goes first, so that a `usemtl` may stand before the file's own `mtllib`.
+    let mut reader = b"mtllib all\n".chain(prepared.text.as_bytes());
+    let loaded = tobj::load_obj_buf(&mut reader, &options, |_| {
+        let indices = library.index_of.iter().map(|(name, &index)| (key(name), index)).collect();
+        Ok((Vec::new(), indices))
+    });
+    let fault = |place: Option<Fault>, otherwise: String| match place {
+        Some((line, reason)) => Error::file(path, Some(line), reason),
+        None => Error::file(path, None, otherwise),
+    };
+    let (models, _) = loaded.map_err(|error| match error {
+        tobj::LoadError::FaceColorOutOfBounds => {
+            let place = find_bad_number(text).or_else(|| find_mixed_color(text));
+            fault(place, "vertex colours are incomplete".into())
+        }
+        error => fault(find_bad_number(text), error.to_string()),
+    })?;
+    let usable = |model: &tobj::Model| {
+        model.mesh.positions.iter().all(|value| value.abs() <= MAX_COORDINATE)
+            && model.mesh.normals.iter().all(|value| value.is_finite())
+    };
+    if models.iter().all(usable) {
+        return Ok(models);
+    }
+    Err(fault(find_bad_number(text), "a coordinate is no usable number".into()))
+}
+
+/// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
+/// not UTF-8 becomes a replacement character; a byte order mark goes.
+fn read_text(path: &Path, limit: u64) -> Result<(String, u64), Error> {
+    let bytes = input::read(path, limit)?;
+    let count = bytes.len() as u64;
     let mut text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into());
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
-    Ok(text)
+    Ok((text, count))
 }
 
 /// Lines with their numbers from 1; a line that ends in a backslash goes on in the next.
@@ -156,33 +161,51 @@ fn key(material: &str) -> String {
 }
 
 /// Checks every index and writes the lines that tobj is to read. Texture coordinates and lines (`l`) are left out.
-fn prepare(text: &str) -> Result<Prepared, Fault> {
-    let mut prepared = Prepared { text: String::with_capacity(text.len() + 16), ..Prepared::default() };
+fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
+    let mut prepared = Prepared {
+        libraries: Vec::new(),
+        text: String::with_capacity(text.len() + 16),
+        sections: Vec::new(),
+        names: vec![String::new()],
+        used_materials: Vec::new(),
+        vertices: 0,
+    };
     let mut section = Section::default();
     let mut section_has_normals = None;
     let mut normals = 0;
+    let mut smoothing_groups = Vec::new();
+    let mut libraries = HashSet::new();
     let mut used_materials = HashSet::new();
     for (number, line) in lines(text) {
         let (keyword, rest) = split_keyword(&line);
         match keyword {
-            "v" => prepared.vertices += 1,
+            "v" => {
+                // All vertices have colours or none has.
+                if prepared.vertices == 0 && rest.split_whitespace().count() > 4 {
+                    warnings.left_out("vertex colours", number);
+                }
+                prepared.vertices += 1;
+            }
             "vn" => normals += 1,
             "f" => {
                 let has_normals = check_face(rest, prepared.vertices, normals).map_err(|reason| (number, reason))?;
                 if section_has_normals != Some(has_normals) {
                     prepared.text.push_str(&format!("o {}\n", prepared.sections.len()));
-                    prepared.sections.push(section.clone());
+                    prepared.sections.push(section);
                     section_has_normals = Some(has_normals);
+                }
+                if rest.split_whitespace().nth(2).is_none() {
+                    warnings.left_out("faces of fewer than three corners (f)", number);
                 }
             }
             "o" => {
                 section.object += 1;
-                section.object_name = rest.into();
+                section.object_name = prepared.name(rest);
                 section_has_normals = None;
                 continue;
             }
             "g" => {
-                section.group_name = rest.into();
+                section.group_name = prepared.name(rest);
                 section_has_normals = None;
                 continue;
             }
@@ -194,17 +217,54 @@ fn prepare(text: &str) -> Result<Prepared, Fault> {
                 continue;
             }
             "mtllib" => {
-                prepared.libraries.push_str(&format!("mtllib {rest}\n"));
+                if libraries.insert(rest.to_owned()) {
+                    prepared.libraries.push(rest.into());
+                }
                 continue;
             }
-            _ => continue,
+            "s" => {
+                if !matches!(rest, "" | "0" | "off") {
+                    smoothing_groups.push(number);
+                }
+                continue;
+            }
+            _ => {
+                note_left_out(keyword, number, warnings);
+                continue;
+            }
         }
         prepared.text.push_str(keyword);
         prepared.text.push(' ');
         prepared.text.push_str(rest);
         prepared.text.push('\n');
     }
+    // Beside normals, which say more, they go without saying.
+    if normals == 0 {
+        smoothing_groups.into_iter().for_each(|line| warnings.left_out("smoothing groups (s)", line));
+    }
     Ok(prepared)
+}
+
+/// Notes a line that tobj is not to see.
+fn note_left_out(keyword: &str, line: usize, warnings: &mut Warnings) {
+    match keyword {
+        "l" => warnings.left_out("lines (l)", line),
+        "p" => warnings.left_out("points (p)", line),
+        "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole" | "scrv"
+        | "sp" | "end" | "con" => warnings.left_out("statements of curves and surfaces", line),
+        // Of texture coordinates textures tell, in the MTL.
+        "" | "vt" => {}
+        comment if comment.starts_with('#') => {}
+        _ => warnings.left_out("unknown statements", line),
+    }
+}
+
+impl Prepared {
+    /// Keeps a name and returns its index.
+    fn name(&mut self, name: &str) -> usize {
+        self.names.push(name.into());
+        self.names.len() - 1
+    }
 }
 
 /// Checks the corners of a face against the vertices and normals so far, and tells whether all corners have normals.
@@ -304,74 +364,9 @@ fn find_mixed_color(text: &str) -> Option<Fault> {
     })
 }
 
-/// Reads what a `mtllib` line names: one file, whose name may have spaces, or several. Grey replaces what can't be
-/// read: a picture in grey is more use than none.
-fn read_libraries(folder: &Path, names: &Path) -> Vec<tobj::Material> {
-    let names = names.to_string_lossy();
-    let whole = locate_library(folder, &names);
-    let files: Vec<PathBuf> = if whole.is_file() || !names.contains(char::is_whitespace) {
-        vec![whole]
-    } else {
-        names.split_whitespace().map(|name| locate_library(folder, name)).collect()
-    };
-    let mut materials = Vec::new();
-    for file in files {
-        match read_text(&file) {
-            Ok(text) => parse_mtl(&file, &text, &mut materials),
-            Err(error) => log::warn!("{}: {error}; its materials are grey", file.display()),
-        }
-    }
-    materials
-}
-
-/// Names are relative to the OBJ; some come with the separators of another system.
-fn locate_library(folder: &Path, name: &str) -> PathBuf {
-    let file = folder.join(name);
-    if file.is_file() { file } else { folder.join(name.replace('\\', "/")) }
-}
-
-/// Takes names and diffuse colours. tobj's own reader panics on a colour that lacks numbers, and gives the whole file
-/// up for a bad line in it.
-fn parse_mtl(file: &Path, text: &str, materials: &mut Vec<tobj::Material>) {
-    let mut current: Option<tobj::Material> = None;
-    for (number, line) in lines(text) {
-        match split_keyword(&line) {
-            ("newmtl", name) => {
-                materials.extend(current.take());
-                current = Some(tobj::Material { name: name.into(), ..Default::default() });
-            }
-            ("Kd", words) => match (&mut current, parse_color(words)) {
-                (Some(material), Some(color)) => material.diffuse = Some(color),
-                (Some(material), None) => log::warn!(
-                    "{}:{number}: Kd '{words}' of material '{}' is no colour, which takes three finite numbers; it is grey",
-                    file.display(),
-                    material.name
-                ),
-                (None, _) => log::warn!("{}:{number}: Kd before the first newmtl; it is left out", file.display()),
-            },
-            ("map_Kd", _) => {
-                log::warn!("{}:{number}: textures are not read; the material keeps its Kd", file.display());
-            }
-            _ => {}
-        }
-    }
-    materials.extend(current);
-}
-
-/// Three numbers, or one for all three (MTL's rule).
-fn parse_color(words: &str) -> Option<[f32; 3]> {
-    let words = words.split_once('#').map_or(words, |(numbers, _)| numbers);
-    let values: Option<Vec<f32>> =
-        words.split_whitespace().map(|word| word.parse().ok().filter(|value: &f32| value.is_finite())).collect();
-    match values?[..] {
-        [r, g, b] => Some([r, g, b]),
-        [grey] => Some([grey; 3]),
-        _ => None,
-    }
-}
-
 /// Makes one mesh of each object out of tobj's models, which end at each change of material and section.
-fn join_models(models: &[tobj::Model], sections: &[Section]) -> Vec<Mesh> {
+fn join_models(models: &[tobj::Model], prepared: &Prepared) -> Vec<Mesh> {
+    let Prepared { sections, names, .. } = prepared;
     let has_objects = sections.iter().any(|section| section.object > 0);
     let mut meshes: Vec<Mesh> = Vec::new();
     let mut last: Option<&Section> = None;
@@ -381,12 +376,12 @@ fn join_models(models: &[tobj::Model], sections: &[Section]) -> Vec<Mesh> {
             model.name.parse().ok().and_then(|index: usize| sections.get(index)).expect("prepare names every model");
         let continues = last.is_some_and(|last| match has_objects {
             true => last.object == section.object,
-            false => last.group_name == section.group_name,
+            false => names[last.group_name] == names[section.group_name],
         });
         last = Some(section);
         if !continues {
-            let name = if has_objects { &section.object_name } else { &section.group_name };
-            meshes.push(Mesh { name: name.clone(), ..Mesh::default() });
+            let name = if has_objects { section.object_name } else { section.group_name };
+            meshes.push(Mesh { name: names[name].clone(), ..Mesh::default() });
         }
         if let Some(mesh) = meshes.last_mut() {
             add_model(mesh, &model.mesh);

@@ -1,0 +1,99 @@
+//! Opens files to be read: regular ones only, no larger than a limit.
+
+use std::{
+    fs::{self, File, FileType},
+    io::Read,
+    path::Path,
+};
+
+use crate::{Error, Gpu};
+
+/// How large a file may be that the library reads. A larger one is an error, before it takes memory.
+///
+/// ```
+/// use stereotrace::Limits;
+///
+/// let limits = Limits::default().file_bytes(8 << 30).sky_pixels(8192 * 4096);
+/// # let _ = limits;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    pub(crate) file_bytes: u64,
+    pub(crate) json_bytes: u64,
+    pub(crate) sky_pixels: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { file_bytes: 1 << 30, json_bytes: 16 << 20, sky_pixels: (128 << 20) / SKY_PIXEL_BYTES }
+    }
+}
+
+/// What a sky's pixel takes on the adapter.
+const SKY_PIXEL_BYTES: u64 = 16;
+
+impl Limits {
+    /// Largest OBJ file, and largest picture of a sky as a file; all MTL files of one OBJ together have the same limit. 1 GiB
+    /// where nothing is said.
+    pub fn file_bytes(mut self, bytes: u64) -> Self {
+        self.file_bytes = bytes;
+        self
+    }
+
+    /// Largest JSON file. 16 MiB where nothing is said.
+    pub fn json_bytes(mut self, bytes: u64) -> Self {
+        self.json_bytes = bytes;
+        self
+    }
+
+    /// Largest sky, width times height, each pixel taking 12 bytes here and 16 on the adapter. 8,388,608 (4096x2048) where
+    /// nothing is said: the 128 MiB that every WebGPU adapter can bind.
+    pub fn sky_pixels(mut self, pixels: u64) -> Self {
+        self.sky_pixels = pixels;
+        self
+    }
+
+    /// Lowers the limit on skies to what this adapter can hold, so that a larger one is refused before it is decoded.
+    pub fn within(mut self, gpu: &Gpu) -> Self {
+        self.sky_pixels = self.sky_pixels.min(gpu.largest_table());
+        self
+    }
+}
+
+/// Opens a regular file of at most `limit` bytes, and says how many it has.
+///
+/// # Errors
+/// [`Error::Io`] if it can't be opened; [`Error::File`] for what is no regular file, which may have no end or wait for ever,
+/// and for a file over the limit.
+pub(crate) fn open(path: &Path, limit: u64) -> Result<(File, u64), Error> {
+    let io = |source| Error::io(path, source);
+    // Before it is opened too: opening a pipe waits for one who writes into it.
+    check_type(path, fs::metadata(path).map_err(io)?.file_type())?;
+    let file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    check_type(path, metadata.file_type())?;
+    let bytes = metadata.len();
+    if bytes > limit {
+        let reason =
+            format!("the file has {bytes} bytes, over the limit of {limit}; raise it by Limits, if it is right");
+        return Err(Error::file(path, None, reason));
+    }
+    Ok((file, bytes))
+}
+
+/// A file's content, as much of it as the file said it had: what the system makes up as it is read (/proc) has no size.
+#[cfg(any(feature = "obj", feature = "json"))]
+pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    let (file, bytes) = open(path, limit)?;
+    let mut content = Vec::with_capacity(bytes as usize);
+    file.take(bytes).read_to_end(&mut content).map_err(|source| Error::io(path, source))?;
+    Ok(content)
+}
+
+fn check_type(path: &Path, found: FileType) -> Result<(), Error> {
+    if found.is_file() {
+        return Ok(());
+    }
+    let what = if found.is_dir() { "a folder" } else { "a pipe, a socket or a device" };
+    Err(Error::file(path, None, format!("it is {what}; only regular files are read")))
+}
