@@ -1,11 +1,11 @@
 //! Reads cameras and lights from JSON files.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use glam::Vec3;
 use serde_json::{Map, Value};
 
-use crate::{Error, PointLight, Scene, StereoCamera};
+use crate::{Error, Limits, PointLight, Scene, StereoCamera, input};
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
@@ -19,11 +19,26 @@ impl StereoCamera {
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line or the camera and its field, if
-    /// it is no JSON, has no such camera, or the camera is invalid; [`Error::Camera`] for a size of zero.
+    /// it is no regular file or larger than [`Limits`] says, is no JSON, has no such camera, or the camera is invalid;
+    /// [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
+        Self::from_json_within(path, name, width, height, &Limits::default())
+    }
+
+    /// [`StereoCamera::from_json`] with other limits than the usual ones.
+    ///
+    /// # Errors
+    /// Those of [`StereoCamera::from_json`].
+    pub fn from_json_within(
+        path: impl AsRef<Path>,
+        name: &str,
+        width: u32,
+        height: u32,
+        limits: &Limits,
+    ) -> Result<Self, Error> {
         let path = path.as_ref();
         let fault = |reason: String| fault(path, name, reason);
-        let entry = &entry(path, name)?;
+        let entry = &entry(path, name, limits)?;
         let camera = Self::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
             .up(vector(entry, "up").map_err(fault)?)
             .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
@@ -48,26 +63,40 @@ impl StereoCamera {
 
 impl Scene {
     /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
-    /// is three numbers (linear RGB), `lights` a list of objects with `position` and `intensity` (three numbers each).
-    /// Returns whether the entry has lights; where it has not, nothing changes.
+    /// is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and `intensity` (three numbers
+    /// each, the latter at least 0). Returns whether the entry has lights; where it has not, nothing changes.
     ///
     /// # Errors
     /// [`Error::Io`] and [`Error::File`] as [`StereoCamera::from_json`]; [`Error::File`] for lights without ambient, too.
     pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
+        self.light_from_json_within(path, name, &Limits::default())
+    }
+
+    /// [`Scene::light_from_json`] with other limits than the usual ones.
+    ///
+    /// # Errors
+    /// Those of [`Scene::light_from_json`].
+    pub fn light_from_json_within(
+        &mut self,
+        path: impl AsRef<Path>,
+        name: &str,
+        limits: &Limits,
+    ) -> Result<bool, Error> {
         let path = path.as_ref();
         let fault = |reason: String| fault(path, name, reason);
-        let entry = entry(path, name)?;
+        let entry = entry(path, name, limits)?;
         let Some(lights) = entry.get("lights") else { return Ok(false) };
         let list = lights.as_array().ok_or_else(|| fault(format!("lights is {lights}; it must be a list")))?;
         let light = |(index, light): (usize, &Value)| {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
-            let vector = |name| fields.clone().and_then(|fields| checked_vector(fields, name));
-            let read =
-                vector("position").and_then(|position| Ok(PointLight { position, intensity: vector("intensity")? }));
+            let read = fields.and_then(|fields| {
+                let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
+                Ok(PointLight { position, intensity })
+            });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
         let lights = list.iter().enumerate().map(light).collect::<Result<_, _>>()?;
-        self.ambient = checked_vector(&entry, "ambient").map_err(fault)?;
+        self.ambient = checked_color(&entry, "ambient").map_err(fault)?;
         self.lights = lights;
         Ok(true)
     }
@@ -78,8 +107,8 @@ fn fault(path: &Path, name: &str, reason: String) -> Error {
 }
 
 /// The fields of an entry.
-fn entry(path: &Path, name: &str) -> Result<Map<String, Value>, Error> {
-    let bytes = fs::read(path).map_err(|source| Error::io(path, source))?;
+fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
+    let bytes = input::read(path, limits.json_bytes)?;
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);
@@ -101,6 +130,12 @@ fn checked_vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String
     if found.is_finite() { Ok(found) } else { Err(format!("{name} is {found}; its numbers must fit f32")) }
 }
 
+/// A vector of finite numbers of which none is negative.
+fn checked_color(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
+    let found = checked_vector(entry, name)?;
+    if found.min_element() >= 0.0 { Ok(found) } else { Err(format!("{name} is {found}; light is not negative")) }
+}
+
 fn field<'a>(entry: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
     entry.get(name).ok_or_else(|| format!("{name} is missing"))
 }
@@ -120,6 +155,8 @@ fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::folder::Folder;
 
@@ -178,6 +215,11 @@ mod tests {
             (r#""ambient": [0, 0, 0], "lights": [4]"#.into(), "light 0: it is 4; it must be an object"),
             (r#""ambient": [0, 0, 0], "lights": [{}]"#.into(), "light 0: position is missing"),
             (format!(r#""ambient": [1e99, 0, 0], {lamp}"#), "ambient is [inf, 0, 0]; its numbers must fit"),
+            (format!(r#""ambient": [0, -1, 0], {lamp}"#), "ambient is [0, -1, 0]; light is not negative"),
+            (
+                r#""ambient": [0, 0, 0], "lights": [{ "position": [-1, 0, 0], "intensity": [0, 0, -0.1] }]"#.into(),
+                "light 0: intensity is [0, 0, -0.1]; light is not negative",
+            ),
         ]
         .into_iter()
         .enumerate()

@@ -314,7 +314,10 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         Fetch::Texture => Fetch::Buffer,
         Fetch::Buffer => Fetch::Texture,
     };
-    let needed = packed.nodes.len().max(packed.primitives.len()) as u64;
+    let geometry = packed.nodes.len().max(packed.primitives.len()) as u64;
+    let sky = if let Sky::Map(map) = &scene.sky { map.pixels().len() } else { 0 };
+    let table = (TABLE_HEAD + 2 * scene.lights.len() + scene.materials().len() + sky) as u64;
+    let needed = geometry.max(table);
     if let Some(fetch) = [wanted, other].into_iter().find(|&fetch| gpu.texel_capacity(fetch) >= needed) {
         if fetch != wanted {
             log::info!("the scene is too large to be read by {wanted:?}: {fetch:?} it is");
@@ -327,6 +330,15 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         false => ("max_texture_dimension_2d", texture),
     };
     let primitives = scene.primitive_count() as u64;
+    if needed > geometry {
+        return Err(Error::Limit {
+            what: "the scene's table of lights, materials and sky".into(),
+            needed: format!("{needed} texels of 16 bytes"),
+            limit,
+            allowed: format!("enough for {capacity}"),
+            remedy: "use a smaller sky",
+        });
+    }
     Err(Error::Limit {
         what: format!("a scene of {primitives} primitives"),
         needed: format!("{needed} texels of 16 bytes"),
@@ -1137,6 +1149,9 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
     }
 }
 
+/// Texels of the shading table before its lights.
+const TABLE_HEAD: usize = 3;
+
 /// What shading reads of a scene, a texel each: see shaders/shared/shade.wgsl.
 fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
     let (nadir, zenith) = match scene.sky {
@@ -1144,7 +1159,7 @@ fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
         Sky::Gradient { nadir, zenith } => (nadir, zenith),
         Sky::Map(_) => (Vec3::ZERO, Vec3::ZERO), // its header stands in the place of nadir
     };
-    let head = [(scene.ambient, scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
+    let head: [_; TABLE_HEAD] = [(scene.ambient, scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
     let lights = scene.lights.iter().flat_map(|light| [(light.position, 0), (light.intensity, 0)]);
     let albedos = scene.materials().iter().map(|material| (material.albedo, 0));
     let texel = |(vector, word): (Vec3, u32)| {

@@ -128,3 +128,54 @@ fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
     fs::File::options().write(true).open(&obj).unwrap().set_len(1 << 40).unwrap();
     assert!(refused(&obj, Scene::from_obj(&obj)).contains("over the limit of 1073741824"));
 }
+
+/// An empty picture in a file of few bytes.
+#[cfg(feature = "sky")]
+fn picture(folder: &Folder, width: u32, height: u32) -> PathBuf {
+    let path = folder.file("sky.png");
+    image::GrayImage::new(width, height).save(&path).unwrap();
+    path
+}
+
+#[cfg(feature = "sky")]
+#[test]
+fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
+    use stereotrace::SkyMap;
+
+    let folder = Folder::new("sky");
+    let path = picture(&folder, 4096, 2048);
+    let mib = peak_growth(|| assert_eq!(SkyMap::open(&path).unwrap().size(), [4096, 2048]));
+    // Measured 96 MiB, the colours' own 12 bytes a pixel; 36 took 288.
+    assert!(mib < 128, "{mib} MiB for 8 million pixels");
+    let path = picture(&folder, 8192, 4096);
+    let mib = peak_growth(|| {
+        let message = refused(&path, SkyMap::open(&path));
+        assert!(message.contains("8192x4096 pixels, 33554432 in all and over the limit of 8388608"), "{message}");
+    });
+    assert!(mib < 8, "{mib} MiB for what is refused");
+    let pipe = pipe(&folder);
+    assert!(refused(&pipe, SkyMap::open(&pipe)).contains("only regular files"));
+    let message = refused(&path, SkyMap::open_within(&path, &Limits::default().file_bytes(100)));
+    assert!(message.contains("over the limit of 100"), "{message}");
+}
+
+#[cfg(feature = "json")]
+#[test]
+fn cameras_and_lights_are_read_within_limits_too() {
+    use stereotrace::StereoCamera;
+
+    let folder = Folder::new("json");
+    let pipe = pipe(&folder);
+    assert!(refused(&pipe, StereoCamera::from_json(&pipe, "a", 1, 1)).contains("only regular files"));
+    assert!(refused(&pipe, Scene::new().light_from_json(&pipe, "a")).contains("only regular files"));
+    let path = folder.write("cameras.json", "{} ");
+    let limits = Limits::default().json_bytes(2);
+    let message = refused(&path, StereoCamera::from_json_within(&path, "a", 1, 1, &limits));
+    assert!(message.contains("the file has 3 bytes, over the limit of 2"), "{message}");
+    let message = refused(&path, Scene::new().light_from_json_within(&path, "a", &limits));
+    assert!(message.contains("over the limit of 2"), "{message}");
+    // A name of the file in an error steers no terminal.
+    folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
+    let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
+    assert!(message.ends_with(r"which has: \u{1b}[2J"), "{message}");
+}

@@ -356,6 +356,7 @@ fn degenerate_triangles_are_counted_and_not_traced_and_ids_keep_their_numbers() 
     let pair = render(&scene, &camera, Method::Naive);
     assert!(pair.left.primitive.iter().all(|&id| id == 2 || id == MISS));
     assert_eq!(pair.left.primitive[10 * 21 + 10], 2);
+    assert_eq!(renderer().upload(&scene).unwrap().info().dropped_triangles, 2);
 }
 
 #[test]
@@ -460,6 +461,14 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     // 1 MiB holds 65,536 texels, four a primitive with normals: a little less for its degenerate triangles, if any.
     assert!(message.starts_with(&format!("a scene of {} primitives needs ", scene.primitive_count())), "{message}");
     assert!(message.contains("enough for 65536, about 16384 primitives"), "{message}");
+
+    // A sky of 2 MiB.
+    let mut scene = Builtin::Near.scene();
+    scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
+    assert_eq!(small.upload(&scene).unwrap().info().traversal.fetch, Fetch::Texture);
+    let message = tiny.upload(&scene).unwrap_err().to_string();
+    assert!(message.starts_with("the scene's table of lights, materials and sky needs 131"), "{message}");
+    assert!(message.ends_with("enough for 65536; use a smaller sky"), "{message}");
 }
 
 #[test]

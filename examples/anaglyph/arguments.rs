@@ -4,7 +4,7 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Method, Scene, Sky, SkyMap, StereoCamera,
+    Gpu, Limits, Method, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -65,6 +65,13 @@ pub(crate) struct Arguments {
     /// Place N lights around the eyes [default: 5 for an OBJ file, a built-in scene's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
+
+    /// Largest OBJ, JSON or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    #[arg(long, value_name = "MIB")]
+    max_file: Option<u32>,
+    /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.4, which is 4096x2048]
+    #[arg(long, value_name = "MILLIONS")]
+    max_sky: Option<u32>,
 
     #[command(flatten)]
     camera: CameraArguments,
@@ -132,21 +139,33 @@ impl Arguments {
         self.builtin_name().map(str::parse).transpose()
     }
 
-    /// Reads or builds the scene.
-    pub(crate) fn scene(&self) -> Result<Scene, Box<dyn Error>> {
-        let mut scene = self.geometry()?;
+    fn limits(&self) -> Limits {
+        let mut limits = Limits::default();
+        if let Some(mebibytes) = self.max_file {
+            let bytes = u64::from(mebibytes) << 20;
+            limits = limits.file_bytes(bytes).json_bytes(bytes);
+        }
+        if let Some(millions) = self.max_sky {
+            limits = limits.sky_pixels(1_000_000 * u64::from(millions));
+        }
+        limits
+    }
+
+    /// Reads the scene's sky, once it is known what the adapter can hold.
+    pub(crate) fn sky(&self, scene: &mut Scene, gpu: &Gpu) -> Result<(), Box<dyn Error>> {
         match &self.sky {
             None => {}
             Some(name) if name.as_os_str() == "procedural" => scene.sky = Sky::Map(SkyMap::procedural(1024)?),
-            Some(file) => scene.sky = Sky::Map(SkyMap::open(file)?),
+            Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().within(gpu))?),
         }
+        Ok(())
+    }
+
+    /// Reads or builds the scene, without its sky.
+    pub(crate) fn scene(&self) -> Result<Scene, Box<dyn Error>> {
         if self.frames.is_some() && self.builtin()? != Some(Builtin::Spheres) {
             return Err("--frames turns builtin:spheres only".into());
         }
-        Ok(scene)
-    }
-
-    fn geometry(&self) -> Result<Scene, Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
             return Ok(builtin.scene());
         }
@@ -155,7 +174,7 @@ impl Arguments {
             let names = Builtin::ALL.map(|builtin| format!("builtin:{builtin}")).join(", ");
             return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", self.scene.display()).into());
         }
-        Ok(Scene::from_obj(&self.scene)?)
+        Ok(Scene::from_obj_within(&self.scene, &self.limits())?)
     }
 
     /// The camera of the file of cameras, of the built-in scene, or one that fits the object, with those parts
@@ -163,7 +182,9 @@ impl Arguments {
     pub(crate) fn stereo_camera(&self, scene: &Scene) -> Result<StereoCamera, Box<dyn Error>> {
         let [width, height] = self.size;
         let camera = match (&self.camera.cameras, self.builtin()?) {
-            (Some(file), _) => StereoCamera::from_json(file, &self.camera_name(), width, height)?,
+            (Some(file), _) => {
+                StereoCamera::from_json_within(file, &self.camera_name(), width, height, &self.limits())?
+            }
             (None, Some(builtin)) => builtin.camera(width, height),
             (None, None) => self.camera.fitting(scene, width, height)?,
         };
@@ -180,7 +201,7 @@ impl Arguments {
     /// Places the lights, unless the scene or the file of cameras brings its own and no number was asked for.
     pub(crate) fn light(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
         if let (None, Some(file)) = (self.lights, &self.camera.cameras)
-            && scene.light_from_json(file, &self.camera_name())?
+            && scene.light_from_json_within(file, &self.camera_name(), &self.limits())?
         {
             return Ok(());
         }

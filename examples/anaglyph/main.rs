@@ -67,9 +67,13 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let camera = arguments.stereo_camera(&scene)?;
     arguments.light(&mut scene, &camera)?;
     fs::create_dir_all(&arguments.out).map_err(|error| format!("{}: {error}", arguments.out.display()))?;
-    let read = begin.elapsed();
+    let mut read = begin.elapsed();
 
-    let mut renderer = Renderer::new(Gpu::new()?);
+    let gpu = Gpu::new()?;
+    let begin = Instant::now();
+    arguments.sky(&mut scene, &gpu)?;
+    read += begin.elapsed();
+    let mut renderer = Renderer::new(gpu);
     if let Some(frames) = arguments.frames {
         return film(arguments, &mut renderer, &scene, &camera, frames);
     }

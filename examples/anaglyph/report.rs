@@ -15,7 +15,7 @@ use crate::arguments::Arguments;
 pub(crate) struct WallTimes {
     /// Reading or making the scene.
     pub(crate) read: Duration,
-    /// Opening the device, building the BVH and uploading it.
+    /// Building the BVH and uploading it.
     pub(crate) build: Duration,
     /// Building the pipelines, rendering and reading the pictures back.
     pub(crate) render: Duration,

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::Error;
+#[cfg(feature = "sky")]
+use crate::{Limits, input};
 
 /// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and columns
 /// go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the pixels.
@@ -12,7 +14,8 @@ use crate::Error;
 pub struct SkyMap {
     width: u32,
     height: u32,
-    pixels: Arc<[Vec3]>,
+    /// Not `Arc<[Vec3]>`: making one of a list copies it.
+    pixels: Arc<Vec<Vec3>>,
 }
 
 impl std::fmt::Debug for SkyMap {
@@ -32,11 +35,7 @@ impl SkyMap {
     /// colour is negative or not finite.
     pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, Error> {
         let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
-        if width == 0
-            || height == 0
-            || !width.is_multiple_of(2)
-            || pixels.len() as u64 != u64::from(width) * u64::from(height)
-        {
+        if !is_map(width, height) || pixels.len() as u64 != u64::from(width) * u64::from(height) {
             return fault(format!(
                 "{} colours do not make a map of {width}x{height}, with an even width",
                 pixels.len()
@@ -46,7 +45,7 @@ impl SkyMap {
             let (row, column) = (index / width as usize, index % width as usize);
             return fault(format!("the colour in row {row}, column {column} is {}", pixels[index]));
         }
-        Ok(Self { width, height, pixels: pixels.into() })
+        Ok(Self { width, height, pixels: Arc::new(pixels) })
     }
 
     /// A sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
@@ -77,26 +76,28 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
-    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear).
+    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). Its size is checked before it is
+    /// decoded; decoding takes 12 bytes a pixel, beside what the format itself needs.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read, [`Error::File`] if it is no such picture or no sky.
+    /// [`Error::Io`] if the file can't be read, [`Error::File`] if it is no such picture or no sky, no regular file, or
+    /// larger than [`Limits`] says, as a file or in pixels.
     #[cfg(feature = "sky")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        Self::open_within(path, &Limits::default())
+    }
+
+    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::within`] knows an adapter's.
+    ///
+    /// # Errors
+    /// Those of [`SkyMap::open`].
+    #[cfg(feature = "sky")]
+    pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::io(path, source))?;
-        let fault = |reason: String| Error::file(path, None, reason);
-        let picture =
-            image::load_from_memory(&bytes).map_err(|error| fault(format!("no picture of a sky: {error}")))?;
-        let linear = matches!(picture, image::DynamicImage::ImageRgb32F(_) | image::DynamicImage::ImageRgba32F(_));
-        let picture = picture.into_rgb32f();
-        let decode = |value: f32| match linear {
-            true => value,
-            false if value <= 0.04045 => value / 12.92,
-            false => ((value + 0.055) / 1.055).powf(2.4),
-        };
-        let pixels = picture.pixels().map(|pixel| Vec3::from_array(pixel.0.map(decode))).collect();
-        Self::new(picture.width(), picture.height(), pixels).map_err(|error| fault(error.to_string()))
+        let (file, _) = input::open(path, limits.file_bytes)?;
+        let (width, height, pixels) =
+            decode(file, limits).map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
+        Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
     }
 
     /// Width and height in pixels.
@@ -107,6 +108,76 @@ impl SkyMap {
     pub(crate) fn pixels(&self) -> &[Vec3] {
         &self.pixels
     }
+}
+
+/// Whether a picture of this size can be a map: its halves are equal, so that a column has an opposite one.
+fn is_map(width: u32, height: u32) -> bool {
+    width > 0 && height > 0 && width.is_multiple_of(2)
+}
+
+/// Reads a picture into linear colours. Its samples, which are never larger than those, are read into the list of colours
+/// itself and spread out there.
+#[cfg(feature = "sky")]
+fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), String> {
+    use image::ImageDecoder;
+
+    let said = |error: image::ImageError| error.to_string();
+    let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
+        .with_guessed_format()
+        .map_err(|error| error.to_string())?;
+    let mut format_limits = image::Limits::default();
+    format_limits.max_alloc = Some(limits.sky_pixels.saturating_mul(size_of::<Vec3>() as u64));
+    reader.limits(format_limits);
+    let decoder = reader.into_decoder().map_err(said)?;
+    let (width, height) = decoder.dimensions();
+    let count = u64::from(width) * u64::from(height);
+    if !is_map(width, height) {
+        return Err(format!("{width}x{height} pixels make no map, which has an even width"));
+    }
+    if count > limits.sky_pixels {
+        let limit = limits.sky_pixels;
+        return Err(format!("it has {width}x{height} pixels, {count} in all and over the limit of {limit}"));
+    }
+    let kind = decoder.color_type();
+    let sample = usize::from(kind.bytes_per_pixel());
+    if sample > size_of::<Vec3>() {
+        return Err(format!("pixels of {sample} bytes"));
+    }
+    let mut pixels = vec![Vec3::ZERO; count as usize];
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels);
+    decoder.read_image(&mut bytes[..count as usize * sample]).map_err(said)?;
+    // From the last pixel on, whose place no sample but its own reaches into that is still to be read.
+    for index in (0..pixels.len()).rev() {
+        let bytes: &[u8] = bytemuck::cast_slice(&pixels);
+        pixels[index] = linear_color(kind, &bytes[index * sample..][..sample])?;
+    }
+    Ok((width, height, pixels))
+}
+
+/// A pixel as the format has it, as a linear colour. Alpha is left out.
+#[cfg(feature = "sky")]
+fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
+    use image::ColorType;
+
+    let byte = |channel: usize| linear(f32::from(pixel[channel]) / 255.0);
+    let word = |channel: usize| {
+        let word = u16::from_ne_bytes([pixel[2 * channel], pixel[2 * channel + 1]]);
+        linear(f32::from(word) / 65535.0)
+    };
+    Ok(match kind {
+        ColorType::L8 | ColorType::La8 => Vec3::splat(byte(0)),
+        ColorType::Rgb8 | ColorType::Rgba8 => Vec3::new(byte(0), byte(1), byte(2)),
+        ColorType::L16 | ColorType::La16 => Vec3::splat(word(0)),
+        ColorType::Rgb16 | ColorType::Rgba16 => Vec3::new(word(0), word(1), word(2)),
+        ColorType::Rgb32F => bytemuck::pod_read_unaligned(pixel),
+        other => return Err(format!("pixels of the kind {other:?}")),
+    })
+}
+
+/// The light of an sRGB value (IEC 61966-2-1).
+#[cfg(feature = "sky")]
+fn linear(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The direction of a pixel's centre.
@@ -200,5 +271,73 @@ mod tests {
             "{odd} {broken} {missing}"
         );
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
+    }
+
+    /// Writes a picture, reads it as a sky, and takes it away again.
+    #[cfg(feature = "sky")]
+    fn through_file(name: &str, picture: &image::DynamicImage, limits: &Limits) -> Result<SkyMap, Error> {
+        let path = std::env::temp_dir().join(format!("stereotrace_{}_{name}", std::process::id()));
+        picture.save(&path).unwrap();
+        let sky = SkyMap::open_within(&path, limits);
+        std::fs::remove_file(&path).unwrap();
+        sky
+    }
+
+    #[cfg(feature = "sky")]
+    #[test]
+    fn every_kind_of_pixel_is_read_as_the_image_crate_converts_it() {
+        use image::{ColorType, DynamicImage};
+        let kinds = [
+            ("l8.png", ColorType::L8),
+            ("la8.png", ColorType::La8),
+            ("rgb8.png", ColorType::Rgb8),
+            ("rgba8.png", ColorType::Rgba8),
+            ("l16.png", ColorType::L16),
+            ("la16.png", ColorType::La16),
+            ("rgb16.png", ColorType::Rgb16),
+            ("rgba16.png", ColorType::Rgba16),
+            ("rgb32f.hdr", ColorType::Rgb32F),
+        ];
+        for (name, kind) in kinds {
+            let mut picture = DynamicImage::new(6, 3, kind);
+            // Bytes without order, so that a sample that is overwritten before it is read shows.
+            let mut noise = (0..).map(|index: u32| (index.wrapping_mul(2_654_435_761) >> 24) as u8);
+            match &mut picture {
+                DynamicImage::ImageLuma8(p) => p.fill_with(|| noise.next().unwrap()),
+                DynamicImage::ImageLumaA8(p) => p.fill_with(|| noise.next().unwrap()),
+                DynamicImage::ImageRgb8(p) => p.fill_with(|| noise.next().unwrap()),
+                DynamicImage::ImageRgba8(p) => p.fill_with(|| noise.next().unwrap()),
+                DynamicImage::ImageLuma16(p) => p.fill_with(|| 257 * u16::from(noise.next().unwrap()) + 1),
+                DynamicImage::ImageLumaA16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
+                DynamicImage::ImageRgb16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
+                DynamicImage::ImageRgba16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
+                // Of one exponent, a power of two: what HDR keeps exactly.
+                DynamicImage::ImageRgb32F(p) => p.fill_with(|| 0.5 + f32::from(noise.next().unwrap() >> 1) / 256.0),
+                _ => unreachable!(),
+            }
+            let sky = through_file(name, &picture, &Limits::default()).unwrap();
+            let reference = picture.into_rgb32f();
+            for (index, (found, expected)) in sky.pixels().iter().zip(reference.pixels()).enumerate() {
+                let expected = Vec3::from_array(expected.0);
+                let expected = if kind == ColorType::Rgb32F { expected } else { expected.map(linear) };
+                assert!((*found - expected).abs().max_element() < 1e-6, "{name} {index}: {found} {expected}");
+            }
+        }
+    }
+
+    #[cfg(feature = "sky")]
+    #[test]
+    fn a_sky_over_the_limit_is_refused_before_it_is_decoded() {
+        let picture = image::DynamicImage::new(64, 32, image::ColorType::L8);
+        let read = |pixels| through_file("limit.png", &picture, &Limits::default().sky_pixels(pixels));
+        assert_eq!(read(2048).unwrap().size(), [64, 32]);
+        let message = read(2047).unwrap_err().to_string();
+        assert!(message.contains("64x32 pixels, 2048 in all and over the limit of 2047"), "{message}");
+        // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
+        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+        let gpu = Gpu::open(&wanted).unwrap();
+        let most = Limits::default().sky_pixels(u64::MAX).within(&gpu).sky_pixels;
+        assert!(most < u64::MAX && most >= Limits::default().sky_pixels, "{most}");
+        assert_eq!(Limits::default().sky_pixels(9).within(&gpu).sky_pixels, 9);
     }
 }
