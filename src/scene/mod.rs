@@ -400,26 +400,24 @@ impl Scene {
 
     /// The public fields hold any value until a scene is uploaded; here they are checked.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let finite = |element: String, values: &[Vec3]| {
-            if values.iter().all(|value| value.is_finite()) {
-                return Ok(());
-            }
-            Err(Error::Scene { element, reason: format!("{values:?} is not finite") })
-        };
-        finite("ambient".into(), &[self.ambient])?;
+        let check =
+            |element: String, check: Result<(), String>| check.map_err(|reason| Error::Scene { element, reason });
+        check("ambient".into(), check_color("it", self.ambient))?;
         match &self.sky {
-            Sky::Constant(color) => finite("sky".into(), &[*color])?,
-            Sky::Gradient { nadir, zenith } => finite("sky".into(), &[*nadir, *zenith])?,
+            Sky::Constant(color) => check("sky".into(), check_color("it", *color))?,
+            Sky::Gradient { nadir, zenith } => {
+                check("sky".into(), check_color("nadir", *nadir))?;
+                check("sky".into(), check_color("zenith", *zenith))?;
+            }
             Sky::Map(_) => {} // checked when it was made
         }
         for (index, material) in self.materials.iter().enumerate() {
-            finite(format!("material {index} '{}'", material.name), &[material.albedo])?;
+            check(format!("material {index} '{}'", material.name), check_color("albedo", material.albedo))?;
         }
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
-            finite(format!("light {index}"), &[light.position, light.intensity])?;
-            check_coordinate(light.position)
-                .map_err(|reason| Error::Scene { element: format!("light {index}"), reason })?;
+            check(format!("light {index}"), check_color("intensity", light.intensity))?;
+            check(format!("light {index}"), check_coordinate(light.position))?;
         }
         Ok(())
     }
@@ -430,6 +428,14 @@ fn check_light_count(count: usize) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
+}
+
+/// Light and reflectance are finite and not negative.
+fn check_color(what: &str, color: Vec3) -> Result<(), String> {
+    match color.is_finite() && color.min_element() >= 0.0 {
+        true => Ok(()),
+        false => Err(format!("{what} is {color}; it must be finite and not negative")),
+    }
 }
 
 /// What to say of dropped triangles: how many of these, and whether they were lost to the rounding of coordinates.
