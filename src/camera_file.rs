@@ -155,7 +155,6 @@ fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
 
     use super::*;
     use crate::folder::Folder;

@@ -1,17 +1,18 @@
 //! Geometry and rays as plain little-endian arrays, for other tracers (scripts/embree.py).
 
-use std::{fs, io, path::Path};
+use std::{error::Error, fs, path::Path};
 
-use stereotrace::Scene;
+use stereotrace::{Scene, output::Batch};
 
 use crate::lists::{Kind, Query};
 
 /// Writes `triangles.f32` (nine numbers a triangle) and, for each kind of ray, `KIND.QUERY.f32` (eight numbers a ray:
 /// origin, direction, `t_min`, `t_max`). Spheres are left out.
-pub(crate) fn write(folder: &Path, scene: &Scene, kinds: &[Kind]) -> io::Result<()> {
+pub(crate) fn write(folder: &Path, scene: &Scene, kinds: &[Kind]) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let corners = scene.triangles().iter().flat_map(|triangle| triangle.corners).flat_map(|corner| corner.to_array());
-    array(&folder.join("triangles.f32"), corners)?;
+    let mut batch = Batch::new();
+    batch.add(folder.join("triangles.f32"), &bytes(corners))?;
     for kind in kinds {
         let numbers = kind.lists.iter().flat_map(|(origin, rays)| {
             rays.iter().flat_map(move |ray| {
@@ -20,13 +21,12 @@ pub(crate) fn write(folder: &Path, scene: &Scene, kinds: &[Kind]) -> io::Result<
         });
         let query = if kind.query == Query::Closest { "closest" } else { "any" };
         let name = kind.name.replace([' ', '%'], "-");
-        array(&folder.join(format!("{name}.{query}.f32")), numbers)?;
+        batch.add(folder.join(format!("{name}.{query}.f32")), &bytes(numbers))?;
     }
+    batch.commit()?;
     Ok(())
 }
 
-fn array(path: &Path, numbers: impl Iterator<Item = f32>) -> io::Result<()> {
-    let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
-    let partial = path.with_extension("partial");
-    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path))
+fn bytes(numbers: impl Iterator<Item = f32>) -> Vec<u8> {
+    numbers.flat_map(f32::to_le_bytes).collect()
 }

@@ -18,7 +18,6 @@ use std::{
     fs,
     io::{self, IsTerminal, Write},
     ops::ControlFlow,
-    path::PathBuf,
     process::ExitCode,
     time::{Duration, Instant},
 };
@@ -26,7 +25,7 @@ use std::{
 use stereotrace::{
     BvhBuild, Gpu, Method, Options, Progress, Renderer, Scene, StereoCamera, StereoPair,
     metrics::compare,
-    output::{anaglyph, packed},
+    output::{Batch, anaglyph, packed},
     scene::builtin::spheres_turned,
 };
 
@@ -101,12 +100,14 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
         }
         false => None,
     };
-    let files = write(arguments, &pair, "")?;
+    let mut batch = Batch::new();
+    add_pictures(&mut batch, arguments, &pair, "")?;
+    let files = batch.commit()?;
     let adapter = renderer.gpu().adapter_name();
     Ok(Report { arguments, adapter: &adapter, scene: &scene, pair: &pair, wall, difference, files: &files }.to_string())
 }
 
-/// Renders the spheres as they turn once, a tree built anew for each picture.
+/// Renders the spheres as they turn once, a tree built anew for each picture. The pictures appear when all are there.
 fn film(
     arguments: &Arguments,
     renderer: &mut Renderer,
@@ -115,6 +116,7 @@ fn film(
     frames: u32,
 ) -> Result<String, Box<dyn Error>> {
     let (mut build, mut render) = (Duration::ZERO, Duration::ZERO);
+    let mut batch = Batch::new();
     for frame in 0..frames {
         let mut scene = spheres_turned(std::f32::consts::TAU * frame as f32 / frames as f32)?;
         (scene.lights, scene.ambient, scene.sky) = (still.lights.clone(), still.ambient, still.sky.clone());
@@ -124,8 +126,9 @@ fn film(
         let begin = Instant::now();
         let pair = renderer.render(&uploaded, camera, &Options::new(arguments.method))?;
         render += begin.elapsed();
-        write(arguments, &pair, &format!("_{frame:04}"))?;
+        add_pictures(&mut batch, arguments, &pair, &format!("_{frame:04}"))?;
     }
+    batch.commit()?;
     let each = |time: Duration| time.as_secs_f64() * 1e3 / f64::from(frames);
     Ok(format!(
         "{frames} frames in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
@@ -136,8 +139,13 @@ fn film(
     ))
 }
 
-/// Writes the pictures and returns their paths; `number` goes behind each name.
-fn write(arguments: &Arguments, pair: &StereoPair, number: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+/// Adds a pair's pictures and maps to what is written; `number` goes behind each name.
+fn add_pictures(
+    batch: &mut Batch,
+    arguments: &Arguments,
+    pair: &StereoPair,
+    number: &str,
+) -> Result<(), Box<dyn Error>> {
     let (left, right) = if arguments.swap { (&pair.right, &pair.left) } else { (&pair.left, &pair.right) };
     let mut pictures = vec![
         (format!("left{number}.png"), left.picture()),
@@ -159,21 +167,16 @@ fn write(arguments: &Arguments, pair: &StereoPair, number: &str) -> Result<Vec<P
             pictures.extend(picture.map(|picture| (format!("{eye}_time_white_{white}{number}.png"), picture)));
         }
     }
-    let mut files = Vec::new();
-    let mut path = |name: &str| {
-        files.push(arguments.out.join(name));
-        arguments.out.join(name)
-    };
     for (name, picture) in pictures {
-        picture.save_png(path(&name))?;
+        batch.add_png(arguments.out.join(name), &picture)?;
     }
     if arguments.dump && number.is_empty() {
         for (eye, view) in [("left", left), ("right", right)] {
-            view.save_depth(path(&format!("{eye}_depth{number}.pfm")))?;
-            view.save_primitive_ids(path(&format!("{eye}_id{number}.pfm")))?;
+            batch.add_depth(arguments.out.join(format!("{eye}_depth.pfm")), view)?;
+            batch.add_primitive_ids(arguments.out.join(format!("{eye}_id.pfm")), view)?;
         }
     }
-    Ok(files)
+    Ok(())
 }
 
 /// How far the frame is, on a terminal's last line, for frames that take their time.

@@ -1,71 +1,14 @@
-//! Files, written whole or not at all.
+//! What pictures and maps are as files.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::path::Path;
 
 #[cfg(feature = "png")]
 use super::Picture;
+use super::{Batch, write_whole};
 use crate::{Error, MISS, View};
 
 /// Whole numbers up to here are exact as f32.
 const LARGEST_EXACT_ID: u32 = 1 << 24;
-
-/// Writes a file whole or not at all: under a temporary name in the same folder first, which then takes the place of
-/// `path`. An existing file keeps its permissions, a link still points to its file, and what is no file to replace
-/// (a pipe, a device) is written to directly.
-///
-/// # Errors
-/// [`Error::Io`], naming `path`; the file is as it was before, and the temporary one gone.
-pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
-    write_whole_with(path.as_ref(), |file| file.write_all(bytes))
-}
-
-fn write_whole_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
-    let replace = || {
-        let old = fs::metadata(path).ok();
-        if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
-            return write(&mut OpenOptions::new().write(true).open(path)?);
-        }
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        let (temporary, file) = create_beside(&target)?;
-        let filled = fill(file, write, old.map(|old| old.permissions()));
-        filled.and_then(|()| fs::rename(&temporary, &target)).inspect_err(|_| {
-            // The first error is the one to tell; this one would only follow from it.
-            let _ = fs::remove_file(&temporary);
-        })
-    };
-    replace().map_err(|source| Error::io(path, source))
-}
-
-/// A new file in the folder of `target`. Its name does not contain the target's, which may be as long as names get.
-fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let folder = target.parent().unwrap_or(Path::new(""));
-    loop {
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let temporary = folder.join(format!(".stereotrace-{}-{count}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            // Left by a process of the same id that was killed: take the next name.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            created => return created.map(|file| (temporary, file)),
-        }
-    }
-}
-
-/// Writes, waits for the disk, and closes: Windows renames no open file.
-fn fill(
-    mut file: File,
-    write: impl FnOnce(&mut File) -> io::Result<()>,
-    permissions: Option<fs::Permissions>,
-) -> io::Result<()> {
-    write(&mut file)?;
-    if let Some(permissions) = permissions {
-        file.set_permissions(permissions)?;
-    }
-    file.sync_all()
-}
 
 /// Writes one number a pixel as a grey PFM picture: `values` are row-major, `[height][width]`, top row first; the file
 /// holds little-endian f32, bottom row first. Unknown values are `f32::INFINITY`.
@@ -74,13 +17,7 @@ fn fill(
 /// [`Error::File`] if there are not `width * height` values, [`Error::Io`] if the file cannot be written.
 pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32]) -> Result<(), Error> {
     let path = path.as_ref();
-    check_count(path, width, height, values.len())?;
-    let mut bytes = format!("Pf\n{width} {height}\n-1.0\n").into_bytes();
-    bytes.reserve(4 * values.len());
-    for row in values.chunks_exact((width as usize).max(1)).rev() {
-        bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
-    }
-    write_whole(path, &bytes)
+    write_whole(path, &pfm(path, width, height, values)?)
 }
 
 /// Writes one id a pixel as [`save_pfm`] does; [`MISS`] becomes -1.
@@ -88,17 +25,33 @@ pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32])
 /// # Errors
 /// Those of [`save_pfm`], and [`Error::File`] naming an id over 2^24: from there on f32 skips whole numbers.
 pub fn save_ids_pfm(path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
+    let path = path.as_ref();
+    save_pfm(path, width, height, &id_values(path, ids)?)
+}
+
+/// The bytes of a PFM picture; `path` is for errors.
+fn pfm(path: &Path, width: u32, height: u32, values: &[f32]) -> Result<Vec<u8>, Error> {
+    check_count(path, width, height, values.len())?;
+    let mut bytes = format!("Pf\n{width} {height}\n-1.0\n").into_bytes();
+    bytes.reserve(4 * values.len());
+    for row in values.chunks_exact((width as usize).max(1)).rev() {
+        bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
+    }
+    Ok(bytes)
+}
+
+/// Ids as the values of a PFM picture.
+fn id_values(path: &Path, ids: &[u32]) -> Result<Vec<f32>, Error> {
     let number = |&id: &u32| match id {
         MISS => Ok(-1.0),
         0..=LARGEST_EXACT_ID => Ok(id as f32),
         _ => Err(Error::file(
-            path.as_ref(),
+            path,
             None,
             format!("id {id} is over {LARGEST_EXACT_ID}, the largest that a PFM file's f32 holds exactly"),
         )),
     };
-    let values = ids.iter().map(number).collect::<Result<Vec<_>, _>>()?;
-    save_pfm(path, width, height, &values)
+    ids.iter().map(number).collect()
 }
 
 fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(), Error> {
@@ -142,20 +95,57 @@ impl Picture {
     /// [`Error::File`] if there are not `width * height` pixels or none at all, [`Error::Io`] if the file cannot be
     /// written.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        write_whole(path, &self.png(path)?)
+    }
+
+    /// The bytes of a PNG file; `path` is for errors.
+    fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
         use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
-        let path = path.as_ref();
         check_count(path, self.width, self.height, self.rgba8.len())?;
         let mut bytes = Vec::new();
         PngEncoder::new(&mut bytes)
             .write_image(self.rgba8.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8)
             .map_err(|error| Error::file(path, None, error.to_string()))?;
-        write_whole(path, &bytes)
+        Ok(bytes)
+    }
+}
+
+impl Batch {
+    /// Adds a picture as [`Picture::save_png`] writes it.
+    ///
+    /// # Errors
+    /// Those of [`Picture::save_png`].
+    #[cfg(feature = "png")]
+    pub fn add_png(&mut self, path: impl AsRef<Path>, picture: &Picture) -> Result<(), Error> {
+        let path = path.as_ref();
+        self.add(path, &picture.png(path)?)
+    }
+
+    /// Adds a view's depths as [`View::save_depth`] writes them.
+    ///
+    /// # Errors
+    /// Those of [`View::save_depth`].
+    pub fn add_depth(&mut self, path: impl AsRef<Path>, view: &View) -> Result<(), Error> {
+        let path = path.as_ref();
+        self.add(path, &pfm(path, view.width, view.height, &view.depth)?)
+    }
+
+    /// Adds a view's primitive ids as [`View::save_primitive_ids`] writes them.
+    ///
+    /// # Errors
+    /// Those of [`View::save_primitive_ids`].
+    pub fn add_primitive_ids(&mut self, path: impl AsRef<Path>, view: &View) -> Result<(), Error> {
+        let path = path.as_ref();
+        self.add(path, &pfm(path, view.width, view.height, &id_values(path, &view.primitive)?)?)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::tests::view;
     use super::*;
     use crate::folder::Folder;
@@ -217,60 +207,6 @@ mod tests {
         assert_eq!(folder.names(), ["ids.pfm"]);
     }
 
-    #[test]
-    fn a_failed_write_leaves_the_old_file_and_no_temporary() {
-        let folder = Folder::new("failed");
-        let path = folder.file("a.bin");
-        write_whole(&path, b"old").unwrap();
-        let result = write_whole_with(&path, |file| {
-            file.write_all(b"half of the n")?;
-            Err(io::Error::other("disk full"))
-        });
-        let message = result.unwrap_err().to_string();
-        assert!(message.ends_with("a.bin: disk full"), "{message}");
-        assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(folder.names(), ["a.bin"]);
-        write_whole(&path, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(folder.names(), ["a.bin"]);
-    }
-
-    #[test]
-    fn a_folder_is_not_replaced_and_a_missing_one_is_named() {
-        let folder = Folder::new("folder");
-        let inner = folder.file("inner");
-        fs::create_dir(&inner).unwrap();
-        assert!(write_whole(&inner, b"x").unwrap_err().to_string().contains("inner: "));
-        let message = write_whole(folder.file("none").join("a.bin"), b"x").unwrap_err().to_string();
-        assert!(message.contains("a.bin: "), "{message}");
-        assert!(write_whole("", b"x").is_err());
-        assert_eq!(folder.names(), ["inner"]);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_permissions_and_sockets_survive() {
-        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
-        use std::os::unix::net::UnixListener;
-
-        let folder = Folder::new("unix");
-        let (file, link) = (folder.file("file"), folder.file("link"));
-        fs::write(&file, b"old").unwrap();
-        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
-        symlink(&file, &link).unwrap();
-        write_whole(&link, b"new").unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::read(&file).unwrap(), b"new");
-        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
-        let long = "n".repeat(255);
-        write_whole(folder.file(&long), b"x").unwrap();
-        let socket = folder.file("socket");
-        let _listener = UnixListener::bind(&socket).unwrap();
-        assert!(write_whole(&socket, b"x").is_err());
-        assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
-        assert_eq!(folder.names(), ["file", "link", &long, "socket"]);
-    }
-
     #[cfg(feature = "png")]
     #[test]
     fn a_png_reads_back_as_it_was() {
@@ -282,6 +218,27 @@ mod tests {
         assert_eq!((read.width(), read.height()), (3, 2));
         assert_eq!(read.as_raw(), rgba8.as_flattened());
         assert_eq!(folder.names(), ["a.png"]);
+    }
+
+    #[cfg(feature = "png")]
+    #[test]
+    fn a_batch_writes_what_each_picture_writes_alone() {
+        let folder = Folder::new("kinds");
+        let mut view = view(2, &[[1, 2, 3], [4, 5, 6]]);
+        view.primitive = vec![7, MISS];
+        let picture = view.picture();
+        picture.save_png(folder.file("a.png")).unwrap();
+        view.save_depth(folder.file("a.depth")).unwrap();
+        view.save_primitive_ids(folder.file("a.ids")).unwrap();
+        let mut batch = Batch::new();
+        batch.add_png(folder.file("b.png"), &picture).unwrap();
+        batch.add_depth(folder.file("b.depth"), &view).unwrap();
+        batch.add_primitive_ids(folder.file("b.ids"), &view).unwrap();
+        batch.commit().unwrap();
+        for kind in ["png", "depth", "ids"] {
+            let read = |name: &str| fs::read(folder.file(&format!("{name}.{kind}"))).unwrap();
+            assert_eq!(read("a"), read("b"), "{kind}");
+        }
     }
 
     #[cfg(feature = "png")]

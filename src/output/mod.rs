@@ -4,11 +4,14 @@
 //! [`StereoPair`] has a method for each that passes its own eyes in their own order.
 
 mod anaglyph;
+mod batch;
 mod file;
 mod packing;
+mod stale;
 
 pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
-pub use file::{save_ids_pfm, save_pfm, write_whole};
+pub use batch::{Batch, write_whole};
+pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
 
 use crate::{StereoPair, View};

@@ -1,0 +1,309 @@
+//! Files that are written whole or not at all, one or several together.
+
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::stale;
+use crate::Error;
+
+/// As many links to links are followed, as Linux does.
+const MOST_LINKS: u32 = 40;
+
+/// Writes a file whole or not at all: under a temporary name in the same folder first, which then takes the place of
+/// `path`. An existing file keeps its permissions, one that is read-only stays as it is, a link still points to its file
+/// (which need not exist yet), and what is no file to replace (a pipe, a device) is written to directly. Temporary files
+/// that a killed process left in the folder are removed, at a process's first write there.
+///
+/// # Errors
+/// [`Error::Io`], naming `path`; the file is as it was before, and the temporary one gone.
+pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+    let mut batch = Batch::new();
+    batch.add(path, bytes)?;
+    batch.commit().map(drop)
+}
+
+/// Files that take their names together or not at all: each is written as [`write_whole`] does, but under its temporary
+/// name until [`Batch::commit`]. A batch that is dropped before leaves nothing.
+///
+/// ```
+/// use stereotrace::output::Batch;
+///
+/// let folder = std::env::temp_dir();
+/// let mut batch = Batch::new();
+/// batch.add(folder.join("left.txt"), b"left")?;
+/// batch.add(folder.join("right.txt"), b"right")?;
+/// assert_eq!(batch.commit()?.len(), 2);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Batch {
+    staged: Vec<Staged>,
+}
+
+#[derive(Debug)]
+struct Staged {
+    /// As it was given.
+    path: PathBuf,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    /// Written, to be renamed.
+    Temporary { temporary: PathBuf, target: PathBuf, replaces: bool },
+    /// For what can't be replaced.
+    Direct(Vec<u8>),
+}
+
+impl Batch {
+    /// A batch without files.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Writes a file under its temporary name.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming `path`: it can't be written, is read-only, or is a folder.
+    pub fn add(&mut self, path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+        self.add_with(path.as_ref(), |file| file.write_all(bytes))
+    }
+
+    pub(super) fn add_with(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Error> {
+        let content = stage(path, write).map_err(|source| Error::io(path, source))?;
+        self.staged.push(Staged { path: path.into(), content });
+        Ok(())
+    }
+
+    /// Gives all files their names and returns the paths, in the order in which they were added. What can fail has been
+    /// tried before: names are given one after the other, and only a process that ends in between leaves a part of them.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming the file that could not take its name. Files that were new are gone again.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, Error> {
+        for Staged { path, content } in &self.staged {
+            if let Content::Direct(bytes) = content {
+                let written = OpenOptions::new().write(true).open(path).and_then(|mut file| file.write_all(bytes));
+                written.map_err(|source| Error::io(path, source))?;
+            }
+        }
+        for (index, Staged { path, content }) in self.staged.iter().enumerate() {
+            let Content::Temporary { temporary, target, .. } = content else { continue };
+            if let Err(source) = fs::rename(temporary, target) {
+                let error = Error::io(path, source);
+                for Staged { content, .. } in &self.staged[..index] {
+                    if let Content::Temporary { target, replaces: false, .. } = content {
+                        let _ = fs::remove_file(target); // the first error is the one to tell
+                    }
+                }
+                return Err(error);
+            }
+        }
+        Ok(std::mem::take(&mut self.staged).into_iter().map(|staged| staged.path).collect())
+    }
+}
+
+impl Drop for Batch {
+    fn drop(&mut self) {
+        for Staged { content, .. } in &self.staged {
+            if let Content::Temporary { temporary, .. } = content {
+                let _ = fs::remove_file(temporary); // gone already where it took its name
+            }
+        }
+    }
+}
+
+/// Writes what `write` gives, beside its target where that is or becomes a file.
+fn stage(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Content> {
+    let old = fs::metadata(path).ok();
+    if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
+        let mut bytes = Vec::new();
+        return write(&mut bytes).map(|()| Content::Direct(bytes));
+    }
+    let target = follow(path)?;
+    if let Some(old) = &old {
+        check_replaceable(&target, old)?;
+    }
+    let (temporary, file) = create_beside(&target)?;
+    fill(file, write, old.as_ref().map(fs::Metadata::permissions)).inspect_err(|_| {
+        let _ = fs::remove_file(&temporary); // the first error is the one to tell
+    })?;
+    Ok(Content::Temporary { temporary, target, replaces: old.is_some() })
+}
+
+/// Where a link leads in the end, be there a file or not.
+fn follow(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&target) else { return Ok(target) };
+        target = target.parent().unwrap_or(Path::new("")).join(next);
+    }
+    Err(io::Error::other("too many links lead from one to the next"))
+}
+
+/// A rename would replace a read-only file too, and so does an administrator's open.
+fn check_replaceable(target: &Path, old: &fs::Metadata) -> io::Result<()> {
+    if old.is_dir() {
+        return Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if old.permissions().readonly() {
+        return Err(io::Error::new(ErrorKind::PermissionDenied, "the file is read-only; it is not replaced"));
+    }
+    OpenOptions::new().write(true).open(target).map(drop)
+}
+
+/// A new file in the folder of `target`. Its name does not contain the target's, which may be as long as names get.
+fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let folder = target.parent().unwrap_or(Path::new(""));
+    stale::remove_once(folder);
+    loop {
+        let temporary = folder.join(stale::name(COUNT.fetch_add(1, Ordering::Relaxed)));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            // Left by a process of the same id that was killed: take the next name.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (temporary, file)),
+        }
+    }
+}
+
+/// Writes, waits for the disk, and closes: Windows renames no open file.
+fn fill(
+    mut file: File,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    permissions: Option<Permissions>,
+) -> io::Result<()> {
+    write(&mut file)?;
+    if let Some(permissions) = permissions {
+        file.set_permissions(permissions)?;
+    }
+    file.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folder::Folder;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_temporary() {
+        let folder = Folder::new("failed");
+        let path = folder.file("a.bin");
+        write_whole(&path, b"old").unwrap();
+        let result = Batch::new().add_with(&path, |file| {
+            file.write_all(b"half of the n")?;
+            Err(io::Error::other("disk full"))
+        });
+        let message = result.unwrap_err().to_string();
+        assert!(message.ends_with("a.bin: disk full"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(folder.names(), ["a.bin"]);
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(folder.names(), ["a.bin"]);
+    }
+
+    #[test]
+    fn a_folder_is_not_replaced_and_a_missing_one_is_named() {
+        let folder = Folder::new("folder");
+        let inner = folder.file("inner");
+        fs::create_dir(&inner).unwrap();
+        assert!(write_whole(&inner, b"x").unwrap_err().to_string().ends_with("inner: it is a folder"));
+        let message = write_whole(folder.file("none").join("a.bin"), b"x").unwrap_err().to_string();
+        assert!(message.contains("a.bin: "), "{message}");
+        assert!(write_whole("", b"x").is_err());
+        assert_eq!(folder.names(), ["inner"]);
+    }
+
+    #[test]
+    fn a_read_only_file_is_not_replaced() {
+        let folder = Folder::new("read_only");
+        let path = folder.file("a.bin");
+        fs::write(&path, b"old").unwrap();
+        let mut permissions = fs::metadata(&path).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&path, permissions).unwrap();
+        let message = write_whole(&path, b"new").unwrap_err().to_string();
+        assert!(message.ends_with("a.bin: the file is read-only; it is not replaced"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(folder.names(), ["a.bin"]);
+    }
+
+    #[test]
+    fn files_of_a_batch_appear_together_or_not_at_all() {
+        let folder = Folder::new("batch");
+        fs::write(folder.file("b"), b"old").unwrap();
+        fs::create_dir(folder.file("folder")).unwrap();
+        let mut batch = Batch::new();
+        batch.add(folder.file("a"), b"new a").unwrap();
+        batch.add(folder.file("b"), b"new b").unwrap();
+        let seen = folder.names();
+        assert!(!seen.contains(&"a".into()) && fs::read(folder.file("b")).unwrap() == b"old", "{seen:?}");
+        assert!(batch.add(folder.file("folder"), b"x").is_err());
+        drop(batch);
+        assert_eq!(folder.names(), ["b", "folder"]);
+
+        let mut batch = Batch::new();
+        batch.add(folder.file("a"), b"new a").unwrap();
+        batch.add(folder.file("b"), b"new b").unwrap();
+        assert_eq!(batch.commit().unwrap(), [folder.file("a"), folder.file("b")]);
+        assert_eq!(folder.names(), ["a", "b", "folder"]);
+        assert_eq!(fs::read(folder.file("b")).unwrap(), b"new b");
+
+        // What goes wrong at the last moment.
+        let mut batch = Batch::new();
+        batch.add(folder.file("c"), b"c").unwrap();
+        batch.add(folder.file("d"), b"d").unwrap();
+        fs::create_dir(folder.file("d")).unwrap();
+        let message = batch.commit().unwrap_err().to_string();
+        assert!(message.contains("d: "), "{message}");
+        assert_eq!(folder.names(), ["a", "b", "d", "folder"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_permissions_and_sockets_survive() {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+        use std::os::unix::net::UnixListener;
+
+        let folder = Folder::new("unix");
+        let (file, link) = (folder.file("file"), folder.file("link"));
+        fs::write(&file, b"old").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink(&file, &link).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        let long = "n".repeat(255);
+        write_whole(folder.file(&long), b"x").unwrap();
+        let socket = folder.file("socket");
+        let _listener = UnixListener::bind(&socket).unwrap();
+        assert!(write_whole(&socket, b"x").is_err());
+        assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
+        assert_eq!(folder.names(), ["file", "link", &long, "socket"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_whose_file_is_not_there_yet_still_leads_to_it() {
+        use std::os::unix::fs::symlink;
+
+        let folder = Folder::new("dangling");
+        fs::create_dir(folder.file("inner")).unwrap();
+        symlink("second", folder.file("first")).unwrap();
+        symlink("inner/file", folder.file("second")).unwrap();
+        write_whole(folder.file("first"), b"new").unwrap();
+        assert_eq!(fs::read(folder.file("inner/file")).unwrap(), b"new");
+        assert!(fs::symlink_metadata(folder.file("first")).unwrap().is_symlink());
+        symlink("round", folder.file("round")).unwrap();
+        assert!(write_whole(folder.file("round"), b"x").unwrap_err().to_string().contains("too many links"));
+        assert_eq!(folder.names(), ["first", "inner", "round", "second"]);
+    }
+}
