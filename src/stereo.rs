@@ -1159,7 +1159,7 @@ fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
         Sky::Gradient { nadir, zenith } => (nadir, zenith),
         Sky::Map(_) => (Vec3::ZERO, Vec3::ZERO), // its header stands in the place of nadir
     };
-    let head: [_; TABLE_HEAD] = [(scene.ambient, scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
+    let head: [_; TABLE_HEAD] = [(scene.rendered_ambient(), scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
     let lights = scene.lights.iter().flat_map(|light| [(light.position, 0), (light.intensity, 0)]);
     let albedos = scene.materials().iter().map(|material| (material.albedo, 0));
     let texel = |(vector, word): (Vec3, u32)| {

@@ -3,7 +3,10 @@
 mod common;
 
 use common::renderer;
-use stereotrace::{Error, PointLight, Scene, Sky, glam::Vec3};
+use stereotrace::{
+    Error, MaterialId, Method, PointLight, Scene, Sky, Sphere, StereoCamera, cpu::intersect::closest_hit, glam::Vec3,
+    scene::builtin::Builtin,
+};
 
 #[test]
 fn negative_light_and_reflectance_are_refused_by_name() {
@@ -27,4 +30,96 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     scene.ambient = Vec3::NEG_ONE * 0.0; // no less than nothing
     scene.lights.push(PointLight { intensity: Vec3::ONE, ..light });
     assert!(renderer().upload(&scene).is_ok());
+}
+
+/// A grey ground, level at y = 0, under the camera.
+fn ground(half: f32) -> Scene {
+    let mut scene = Scene::new();
+    let corner = |x: f32, z: f32| Vec3::new(x * half, 0.0, z * half);
+    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    scene.add_mesh(&common::mesh(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene
+}
+
+#[test]
+fn ambient_light_makes_room_for_lights_unless_it_was_given() {
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(9, 9);
+    let shade = |ambient: Option<f32>, light: Option<f32>| {
+        let mut scene = ground(10.0);
+        if let Some(ambient) = ambient {
+            scene.ambient = Vec3::splat(ambient);
+        }
+        let overhead = |light| PointLight { position: Vec3::Y * 1e6, intensity: Vec3::splat(light) };
+        scene.lights.extend(light.map(overhead));
+        common::render(&scene, &camera, Method::Naive).left.linear[40][0]
+    };
+    let near = |found: f32, ambient: f32| assert!((found - 0.7 * ambient).abs() < 1e-3, "{found} {ambient}");
+    near(shade(None, None), 1.0);
+    near(shade(None, Some(0.5)), 0.15 + 0.5);
+    near(shade(Some(0.3), Some(0.5)), 0.3 + 0.5);
+    near(shade(Some(0.0), Some(0.5)), 0.5);
+    near(shade(Some(0.2), None), 0.2);
+}
+
+/// Nothing is between the eye and a light, nor is a light in a sphere.
+fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
+    let eye = camera.pose().unwrap().eye;
+    for (index, light) in scene.lights.iter().enumerate() {
+        let at = light.position;
+        let (way, _) = closest_hit(scene, eye, at - eye, 0.0, 1.0);
+        assert!(way == 1.0, "{case}: light {index} at {at} is {way} of its way behind something");
+        let inside = |sphere: &Sphere| at.as_dvec3().distance(sphere.center.as_dvec3()) < f64::from(sphere.radius);
+        assert!(!scene.spheres().iter().any(inside), "{case}: light {index} at {at} is in a sphere");
+        assert!(at.distance(eye) > 0.01, "{case}: light {index} is in the eye");
+    }
+}
+
+#[test]
+fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
+    let object = Sphere { center: Vec3::Y, radius: 1.0, material: MaterialId(0) };
+    for eye in [Vec3::new(0.0, 1.0, 6.0), Vec3::new(2.0, 0.3, 5.0), Vec3::new(0.0, 1.9, 3.0), Vec3::new(0.0, 8.0, 6.0)]
+    {
+        let camera = StereoCamera::look_at(eye, Vec3::Y);
+        for radius in [20.0, 100.0, 1000.0, 1e4, 1e6] {
+            let mut scene = Scene::new();
+            let center = Vec3::NEG_Y * radius;
+            scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+            scene.add_sphere(object).unwrap();
+            scene.place_lights(7, &camera).unwrap();
+            assert_seen(&scene, &camera, &format!("ground sphere of {radius} under {eye}"));
+        }
+        for half in [200.0, 1e4, 1e6] {
+            let mut scene = ground(half);
+            scene.add_sphere(object).unwrap();
+            // Something as high as the ground is wide below it: the box around all is a cube.
+            let tower = Vec3::new(0.5 * half, half, 0.0);
+            let mast = vec![tower, Vec3::new(0.5 * half, -half, 0.0), tower + Vec3::X];
+            scene.add_mesh(&common::mesh(mast, vec![[0, 1, 2]])).unwrap();
+            scene.place_lights(7, &camera).unwrap();
+            assert_seen(&scene, &camera, &format!("ground of {half} under {eye}"));
+            assert!(scene.lights.iter().all(|light| light.position.y > 0.0), "{half} {eye}");
+        }
+    }
+}
+
+/// The rule without its second part, as it is in the documentation.
+#[test]
+fn built_in_scenes_have_their_lights_in_their_boxes() {
+    for builtin in Builtin::ALL {
+        let (mut scene, camera) = (builtin.scene(), builtin.camera(640, 480));
+        scene.place_lights(5, &camera).unwrap();
+        let pose = camera.pose().unwrap();
+        let (low, high) = scene.bounds().unwrap();
+        let inset = 0.05 * (high - low);
+        let inside = pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all();
+        for (k, light) in scene.lights.iter().enumerate() {
+            let (sin, cos) = (k as f32 * 2.399_963_2).sin_cos();
+            let reach = pose.screen_distance * (0.25 + 0.1 * (k as f32 + 0.5));
+            let mut expected = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
+            if inside {
+                expected = expected.clamp(low + inset, high - inset);
+            }
+            assert!(light.position.distance(expected) < 1e-4, "{builtin} {k}: {} {expected}", light.position);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 pub mod builtin;
 pub(crate) mod components;
+mod lights;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
@@ -15,7 +16,7 @@ use glam::{DVec3, Vec3};
 
 #[cfg(feature = "obj")]
 use crate::Limits;
-use crate::{Error, StereoCamera, message::tidy};
+use crate::{Error, message::tidy};
 
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
@@ -23,7 +24,7 @@ pub const MAX_COORDINATE: f32 = 1e8;
 /// Lights that a scene may have at most.
 pub const MAX_LIGHTS: usize = 1 << 20;
 
-/// The share of the light that every surface gets when nothing else is said, see [`Scene::place_lights`].
+/// The share of the light that every surface gets where there are lights and nothing else is said.
 const DEFAULT_AMBIENT: f32 = 0.15;
 
 /// Of like warnings so many are logged; the rest are counted.
@@ -145,7 +146,8 @@ pub struct Scene {
     pub lights: Vec<PointLight>,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// Light that reaches every surface from everywhere, linear RGB.
+    /// Light that reaches every surface from everywhere, linear RGB. Exactly 1, as in a new scene, is for scenes without
+    /// lights: as soon as there are some, 0.15 takes its place, or they would add to what is white already.
     pub ambient: Vec3,
     /// What a ray sees that hits nothing.
     pub sky: Sky,
@@ -167,7 +169,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene: black sky, white ambient light, one grey material (id 0).
+    /// An empty scene: black sky, white ambient light until there are lights, one grey material (id 0).
     pub fn new() -> Self {
         Self {
             lights: Vec::new(),
@@ -298,34 +300,13 @@ impl Scene {
         obj::read(path.as_ref(), limits)
     }
 
-    /// Replaces `lights` by `count` lights, and `ambient` by 0.15, by one rule for every method and scene file (DESIGN,
-    /// section 3): light `k` stands beside and above the eyes, at
-    /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
-    /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
-    /// behind a wall. Lights and ambient together add up to 1, so that white stays short of burning out.
-    ///
-    /// # Errors
-    /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`].
-    pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
-        let pose = camera.pose()?;
-        check_light_count(count)?;
-        let inner = self.bounds().and_then(|(low, high)| {
-            let inset = (high - low) * 0.05;
-            let inside = pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all();
-            inside.then_some((low + inset, high - inset))
-        });
-        const GOLDEN_ANGLE: f32 = 2.399_963_2;
-        self.ambient = Vec3::splat(DEFAULT_AMBIENT);
-        self.lights = (0..count)
-            .map(|k| {
-                let (sin, cos) = (k as f32 * GOLDEN_ANGLE).sin_cos();
-                let reach = pose.screen_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
-                let position = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
-                let position = inner.map_or(position, |(low, high)| position.clamp(low, high));
-                PointLight { position, intensity: Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32) }
-            })
-            .collect();
-        Ok(())
+    /// The ambient light that is rendered: [`Scene::ambient`], or 0.15 where lights have come to a scene that nobody gave
+    /// another ambient light than the white of [`Scene::new`].
+    pub fn rendered_ambient(&self) -> Vec3 {
+        match self.ambient == Vec3::ONE && !self.lights.is_empty() {
+            true => Vec3::splat(DEFAULT_AMBIENT),
+            false => self.ambient,
+        }
     }
 
     /// The axis-aligned box around all primitives that can be hit, or `None` if there are none.

@@ -136,7 +136,9 @@ fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>),
     }
     if count > limits.sky_pixels {
         let limit = limits.sky_pixels;
-        return Err(format!("it has {width}x{height} pixels, {count} in all and over the limit of {limit}"));
+        return Err(format!(
+            "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by Limits, up to what the adapter holds"
+        ));
     }
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());

@@ -1,0 +1,102 @@
+//! Lights by rule.
+
+use glam::Vec3;
+
+use super::{DEFAULT_AMBIENT, PointLight, Scene, check_light_count};
+use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
+
+const GOLDEN_ANGLE: f32 = 2.399_963_2;
+/// A scene whose longest side is more than this many screen distances goes on far beyond the eyes' surroundings: its
+/// bounding box says nothing of them.
+const FAR_REACHING: f32 = 50.0;
+/// How far a light stands on its way from the eye to what is in the way.
+const BEFORE_OBSTACLE: f32 = 0.9;
+
+impl Scene {
+    /// Replaces `lights` by `count` lights, and `ambient` by 0.15, by one rule for every method and scene file (DESIGN,
+    /// section 3): light `k` stands beside and above the eyes, at
+    /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
+    /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
+    /// behind a wall. Lights and ambient together add up to 1, so that white stays short of burning out.
+    ///
+    /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
+    /// light would be inside a sphere that the eyes are not in, it keeps its place beside the eyes, drawn
+    /// towards them to nine tenths of the way to the first thing between.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`](super::MAX_LIGHTS).
+    pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
+        let pose = camera.pose()?;
+        check_light_count(count)?;
+        let walls = Walls::around(&pose, self.bounds());
+        let mut near = None;
+        let place = |k: usize| {
+            let (sin, cos) = (k as f32 * GOLDEN_ANGLE).sin_cos();
+            let reach = pose.screen_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
+            let wanted = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
+            let position = match walls {
+                Walls::None => Some(wanted),
+                Walls::Box(low, high) => Some(wanted.clamp(low, high)),
+                Walls::BeyondSight => None,
+            };
+            let position = position.filter(|&position| !self.enclosed(position, pose.eye));
+            let position = position.unwrap_or_else(|| {
+                let near = near.get_or_insert_with(|| self.within_reach(&pose));
+                let (way, _) = closest_hit(near, pose.eye, wanted - pose.eye, 0.0, 1.0);
+                pose.eye + (wanted - pose.eye) * if way < 1.0 { BEFORE_OBSTACLE * way } else { 1.0 }
+            });
+            PointLight { position, intensity: Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32) }
+        };
+        self.lights = (0..count).map(place).collect();
+        self.ambient = Vec3::splat(DEFAULT_AMBIENT);
+        Ok(())
+    }
+
+    /// A sphere has one of the points in it and not the other.
+    fn enclosed(&self, point: Vec3, eye: Vec3) -> bool {
+        self.spheres.iter().any(|sphere| {
+            let inside = |at: Vec3| at.as_dvec3().distance(sphere.center.as_dvec3()) <= f64::from(sphere.radius);
+            inside(point) && !inside(eye)
+        })
+    }
+
+    /// The primitives that may stand between the eyes and a light.
+    fn within_reach(&self, pose: &Pose) -> Self {
+        let (low, high) = (pose.eye - pose.screen_distance, pose.eye + pose.screen_distance);
+        let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
+        let mut near = Self::new();
+        near.triangles.extend(self.triangles.iter().filter(|triangle| {
+            let [a, b, c] = triangle.corners;
+            meets(a.min(b).min(c), a.max(b).max(c))
+        }));
+        near.spheres.extend(
+            self.spheres.iter().filter(|sphere| meets(sphere.center - sphere.radius, sphere.center + sphere.radius)),
+        );
+        near
+    }
+}
+
+/// What the scene's bounding box says of the eyes' surroundings.
+enum Walls {
+    /// The eyes look at the scene from outside.
+    None,
+    /// Lights belong between these corners.
+    Box(Vec3, Vec3),
+    /// The box is too large to tell.
+    BeyondSight,
+}
+
+impl Walls {
+    fn around(pose: &Pose, bounds: Option<(Vec3, Vec3)>) -> Self {
+        match bounds {
+            Some((low, high)) if pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all() => {
+                let inset = (high - low) * 0.05;
+                match (high - low).max_element() > FAR_REACHING * pose.screen_distance {
+                    true => Self::BeyondSight,
+                    false => Self::Box(low + inset, high - inset),
+                }
+            }
+            _ => Self::None,
+        }
+    }
+}
