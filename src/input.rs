@@ -2,7 +2,6 @@
 
 use std::{
     fs::{self, File, FileType},
-    io::Read,
     path::Path,
 };
 
@@ -84,6 +83,8 @@ pub(crate) fn open(path: &Path, limit: u64) -> Result<(File, u64), Error> {
 /// A file's content, as much of it as the file said it had: what the system makes up as it is read (/proc) has no size.
 #[cfg(any(feature = "obj", feature = "json"))]
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    use std::io::Read;
+
     let (file, bytes) = open(path, limit)?;
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(bytes).read_to_end(&mut content).map_err(|source| Error::io(path, source))?;

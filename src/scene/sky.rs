@@ -145,7 +145,8 @@ fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>),
     if sample > size_of::<Vec3>() {
         return Err(format!("pixels of {sample} bytes"));
     }
-    let mut pixels = vec![Vec3::ZERO; count as usize];
+    // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
+    let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels);
     decoder.read_image(&mut bytes[..count as usize * sample]).map_err(said)?;
     // From the last pixel on, whose place no sample but its own reaches into that is still to be read.
