@@ -35,6 +35,8 @@ use crate::{
 };
 
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    keep_mesa_quiet();
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error,stereotrace=warn")).init();
     let result = Arguments::read().and_then(|arguments| run(&arguments)).and_then(|report| print(&report));
     match result {
@@ -43,6 +45,23 @@ fn main() -> ExitCode {
             let _ = writeln!(io::stderr(), "error: {}", single_line(&error.to_string()));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Without a user's session, Mesa prints `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which means nothing
+/// here and looks like an error of ours. What stops it must be in the environment before the program starts, so it starts
+/// itself again.
+#[cfg(target_os = "linux")]
+fn keep_mesa_quiet() {
+    use std::{env, os::unix::process::CommandExt, path::Path, process::Command};
+
+    let in_session = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
+    if in_session || env::var_os("NODEVICE_SELECT").is_some() {
+        return;
+    }
+    if let Ok(program) = env::current_exe() {
+        // This comes back only where it fails, and then the line does no harm.
+        let _ = Command::new(program).args(env::args_os().skip(1)).env("NODEVICE_SELECT", "1").exec();
     }
 }
 
