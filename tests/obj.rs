@@ -189,7 +189,7 @@ fn objects_are_o_lines_and_materials_do_not_split_them() {
     assert_eq!(objects(&scene), [("", 0), ("table", 1), ("chair set", 4), ("chair set", 5)]);
     assert_eq!(corners(&scene), [[1, 2, 3], [2, 3, 4], [3, 4, 5], [4, 5, 6], [1, 3, 5], [2, 4, 6]]);
     assert_eq!(materials(&scene), ["", "red", "green", "red", "red", "red"]);
-    assert_eq!(folder.warnings(), ["scene.obj: 1 of 6 triangles have no area and are dropped"]); // f 1 3 5
+    assert_eq!(folder.warnings(), ["scene.obj: triangles without area, which are dropped: 1 of 6"]); // f 1 3 5
 }
 
 #[test]
@@ -281,11 +281,17 @@ fn of_like_warnings_five_are_printed_and_the_rest_counted() {
     let folder = Folder::new("like");
     folder.write("m.mtl", (0..9).map(|index| format!("newmtl m{index}\nKd red\n")).collect::<String>());
     let faces: String = (0..12).map(|index| format!("usemtl gone{index}\nf 1 2 3\n")).collect();
-    folder.scene(format!("mtllib m.mtl\n{SIX}{faces}"));
+    let libraries: String = (0..8).map(|index| format!("mtllib gone{index}.mtl\n")).collect();
+    folder.scene(format!("mtllib m.mtl\n{libraries}{SIX}{faces}"));
     let warnings = folder.warnings();
     let starting = |start: &str| warnings.iter().filter(|warning| warning.starts_with(start)).count();
-    assert_eq!((starting("m.mtl:"), starting("scene.obj:")), (6, 6), "{warnings:?}");
-    for counted in ["m.mtl: 4 more diffuse colours", "scene.obj: 7 more materials that are in no MTL file"] {
+    let counts = [starting("m.mtl:"), starting("scene.obj:"), starting("gone")];
+    assert_eq!(counts, [6, 7, 5], "{warnings:?}");
+    for counted in [
+        "scene.obj: 3 more MTL files that can't be read",
+        "m.mtl: 4 more diffuse colours",
+        "scene.obj: 7 more materials that are in no MTL file",
+    ] {
         assert_eq!(starting(counted), 1, "{counted}: {warnings:?}");
     }
 }
@@ -316,10 +322,10 @@ fn what_is_left_out_is_said_once_a_file() {
          2 highlights (Ks) from line 4 on; 2 indices of refraction (Ni) from line 6 on; \
          reflections and refractions (illum 3 and above) on line 15; 4 textures (map_Kd and their like) from line 8 on; \
          2 transparencies (d, Tr, Tf) from line 11 on; 2 unknown statements from line 12 on",
-        "scene.obj: 1 of 2 triangles have no area and are dropped",
         "scene.obj: left out: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; \
          points (p) on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; \
          unknown statements on line 17",
+        "scene.obj: triangles without area, which are dropped: 1 of 2",
     ];
     assert_eq!(warnings, expected);
 }
@@ -385,7 +391,7 @@ fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
     let all = WARNINGS.lock().unwrap().clone();
     let own: Vec<_> = all.iter().filter(|text| text.starts_with(start) && text.contains("own_meshes")).collect();
     assert_eq!(own.len(), 6, "{all:?}");
-    assert!(own[0].ends_with("1 of 1 triangles have no area and are dropped"), "{}", own[0]);
+    assert!(own[0].ends_with("triangles without area, which are dropped: 1 of 1"), "{}", own[0]);
     assert!(own[5].ends_with("more meshes with triangles without area follow; they are counted"), "{}", own[5]);
 }
 
@@ -405,7 +411,7 @@ fn triangles_lost_to_rounding_are_told_and_counted() {
     let dropped = scene.degenerate_count();
     assert!(dropped > 79_900, "{dropped}");
     let expected = format!(
-        "scene.obj: {dropped} of 80000 triangles have no area and are dropped; coordinates near 1.0000002e7 are rounded \
+        "scene.obj: triangles without area, which are dropped: {dropped} of 80000; coordinates near 1.0000002e7 are rounded \
          to steps of 1: move it nearer to the origin"
     );
     assert_eq!(folder.warnings(), [expected]);

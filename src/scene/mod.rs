@@ -425,7 +425,7 @@ fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
     let largest = low.abs().max(high.abs()).max_element();
     let step = largest.next_up() - largest;
-    let mut text = format!("{dropped} of {} triangles have no area and are dropped", triangles.len());
+    let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
     // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
     if largest > 0.0 && step > (high - low).max_element() * 1e-5 {
         text += &format!("; coordinates near {largest:e} are rounded to steps of {step}: move it nearer to the origin");

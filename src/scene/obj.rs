@@ -31,6 +31,7 @@ struct Section {
 }
 
 /// An OBJ file in the form that tobj gets.
+#[derive(Default)]
 struct Prepared {
     /// What `mtllib` lines name, each once.
     libraries: Vec<String>,
@@ -41,7 +42,12 @@ struct Prepared {
     names: Vec<String>,
     /// The names given to `usemtl`, each once, with the first line that does.
     used_materials: Vec<(usize, String)>,
+    /// Vertices and normals so far.
     vertices: usize,
+    normals: usize,
+    /// What a face belongs to here, and whether the last one of it had normals.
+    section: Section,
+    section_has_normals: Option<bool>,
 }
 
 /// See [`Scene::from_obj_within`].
@@ -54,7 +60,7 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
         let (line, reason) = bad_number.unwrap_or(bad_index);
         Error::file(path, Some(line), reason)
     })?;
-    let library = mtl::read(path, &prepared.libraries, limits);
+    let library = mtl::read(path, &prepared.libraries, limits, &mut warnings);
     let models = parse(path, &text, &prepared, &library)?;
 
     for (line, name) in &prepared.used_materials {
@@ -162,87 +168,81 @@ fn key(material: &str) -> String {
 
 /// Checks every index and writes the lines that tobj is to read. Texture coordinates and lines (`l`) are left out.
 fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
-    let mut prepared = Prepared {
-        libraries: Vec::new(),
-        text: String::with_capacity(text.len() + 16),
-        sections: Vec::new(),
-        names: vec![String::new()],
-        used_materials: Vec::new(),
-        vertices: 0,
-    };
-    let mut section = Section::default();
-    let mut section_has_normals = None;
-    let mut normals = 0;
+    let mut prepared = Prepared { names: vec![String::new()], ..Prepared::default() };
+    prepared.text.reserve(text.len() + 16);
     let mut smoothing_groups = Vec::new();
     let mut libraries = HashSet::new();
     let mut used_materials = HashSet::new();
     for (number, line) in lines(text) {
         let (keyword, rest) = split_keyword(&line);
         match keyword {
-            "v" => {
-                // All vertices have colours or none has.
-                if prepared.vertices == 0 && rest.split_whitespace().count() > 4 {
-                    warnings.left_out("vertex colours", number);
-                }
-                prepared.vertices += 1;
-            }
-            "vn" => normals += 1,
-            "f" => {
-                let has_normals = check_face(rest, prepared.vertices, normals).map_err(|reason| (number, reason))?;
-                if section_has_normals != Some(has_normals) {
-                    prepared.text.push_str(&format!("o {}\n", prepared.sections.len()));
-                    prepared.sections.push(section);
-                    section_has_normals = Some(has_normals);
-                }
-                if rest.split_whitespace().nth(2).is_none() {
-                    warnings.left_out("faces of fewer than three corners (f)", number);
-                }
-            }
+            "v" | "vn" => prepared.vector(keyword, rest, number, warnings),
+            "f" => prepared.face(rest, number, warnings).map_err(|reason| (number, reason))?,
             "o" => {
-                section.object += 1;
-                section.object_name = prepared.name(rest);
-                section_has_normals = None;
-                continue;
+                prepared.section.object += 1;
+                prepared.section.object_name = prepared.name(rest);
             }
-            "g" => {
-                section.group_name = prepared.name(rest);
-                section_has_normals = None;
-                continue;
-            }
+            "g" => prepared.section.group_name = prepared.name(rest),
             "usemtl" => {
-                prepared.text.push_str(&format!("usemtl {}\n", key(rest)));
+                prepared.keep("usemtl", &key(rest));
                 if used_materials.insert(rest.to_owned()) {
                     prepared.used_materials.push((number, rest.into()));
                 }
-                continue;
             }
-            "mtllib" => {
-                if libraries.insert(rest.to_owned()) {
-                    prepared.libraries.push(rest.into());
-                }
-                continue;
-            }
-            "s" => {
-                if !matches!(rest, "" | "0" | "off") {
-                    smoothing_groups.push(number);
-                }
-                continue;
-            }
-            _ => {
-                note_left_out(keyword, number, warnings);
-                continue;
-            }
+            "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push(rest.into()),
+            "s" if !matches!(rest, "" | "0" | "off") => smoothing_groups.push(number),
+            "mtllib" | "s" => {}
+            _ => note_left_out(keyword, number, warnings),
         }
-        prepared.text.push_str(keyword);
-        prepared.text.push(' ');
-        prepared.text.push_str(rest);
-        prepared.text.push('\n');
     }
     // Beside normals, which say more, they go without saying.
-    if normals == 0 {
+    if prepared.normals == 0 {
         smoothing_groups.into_iter().for_each(|line| warnings.left_out("smoothing groups (s)", line));
     }
     Ok(prepared)
+}
+
+impl Prepared {
+    fn keep(&mut self, keyword: &str, rest: &str) {
+        for part in [keyword, " ", rest, "\n"] {
+            self.text.push_str(part);
+        }
+    }
+
+    /// A vertex or a normal.
+    fn vector(&mut self, keyword: &str, rest: &str, line: usize, warnings: &mut Warnings) {
+        if keyword == "vn" {
+            self.normals += 1;
+        } else {
+            // All vertices have colours or none has.
+            if self.vertices == 0 && rest.split_whitespace().count() > 4 {
+                warnings.left_out("vertex colours", line);
+            }
+            self.vertices += 1;
+        }
+        self.keep(keyword, rest);
+    }
+
+    fn face(&mut self, rest: &str, line: usize, warnings: &mut Warnings) -> Result<(), String> {
+        let has_normals = check_face(rest, self.vertices, self.normals)?;
+        if self.section_has_normals != Some(has_normals) {
+            self.keep("o", &self.sections.len().to_string());
+            self.sections.push(self.section);
+            self.section_has_normals = Some(has_normals);
+        }
+        if rest.split_whitespace().nth(2).is_none() {
+            warnings.left_out("faces of fewer than three corners (f)", line);
+        }
+        self.keep("f", rest);
+        Ok(())
+    }
+
+    /// Keeps a name, which begins a section, and returns its index.
+    fn name(&mut self, name: &str) -> usize {
+        self.section_has_normals = None;
+        self.names.push(name.into());
+        self.names.len() - 1
+    }
 }
 
 /// Notes a line that tobj is not to see.
@@ -256,14 +256,6 @@ fn note_left_out(keyword: &str, line: usize, warnings: &mut Warnings) {
         "" | "vt" => {}
         comment if comment.starts_with('#') => {}
         _ => warnings.left_out("unknown statements", line),
-    }
-}
-
-impl Prepared {
-    /// Keeps a name and returns its index.
-    fn name(&mut self, name: &str) -> usize {
-        self.names.push(name.into());
-        self.names.len() - 1
     }
 }
 

@@ -24,11 +24,23 @@ impl<'a> Warnings<'a> {
 
     /// Warns of a line. Warnings of one `kind`, which names them in the plural, are alike.
     pub(super) fn warn(&mut self, kind: &'static str, line: usize, text: impl Display) {
-        let count = self.like.entry(kind).or_default();
-        *count += 1;
-        if *count <= PRINTED_WARNINGS {
+        if self.is_printed(kind) {
             self.log(Some(line), text.to_string());
         }
+    }
+
+    /// Warns of another file that this one names, and of what follows from it.
+    pub(super) fn warn_of(&mut self, kind: &'static str, error: &Error, consequence: &str) {
+        if self.is_printed(kind) {
+            log::warn!("{error}; {consequence}");
+        }
+    }
+
+    /// Counts a warning and says whether it is among the first of its kind.
+    fn is_printed(&mut self, kind: &'static str) -> bool {
+        let count = self.like.entry(kind).or_default();
+        *count += 1;
+        *count <= PRINTED_WARNINGS
     }
 
     /// Warns of the file as a whole.

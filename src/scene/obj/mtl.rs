@@ -23,7 +23,7 @@ pub(super) struct Library {
 
 /// Reads the files that `mtllib` lines name. Each line names one file, whose name may have spaces, or several. Grey
 /// replaces what can't be read: a picture in grey is more use than none.
-pub(super) fn read(obj: &Path, names: &[String], limits: &Limits) -> Library {
+pub(super) fn read(obj: &Path, names: &[String], limits: &Limits, warnings: &mut Warnings) -> Library {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut library = Library::default();
     let mut read = HashSet::new();
@@ -38,7 +38,7 @@ pub(super) fn read(obj: &Path, names: &[String], limits: &Limits) -> Library {
                 bytes_left -= bytes;
                 library.add(&file, &text);
             }
-            Err(error) => log::warn!("{error}; its materials are grey"),
+            Err(error) => warnings.warn_of("MTL files that can't be read", &error, "its materials are grey"),
         }
     }
     library
