@@ -64,10 +64,10 @@ impl StereoCamera {
 impl Scene {
     /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
     /// is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and `intensity` (three numbers
-    /// each, the latter at least 0). Returns whether the entry has lights; where it has not, nothing changes.
+    /// each, the latter at least 0). What the entry has not stays as it is. Returns whether the entry has lights.
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::File`] as [`StereoCamera::from_json`]; [`Error::File`] for lights without ambient, too.
+    /// [`Error::Io`] and [`Error::File`] as [`StereoCamera::from_json`]. Then nothing changes.
     pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
         self.light_from_json_within(path, name, &Limits::default())
     }
@@ -85,7 +85,12 @@ impl Scene {
         let path = path.as_ref();
         let fault = |reason: String| fault(path, name, reason);
         let entry = entry(path, name, limits)?;
-        let Some(lights) = entry.get("lights") else { return Ok(false) };
+        let ambient = entry.contains_key("ambient").then(|| checked_color(&entry, "ambient"));
+        let ambient = ambient.transpose().map_err(fault)?.or(self.ambient);
+        let Some(lights) = entry.get("lights") else {
+            self.ambient = ambient;
+            return Ok(false);
+        };
         let list = lights.as_array().ok_or_else(|| fault(format!("lights is {lights}; it must be a list")))?;
         let light = |(index, light): (usize, &Value)| {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
@@ -95,9 +100,8 @@ impl Scene {
             });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
-        let lights = list.iter().enumerate().map(light).collect::<Result<_, _>>()?;
-        self.ambient = checked_color(&entry, "ambient").map_err(fault)?;
-        self.lights = lights;
+        self.lights = list.iter().enumerate().map(light).collect::<Result<_, _>>()?;
+        self.ambient = ambient;
         Ok(true)
     }
 }
@@ -155,7 +159,6 @@ fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
     use crate::folder::Folder;
 
@@ -205,11 +208,14 @@ mod tests {
         let (read, scene) = light("lights", &format!(r#""ambient": [0.1, 0.2, 0.3], {lamp}"#));
         assert!(read.unwrap());
         let expected = PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(0.5, 0.25, 0.0) };
-        assert_eq!((scene.ambient, scene.lights), (Vec3::new(0.1, 0.2, 0.3), vec![expected]));
-        let (read, scene) = light("no_lights", r#""note": 1"#);
+        assert_eq!((scene.ambient, scene.lights), (Some(Vec3::new(0.1, 0.2, 0.3)), vec![expected]));
+        let (read, scene) = light("no_ambient", lamp);
+        assert!(read.unwrap());
+        assert_eq!((scene.ambient, scene.lights), (None, vec![expected]));
+        let (read, scene) = light("no_lights", r#""ambient": [1, 1, 1]"#);
         assert!(!read.unwrap() && scene.lights.is_empty());
+        assert_eq!(scene.ambient, Some(Vec3::ONE));
         for (index, (extra, expected)) in [
-            (lamp.to_owned(), "ambient is missing"),
             (r#""lights": 3"#.into(), "lights is 3; it must be a list"),
             (r#""ambient": [0, 0, 0], "lights": [4]"#.into(), "light 0: it is 4; it must be an object"),
             (r#""ambient": [0, 0, 0], "lights": [{}]"#.into(), "light 0: position is missing"),

@@ -79,7 +79,7 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
     let mut floor = mesh(corners, vec![[0, 1, 2], [0, 2, 3]]);
     floor.materials = vec![grey];
     scene.add_mesh(&floor).unwrap();
-    scene.ambient = Vec3::splat(0.1);
+    scene.ambient = Some(Vec3::splat(0.1));
     scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
     scene.lights = vec![PointLight { position: light, intensity: Vec3::splat(0.9) }];
     let camera = StereoCamera::look_at(Vec3::new(0.5, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0))
@@ -195,7 +195,7 @@ fn a_closed_ball_shows_no_crack_at_any_scale_or_place() {
 /// there the surface may be edge-on to the light, and black is right.
 fn acne(scene: &Scene, camera: &StereoCamera) -> (usize, usize) {
     let mut scene = scene.clone();
-    scene.ambient = Vec3::ZERO;
+    scene.ambient = Some(Vec3::ZERO);
     let position = camera.pose().unwrap().eye;
     scene.lights = vec![PointLight { position, intensity: Vec3::ONE }];
     let camera = camera.interaxial(0.0);
@@ -248,7 +248,7 @@ fn shadows_reach_to_their_casters_at_every_scale_and_place() {
         scene.add_mesh(&mesh(floor, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         let wall = vec![place(0.0, 0.0, -9.0), place(0.0, 0.5, -9.0), place(0.0, 0.5, 9.0), place(0.0, 0.0, 9.0)];
         scene.add_mesh(&mesh(wall, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
-        scene.ambient = Vec3::ZERO;
+        scene.ambient = Some(Vec3::ZERO);
         scene.lights = vec![PointLight { position: place(-5.0 * away, 10.0 * away, 0.0), intensity: Vec3::ONE }];
         let camera = StereoCamera::look_at(place(0.1, 4.0, 0.0), place(0.1, 0.0, 0.0))
             .up(Vec3::Z)
@@ -269,7 +269,7 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
         let center = Vec3::splat(offset);
         let mut scene = Scene::new();
         scene.add_mesh(&ball(center, scale, 60)).unwrap();
-        scene.ambient = Vec3::ZERO;
+        scene.ambient = Some(Vec3::ZERO);
         let camera = StereoCamera::look_at(center + 4.0 * scale * Vec3::Z, center).size(96, 96).interaxial(0.0);
         for away in [3.0, 30.0, 120.0, 1e3, 1e5] {
             let towards = Vec3::new(0.5, 0.7, 0.6).normalize();

@@ -20,14 +20,14 @@ fn negative_light_and_reflectance_are_refused_by_name() {
         assert_eq!(error.to_string(), expected);
     };
     let light = PointLight { position: Vec3::splat(-1.0), intensity: negative };
-    refused("ambient", "it", &|scene| scene.ambient = negative);
+    refused("ambient", "it", &|scene| scene.ambient = Some(negative));
     refused("light 0", "intensity", &|scene| scene.lights.push(light));
     refused("material 1 'tar'", "albedo", &|scene| assert_eq!(scene.add_material("tar", negative).0, 1));
     refused("sky", "it", &|scene| scene.sky = Sky::Constant(negative));
     refused("sky", "nadir", &|scene| scene.sky = Sky::Gradient { nadir: negative, zenith: Vec3::ONE });
     refused("sky", "zenith", &|scene| scene.sky = Sky::Gradient { nadir: Vec3::ONE, zenith: negative });
     let mut scene = Scene::new();
-    scene.ambient = Vec3::NEG_ONE * 0.0; // no less than nothing
+    scene.ambient = Some(Vec3::NEG_ONE * 0.0); // no less than nothing
     scene.lights.push(PointLight { intensity: Vec3::ONE, ..light });
     assert!(renderer().upload(&scene).is_ok());
 }
@@ -46,9 +46,7 @@ fn ambient_light_makes_room_for_lights_unless_it_was_given() {
     let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(9, 9);
     let shade = |ambient: Option<f32>, light: Option<f32>| {
         let mut scene = ground(10.0);
-        if let Some(ambient) = ambient {
-            scene.ambient = Vec3::splat(ambient);
-        }
+        scene.ambient = ambient.map(Vec3::splat);
         let overhead = |light| PointLight { position: Vec3::Y * 1e6, intensity: Vec3::splat(light) };
         scene.lights.extend(light.map(overhead));
         common::render(&scene, &camera, Method::Naive).left.linear[40][0]
@@ -59,6 +57,22 @@ fn ambient_light_makes_room_for_lights_unless_it_was_given() {
     near(shade(Some(0.3), Some(0.5)), 0.3 + 0.5);
     near(shade(Some(0.0), Some(0.5)), 0.5);
     near(shade(Some(0.2), None), 0.2);
+    near(shade(Some(1.0), Some(0.0)), 1.0); // as given, though it is what the rule says without lights
+}
+
+#[test]
+fn lights_by_rule_keep_the_ambient_light_that_was_given() {
+    let camera = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO);
+    for given in [None, Some(Vec3::ZERO), Some(Vec3::ONE)] {
+        for count in [0, 3] {
+            let mut scene = ground(10.0);
+            scene.ambient = given;
+            scene.place_lights(count, &camera).unwrap();
+            assert_eq!(scene.rendered_ambient(), given.unwrap_or(Vec3::splat(0.15)), "{given:?} {count}");
+            let sum: Vec3 = scene.lights.iter().map(|light| light.intensity).sum();
+            assert!(count == 0 || (sum - 0.85).abs().max_element() < 1e-6, "{sum}");
+        }
+    }
 }
 
 /// Nothing is between the eye and a light, nor is a light in a sphere.

@@ -170,7 +170,7 @@ fn spheres() -> Scene {
     for sphere in placed {
         scene.add_sphere(sphere).expect("radii are above 0 and centres finite");
     }
-    scene.ambient = Vec3::splat(0.15);
+    scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
         lamp([-9.0, 12.0, 14.0], 0.5, [1.0, 0.95, 0.86]),
         lamp([14.0, 6.0, 8.0], 0.25, [1.0, 0.9, 0.8]),

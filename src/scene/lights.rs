@@ -13,11 +13,12 @@ const FAR_REACHING: f32 = 50.0;
 const BEFORE_OBSTACLE: f32 = 0.9;
 
 impl Scene {
-    /// Replaces `lights` by `count` lights, and `ambient` by 0.15, by one rule for every method and scene file (DESIGN,
-    /// section 3): light `k` stands beside and above the eyes, at
+    /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k` stands
+    /// beside and above the eyes, at
     /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
     /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
-    /// behind a wall. Lights and ambient together add up to 1, so that white stays short of burning out.
+    /// behind a wall. `ambient` becomes 0.15 where it is `None`, and stays what it is where it was given. The lights add up
+    /// to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
     ///
     /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
     /// light would be inside a sphere that the eyes are not in, it keeps its place beside the eyes, drawn
@@ -48,7 +49,7 @@ impl Scene {
             PointLight { position, intensity: Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32) }
         };
         self.lights = (0..count).map(place).collect();
-        self.ambient = Vec3::splat(DEFAULT_AMBIENT);
+        self.ambient.get_or_insert(Vec3::splat(DEFAULT_AMBIENT));
         Ok(())
     }
 

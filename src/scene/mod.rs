@@ -146,9 +146,9 @@ pub struct Scene {
     pub lights: Vec<PointLight>,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// Light that reaches every surface from everywhere, linear RGB. Exactly 1, as in a new scene, is for scenes without
-    /// lights: as soon as there are some, 0.15 takes its place, or they would add to what is white already.
-    pub ambient: Vec3,
+    /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1 without
+    /// lights, and 0.15 with them, or they would add to what is white already. See [`Scene::rendered_ambient`].
+    pub ambient: Option<Vec3>,
     /// What a ray sees that hits nothing.
     pub sky: Sky,
     materials: Vec<Material>,
@@ -169,12 +169,12 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene: black sky, white ambient light until there are lights, one grey material (id 0).
+    /// An empty scene: black sky, ambient light by rule, one grey material (id 0).
     pub fn new() -> Self {
         Self {
             lights: Vec::new(),
             shadows: true,
-            ambient: Vec3::ONE,
+            ambient: None,
             sky: Sky::Constant(Vec3::ZERO),
             materials: vec![Material { name: String::new(), albedo: Vec3::splat(0.7) }],
             triangles: Vec::new(),
@@ -300,13 +300,9 @@ impl Scene {
         obj::read(path.as_ref(), limits)
     }
 
-    /// The ambient light that is rendered: [`Scene::ambient`], or 0.15 where lights have come to a scene that nobody gave
-    /// another ambient light than the white of [`Scene::new`].
+    /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.
     pub fn rendered_ambient(&self) -> Vec3 {
-        match self.ambient == Vec3::ONE && !self.lights.is_empty() {
-            true => Vec3::splat(DEFAULT_AMBIENT),
-            false => self.ambient,
-        }
+        self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
 
     /// The axis-aligned box around all primitives that can be hit, or `None` if there are none.
@@ -383,7 +379,7 @@ impl Scene {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let check =
             |element: String, check: Result<(), String>| check.map_err(|reason| Error::Scene { element, reason });
-        check("ambient".into(), check_color("it", self.ambient))?;
+        check("ambient".into(), check_color("it", self.rendered_ambient()))?;
         match &self.sky {
             Sky::Constant(color) => check("sky".into(), check_color("it", *color))?,
             Sky::Gradient { nadir, zenith } => {

@@ -81,7 +81,7 @@ pub fn random_stage(seed: u32) -> Scene {
         let (center, radius) = (random.point(1.5), random.between(0.1, 0.4));
         scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
     }
-    scene.ambient = Vec3::splat(0.1);
+    scene.ambient = Some(Vec3::splat(0.1));
     for position in [[3.0, 4.0, 2.0], [-3.0, 3.0, 1.0], [0.5, 5.0, -2.0], [0.0, 0.5, 5.0]] {
         scene.lights.push(PointLight { position: Vec3::from_array(position), intensity: Vec3::splat(0.4) });
     }

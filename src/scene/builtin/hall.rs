@@ -112,7 +112,7 @@ pub(super) fn scene() -> Scene {
     furniture(&mut scene, &stone);
     // No ray leaves the hall but through a seam's rounding.
     scene.sky = Sky::Constant(Vec3::new(0.3, 0.26, 0.2));
-    scene.ambient = Vec3::splat(0.15);
+    scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
         lamp([-0.6, 3.4, -1.4], 0.35, [1.0, 0.9, 0.76]),
         lamp([1.2, 6.3, -15.4], 0.3, [1.0, 0.86, 0.66]),

@@ -52,7 +52,7 @@ pub(in crate::scene) fn stage() -> Scene {
         bricks[(pcg((brick * 53 + row) as u32) % 3) as usize]
     });
     add(&mut scene, wall);
-    scene.ambient = Vec3::splat(0.15);
+    scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
         lamp([-4.0, 6.0, 1.0], 0.4, [1.0, 0.96, 0.9]),
         lamp([5.0, 5.0, 0.0], 0.3, [1.0, 0.95, 0.88]),

@@ -141,7 +141,7 @@ pub(super) fn mixed_sizes() -> Scene {
     }
     add(&mut scene, dust);
     scene.sky = Sky::Constant(Vec3::new(0.42, 0.6, 0.85));
-    scene.ambient = Vec3::splat(0.2);
+    scene.ambient = Some(Vec3::splat(0.2));
     scene.lights = vec![
         lamp([-6.0, 9.0, 3.0], 0.5, [1.0, 0.95, 0.88]),
         lamp([400.0, 900.0, 300.0], 0.4, [1.0, 1.0, 0.96]),

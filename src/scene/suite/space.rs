@@ -173,7 +173,7 @@ pub(super) fn inside() -> Scene {
 fn open_air() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.2, 0.42, 0.85) };
-    scene.ambient = Vec3::splat(0.15);
+    scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
         lamp([-14.0, 20.0, 6.0], 0.45, [1.0, 0.96, 0.9]),
         lamp([16.0, 14.0, -4.0], 0.3, [1.0, 0.94, 0.86]),
