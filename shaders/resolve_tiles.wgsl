@@ -74,26 +74,50 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
 
 // The nearest hits among listed primitives.
 fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
-    let per_length_squared = 1.0 / dot3(rays.direction, rays.direction);
+    let scales = scales_of(rays);
     let count = found[list];
     let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
     var nearest = Hits(F(FAR), U(MISS), U(0u));
+    var put_off = MISS;
+    var doubted = nearest.t < nearest.t;
     var place = 0u;
     loop {
-        if place >= count { break; }
-        let entry = found[list + LIST_HEADER + place];
-        // A block's four rays want nearly all of its list.
-        if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {
-            if COUNT { primitives_tested += 1u; }
-            let slot = entry & FIRST_SLOT;
-            let primitive = primitive_at(slot);
-            let t = intersect(primitive, rays, per_length_squared, F(0.0));
-            let hit = is_nearer(nearest, t, F(0.0), primitive.id);
-            nearest.t = select(nearest.t, t, hit);
-            nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
-            nearest.slot = select(nearest.slot, U(slot), hit);
+        loop {
+            if place >= count { break; }
+            let entry = found[list + LIST_HEADER + place];
+            var waiting = false;
+            // A block's four rays want nearly all of its list.
+            if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {
+                if COUNT { primitives_tested += 1u; }
+                let slot = entry & FIRST_SLOT;
+                let primitive = primitive_at(slot);
+                let test = intersect(primitive, rays, scales, F(0.0));
+                let hit = test.hit & is_nearer(nearest, test.t, F(0.0), primitive.id);
+                nearest.t = select(nearest.t, test.t, hit);
+                nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
+                nearest.slot = select(nearest.slot, U(slot), hit);
+                let in_doubt = any_ray(test.doubtful);
+                waiting = in_doubt && put_off != MISS;
+                put_off = select(put_off, slot, in_doubt && !waiting);
+                doubted |= test.doubtful & B(!waiting);
+            }
+            if waiting { break; }
+            place += 1u;
         }
-        place += 1u;
+        loop {
+            let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
+            let ray = first_ray(doubted);
+            let t = look_again(primitive, rays.origin, of_ray3(rays.direction, ray), 0.0);
+            let chosen = RAY_INDEX == U(ray);
+            let hit = chosen & doubted & is_nearer(nearest, F(t), F(0.0), primitive.id);
+            nearest.t = select(nearest.t, F(t), hit);
+            nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
+            nearest.slot = select(nearest.slot, U(put_off), hit);
+            doubted &= !chosen;
+            if !any_ray(doubted) { break; }
+        }
+        put_off = MISS;
+        if place >= count { break; }
     }
     return nearest;
 }

@@ -55,7 +55,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
 
 fn search(tile: Tile, lists: u32, limit: f32) {
     let projection = projection_of(tile);
-    let to_grid = offsets_from(frame.right_eye);
+    let offsets = offsets_from(frame.right_eye);
     var links: array<u32, STACK_SIZE + LEAVES>;
     links[0] = DONE;
     var top = 0u;
@@ -65,8 +65,9 @@ fn search(tile: Tile, lists: u32, limit: f32) {
         var gathered = 0u;
         loop {
             if COUNT { nodes_visited += 1u; }
-            let a = child_at(2u * CHILD_TEXELS * link, to_grid.low, to_grid.high);
-            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_grid.low, to_grid.high);
+            let place = pair_place(link);
+            let a = child_at(place, 0u, offsets);
+            let b = child_at(place, 1u, offsets);
             let met_a = meets_frustum(a, projection, limit);
             let met_b = meets_frustum(b, projection, limit);
             // Written whether met or not: what stands past the ends does not count.

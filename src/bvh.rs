@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
-use crate::{Boxes, Error, Scene, layout, scene::components};
+use crate::{Boxes, Error, Scene, large::longest_edge, layout, scene::components};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
@@ -41,8 +41,12 @@ const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
 /// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
 const IS_SPHERE: u32 = 1;
+/// What 16 bits can name.
+const MAX_MATERIALS: usize = 1 << 16;
 /// Steps of the grid that boxes are stored on.
 const GRID: f64 = 65535.0;
+/// A scene whose detail is smaller than this share of it gets boxes that are widened each by its own distance.
+const FINE_DETAIL: f32 = 1.0 / 65536.0;
 /// Deeper trees are refused: every level is a word of private memory a thread.
 const MAX_STACK: u32 = 256;
 
@@ -55,6 +59,8 @@ pub(crate) struct PackedBvh {
     pub(crate) primitives: Vec<Texel>,
     /// The scene's id of each primitive, in leaf order.
     pub(crate) ids: Vec<u32>,
+    /// Boxes stand in world coordinates, see `shaders/shared/boxes_world.wgsl`.
+    pub(crate) world_boxes: bool,
     /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
 }
@@ -90,7 +96,20 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
     if ids.is_empty() {
         // Textures and buffers need a texel; no kernel of an empty scene reads it.
         let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
-        return Ok(PackedBvh { uniform: layout::Bvh::default(), nodes, primitives, ids: Vec::new(), stack_size: 8 });
+        return Ok(PackedBvh {
+            uniform: layout::Bvh::default(),
+            nodes,
+            primitives,
+            ids: Vec::new(),
+            world_boxes: false,
+            stack_size: 8,
+        });
+    }
+    if scene.materials().len() > MAX_MATERIALS {
+        return Err(fault(format!(
+            "{} materials, over the {MAX_MATERIALS} that primitives can name",
+            scene.materials().len()
+        )));
     }
     let tree = build_bvh2(&boxes, build.params(), &mut std::time::Duration::default());
     // The best builds split large primitives: these stand in several leaves.
@@ -98,7 +117,7 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
     if slots > MAX_SLOTS {
         return Err(fault(format!("{slots} primitives, more than the {MAX_SLOTS} that a tree can name")));
     }
-    let grid = Grid::around(&tree);
+    let grid = Grid::around(&tree, kind == Boxes::F32 && has_fine_detail(&boxes));
     let mut packer = Packer {
         scene,
         tree: &tree,
@@ -111,7 +130,7 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
         packed: Vec::new(),
     };
     let depth = packer.pack_nodes();
-    let stack_size = (depth + 1).next_multiple_of(8);
+    let stack_size = (depth + 2).next_multiple_of(8);
     if stack_size > max_stack {
         return Err(fault(format!(
             "its tree is {depth} levels deep, over the {} that kernels provide for; its primitives differ too much in size",
@@ -119,6 +138,7 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
         )));
     }
     Ok(PackedBvh {
+        world_boxes: grid.world,
         uniform: packer.grid.uniform(),
         nodes: packer.nodes,
         primitives: packer.primitives,
@@ -141,10 +161,12 @@ struct Grid {
     origin: Vec3,
     cell: Vec3,
     extent: f32,
+    /// f32 boxes are stored in world coordinates.
+    world: bool,
 }
 
 impl Grid {
-    fn around(tree: &Bvh2) -> Self {
+    fn around(tree: &Bvh2, world: bool) -> Self {
         let (low, high) = (tree.nodes[0].min, tree.nodes[0].max);
         let sides = high.as_dvec3() - low.as_dvec3();
         let extent = sides.max_element() as f32;
@@ -152,7 +174,9 @@ impl Grid {
         let least = f64::from(extent.max(f32::MIN_POSITIVE * 1e6)) * 1e-9;
         let cell = (sides / GRID).max(DVec3::splat(least)).as_vec3();
         let cell = Vec3::from_array(cell.to_array().map(|side| side.next_up().next_up()));
-        Self { origin: low, cell, extent }
+        // Of boxes in world coordinates nothing is relative to the grid.
+        let (origin, extent) = if world { (Vec3::ZERO, 0.0) } else { (low, extent) };
+        Self { origin, cell, extent, world }
     }
 
     fn uniform(&self) -> layout::Bvh {
@@ -171,6 +195,10 @@ impl Grid {
                 let [x, y, z] = self.pack_16bit(low, high);
                 vec![[x, y, z, link]]
             }
+            Boxes::F32 if self.world => {
+                let [low, high] = [low, high].map(|corner| corner.to_array().map(f32::to_bits));
+                vec![[low[0], low[1], low[2], link], [high[0], high[1], high[2], 0]]
+            }
             Boxes::F32 => {
                 let [low, high] = [low, high].map(|corner| corner.as_dvec3() - self.origin.as_dvec3());
                 let low = low.as_vec3().to_array().map(|v| v.next_down().to_bits());
@@ -187,6 +215,20 @@ impl Grid {
         let high = steps(high).ceil().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
         [low.x | low.y << 16, low.z | high.x << 16, high.y | high.z << 16]
     }
+}
+
+/// The primitives' texels as a texture holds them: the first ones of `width` primitives in a row, then their second ones, and so on, so
+/// that a primitive's texels stand in one column.
+pub(crate) fn in_rows(packed: &PackedBvh, width: u32) -> Vec<Texel> {
+    let texels = packed.primitives.len() / packed.ids.len().max(1);
+    let mut rows = Vec::with_capacity(packed.primitives.len());
+    for chunk in packed.primitives.chunks(width as usize * texels) {
+        for texel in 0..texels {
+            rows.extend(chunk.iter().skip(texel).step_by(texels));
+            rows.resize(rows.len().next_multiple_of(width as usize), [0; 4]);
+        }
+    }
+    rows
 }
 
 struct Packer<'a> {
@@ -266,7 +308,8 @@ impl Packer<'_> {
         match scene.triangles().get(id as usize) {
             Some(triangle) => {
                 let [a, b, c] = triangle.corners.map(words);
-                self.primitives.extend([texel(a, id), texel(b, component), texel(c, triangle.material.0)]);
+                let material = triangle.material.0 | reach_bits(triangle.corners);
+                self.primitives.extend([texel(a, id), texel(b, component), texel(c, material)]);
                 if triangle.is_smooth() {
                     normals = texel(triangle.normals.map(pack_normal), 1);
                 }
@@ -286,6 +329,22 @@ impl Packer<'_> {
             self.primitives.push(normals);
         }
     }
+}
+
+/// At least the length of a triangle's longest edge: the upper half of an f32, the lower half being the material's.
+pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
+    let longest = longest_edge(corners.map(Vec3::as_dvec3)) as f32;
+    longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)
+}
+
+/// Whether one primitive in ten is far smaller than the scene.
+fn has_fine_detail(boxes: &[Aabb]) -> bool {
+    let side = |aabb: &Aabb| Vec3::from(aabb.max - aabb.min).max_element();
+    let all = boxes.iter().copied().reduce(|a, b| a.union(&b)).expect("the scene has primitives");
+    let mut sides: Vec<f32> = boxes.iter().map(side).collect();
+    let place = sides.len() / 10;
+    let (_, small, _) = sides.select_nth_unstable_by(place, f32::total_cmp);
+    *small < side(&all) * FINE_DETAIL
 }
 
 /// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/normal_smooth.wgsl`.

@@ -117,7 +117,8 @@ impl Renderer {
         kernel: &Kernel,
     ) -> Result<(Vec<T>, Option<Duration>), Error> {
         let gpu = &self.gpu;
-        let with = scene.specialisation;
+        let with =
+            crate::kernels::Specialisation { close: scene.large.any_close_to(&[origin]), ..scene.specialisation };
         let frame =
             layout::Frame { left_eye: origin.to_array(), image_size: [rays.len() as u32, 1], ..Default::default() };
         let mut timestamps = Timestamps::new(gpu);

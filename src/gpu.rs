@@ -20,7 +20,7 @@ use crate::{
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
-const TEXTURE_WIDTH: u32 = 8192;
+pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
 /// A graphics device and what is known of it. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]

@@ -4,7 +4,11 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky, cast, layout,
+    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky,
+    bvh::PackedBvh,
+    cast,
+    large::LARGE,
+    layout,
     method::Verify,
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
@@ -178,6 +182,10 @@ pub(crate) struct Specialisation {
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     pub(crate) sky: SkyKind,
+    /// Boxes are widened each by its own distance, for scenes far larger than their detail.
+    pub(crate) world_boxes: bool,
+    /// An eye or a light is close to a large primitive.
+    pub(crate) close: bool,
     pub(crate) hits: Kept,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
@@ -202,6 +210,8 @@ impl Specialisation {
         lights: false,
         shadows: Shadows::None,
         sky: SkyKind::Constant,
+        world_boxes: false,
+        close: false,
         hits: Kept::Ids,
         stack_size: 0,
         verify: Verify::None,
@@ -212,7 +222,7 @@ impl Specialisation {
     };
 
     /// What a scene needs; verification and counting are the frame's to choose.
-    pub(crate) fn of(scene: &Scene, traversal: Traversal, stack_size: u32) -> Self {
+    pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
         Self {
             traversal,
             triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
@@ -221,8 +231,10 @@ impl Specialisation {
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),
+            world_boxes: packed.world_boxes,
+            close: false,
             hits: Kept::Ids,
-            stack_size,
+            stack_size: packed.stack_size,
             verify: Verify::All,
             bits: ShadowReuse::Rays,
             right: RightView::Traced,
@@ -501,8 +513,10 @@ impl Kernel {
     /// The text that the driver gets.
     pub(crate) fn text(&self, with: &Specialisation) -> String {
         // Six samples are told apart by their normals, two have room for an occluder.
-        let (stack, occluders) = (with.stack_size, with.bits == ShadowReuse::Two);
-        let mut text = format!("const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\n");
+        let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
+        let mut text = format!(
+            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n"
+        );
         for part in self.parts(with) {
             text += part.text;
         }
@@ -527,9 +541,10 @@ fn geometry_parts(with: &Specialisation) -> Vec<Part> {
     }
     let boxes = match with.traversal.boxes {
         Boxes::Grid16 => part!("shared/boxes_16bit.wgsl"),
+        Boxes::F32 if with.world_boxes => part!("shared/boxes_world.wgsl"),
         Boxes::F32 => part!("shared/boxes_f32.wgsl"),
     };
-    let mut parts = vec![part!("shared/bvh.wgsl"), boxes];
+    let mut parts = vec![part!("shared/bvh.wgsl"), boxes, part!("shared/double_float.wgsl")];
     if with.triangles {
         parts.push(part!("shared/triangle.wgsl"));
         parts.push(match with.normals {
@@ -591,6 +606,8 @@ mod tests {
                 normals: bit(2),
                 lights: bit(3),
                 sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][bits as usize / 4 % 3],
+                world_boxes: bit(4),
+                close: bit(5),
                 stack_size: 40,
                 verify: if bit(5) { Verify::All } else { Verify::None },
                 bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits as usize / 2 % 3],
@@ -818,6 +835,7 @@ mod tests {
                 right_axis,
                 row_end,
                 image_size,
+                longest,
                 _pad,
                 forward,
                 _pad_after,

@@ -21,7 +21,8 @@ pub(crate) struct Frame {
     pub(crate) right_axis: [f32; 3],
     pub(crate) row_end: u32,
     pub(crate) image_size: [u32; 2],
-    pub(crate) _pad: [u32; 2],
+    pub(crate) longest: f32,
+    pub(crate) _pad: u32,
     pub(crate) forward: [f32; 3],
     pub(crate) _pad_after: u32,
 }

@@ -75,6 +75,7 @@ pub mod gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 mod input;
 mod kernels;
+mod large;
 mod layout;
 mod message;
 pub mod method;

@@ -13,8 +13,9 @@ use crate::{
     StereoCamera, StereoPair, View, Work,
     auto::CostModel,
     bvh,
-    gpu::{Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
+    gpu::{self, Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
     kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Shadows, Specialisation, Touches},
+    large::LargePrimitives,
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
     traversal::{Fetch, Traversal},
@@ -105,7 +106,8 @@ pub struct UploadedScene {
     objects: Vec<u32>,
     /// The scene's id of each primitive, in the BVH's order.
     ids: Vec<u32>,
-    lights: u32,
+    lights: Vec<Vec3>,
+    pub(crate) large: LargePrimitives,
     gpu: Gpu,
     info: UploadInfo,
 }
@@ -134,6 +136,12 @@ impl UploadedScene {
         self.info
     }
 
+    /// Whether rays from these points, or from the lights, need t of large primitives more exactly.
+    pub(crate) fn close_to(&self, eyes: &[Vec3]) -> bool {
+        let shadows = if self.specialisation.shadows == Shadows::None { &[] } else { self.lights.as_slice() };
+        self.large.any_close_to(eyes) || self.large.any_close_to(shadows)
+    }
+
     /// The primitives' objects, for the pass that tells edges by them.
     async fn upload_object_table(&self, gpu: &Gpu, pipelines: &Pipelines) -> Result<(), Error> {
         if self.object_table.get().is_some() {
@@ -152,9 +160,9 @@ impl UploadedScene {
 
     /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
     fn choose_early(&self, gpu: &Gpu, pose: &Pose) -> Option<Choice> {
-        let lights = if self.specialisation.shadows == Shadows::None { 0 } else { self.lights };
+        let lights = if self.specialisation.shadows == Shadows::None { 0 } else { self.lights.len() };
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
-        let best = CostModel::of(gpu).choose(pose, u64::from(lights).saturating_mul(pixels), 0);
+        let best = CostModel::of(gpu).choose(pose, (lights as u64).saturating_mul(pixels), 0);
         (best.method == Method::Naive).then_some(best)
     }
 
@@ -412,7 +420,10 @@ impl Renderer {
         let gpu = &self.gpu;
         let upload = || {
             let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
-            let primitives = gpu.upload("primitives", &packed.primitives, fetch)?;
+            let primitives = match fetch {
+                Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch)?,
+                Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch)?,
+            };
             let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
@@ -421,8 +432,9 @@ impl Renderer {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
                 object_table: OnceLock::new(),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
-                specialisation: Specialisation::of(scene, traversal, packed.stack_size),
-                lights: scene.lights.len() as u32,
+                specialisation: Specialisation::of(scene, traversal, &packed),
+                lights: scene.lights.iter().map(|light| light.position).collect(),
+                large: LargePrimitives::of(scene),
                 gpu: gpu.clone(),
                 info: UploadInfo {
                     traversal,
@@ -532,12 +544,13 @@ impl Renderer {
             scene,
             specialisation: Specialisation {
                 hits: kept,
+                close: scene.close_to(&[pose.eye_position(-1.0), pose.eye_position(1.0)]),
                 ..scene.specialisation.counting(options.count, options.cost_map)
             },
             picture: &picture,
             slots: &mut self.slots,
             slot_bytes: 0,
-            rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights).div_ceil(6)),
+            rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6)),
             frame: frame_uniform(pose),
             timestamps: self.timestamps.as_mut(),
             host: Duration::ZERO,
@@ -1131,6 +1144,9 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
         (forward + right * (x / d) + up * (0.5 * screen_height / d)).as_vec3().to_array()
     };
     let array = |v: DVec3| v.as_vec3().to_array();
+    // To the corner of the picture that lies farthest aside, of either eye.
+    let aside = (0.5 * (screen_width + e) / d).hypot(0.5 * screen_height / d);
+    let longest = (1.0_f64.hypot(aside) * 1.001) as f32;
     layout::Frame {
         left_eye: pose.eye_position(-1.0).to_array(),
         right_eye: pose.eye_position(1.0).to_array(),
@@ -1140,6 +1156,7 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
         step_y: array(up * (-screen_height / h / d)),
         right_axis: pose.right.to_array(),
         forward: pose.forward.to_array(),
+        longest,
         interaxial: pose.interaxial,
         interaxial_px: pose.interaxial_px,
         screen_distance: pose.screen_distance,

@@ -27,7 +27,9 @@ fn triangle_edges(primitive: Primitive) -> Edges {
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
-    return Edges(normal_a, normal_b, normal_c, vec3f(reach(normal_a), reach(normal_b), reach(normal_c)));
+    // Whatever intersect_triangle may call doubtful may be hit.
+    let rounding = frame.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
+    return Edges(normal_a, normal_b, normal_c, vec3f(reach(normal_a), reach(normal_b), reach(normal_c)) + rounding);
 }
 
 fn reach(normal: vec3f) -> f32 {

@@ -17,6 +17,12 @@ struct Rays {
     direction: F3,
 }
 
+// What tests of primitives ask of a lane's rays besides.
+struct Scales {
+    length: F,               // of the direction
+    per_length_squared: F,
+}
+
 // What a lane's rays hit.
 struct Hits {
     t: F,                 // t_max where nothing was hit; any_slot leaves it open
@@ -38,6 +44,14 @@ struct Primitive {
     c: vec3f,
     id: u32,          // in the scene's order
     component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
+    reach: f32,       // of a triangle: at least the length of its longest edge
+}
+
+// What a lane's rays find of one primitive.
+struct Found {
+    hit: B,
+    t: F,          // where it is hit
+    doubtful: B,   // not told by this test, which is quick, but by look_again
 }
 
 // Where one ray hit.
@@ -46,6 +60,7 @@ struct Surface {
     shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
     component: u32,            // of connected primitives
+    reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a sphere
 }
 
 // Lowest bit of a component.
@@ -53,6 +68,8 @@ const IS_SPHERE: u32 = 1u;
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;
 const DONE: u32 = 0xffffffffu;
+// Of a primitive's third texel's w: the material. Above it stand the upper 16 bits of a triangle's reach.
+const MATERIAL: u32 = 0x0000ffffu;
 // Box tests are conservative (DESIGN, section 2): rounding must hide neither a tie nor a flat leaf.
 const BOX_MARGIN: f32 = 1.0 + 1.0 / 262144.0;
 const NO_ENTRY: f32 = 3.402e38;
@@ -77,9 +94,18 @@ fn towards_viewer(normal: vec3f, direction: vec3f) -> vec3f {
     return select(normal, -normal, dot(normal, direction) > 0.0);
 }
 
+fn reach_of(word: u32) -> f32 {
+    return bitcast<f32>(word & 0xffff0000u);
+}
+
 // Directions along a vector from the rays' origin.
 fn along(direction: F3, v: vec3f) -> F {
     return direction.x * v.x + direction.y * v.y + direction.z * v.z;
+}
+
+fn scales_of(rays: Rays) -> Scales {
+    let squared = dot3(rays.direction, rays.direction);
+    return Scales(sqrt(squared), 1.0 / squared);
 }
 
 // Reciprocals stay within ±1e30: WGSL promises nothing for a division by zero.
@@ -98,70 +124,114 @@ struct Offsets {
     high: vec3f,
 }
 
-// Boxes are moved outwards by more than all absolute rounding in the slab and primitive tests can amount to; rounding relative to t is
+// Boxes are widened by more than all absolute rounding in the slab and primitive tests can amount to; rounding relative to t is
 // BOX_MARGIN's.
 fn offsets_from(origin: vec3f) -> Offsets {
     let to_grid = bvh.grid_origin - origin;
-    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * (1.0 / 1048576.0);
+    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
     return Offsets(to_grid - slack, to_grid + slack);
 }
 
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
+    let scales = scales_of(rays);
     let direction = rays.direction;
-    let per_length_squared = 1.0 / dot3(direction, direction);
     let inverse = F3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
-    let to_grid = offsets_from(rays.origin);
+    let offsets = offsets_from(rays.origin);
 
     var hits = Hits(t_max, U(MISS), select(U(0u), U(MISS), any_is_enough));
     var stack: array<u32, STACK_SIZE>;
     stack[0] = DONE;
     var top = 0;
     var link = 0u;
-    // Both inner loops run their body before they test: software adapters run a body of no trips once anyhow.
+    var slot: u32;
+    var last: u32;
+    // The t that boxes must begin before.
+    var reach = t_max;
+    // A doubtful primitive is put off: few are, and what is done for them here every ray of a software adapter's vector pays for.
+    var put_off = MISS;
+    var doubted = t_max < t_max;
+    var waiting = false;
     loop {
-        // Down: into the nearer child, the farther one on the stack; up where both boxes are missed.
+        // Both inner loops run their body before they test: software adapters run a body of no trips once anyhow.
         loop {
-            if COUNT { nodes_visited += 1u; }
-            let a = child_at(2u * CHILD_TEXELS * link, to_grid.low, to_grid.high);
-            let b = child_at(2u * CHILD_TEXELS * link + CHILD_TEXELS, to_grid.low, to_grid.high);
-            let entry_a = box_entry(a, inverse, t_min, hits.t);
-            let entry_b = box_entry(b, inverse, t_min, hits.t);
-            let a_first = entry_a <= entry_b;
-            if max(entry_a, entry_b) < NO_ENTRY {
-                top += 1;
-                stack[top] = select(a.link, b.link, a_first);
+            // Down: into the nearer child, the farther one on the stack; up where both boxes are missed.
+            loop {
+                if COUNT { nodes_visited += 1u; }
+                let place = pair_place(link);
+                let a = child_at(place, 0u, offsets);
+                let b = child_at(place, 1u, offsets);
+                let entry_a = box_entry(a, inverse, t_min, reach);
+                let entry_b = box_entry(b, inverse, t_min, reach);
+                let a_first = entry_a <= entry_b;
+                if max(entry_a, entry_b) < NO_ENTRY {
+                    top += 1;
+                    stack[top] = select(a.link, b.link, a_first);
+                }
+                if min(entry_a, entry_b) < NO_ENTRY {
+                    link = select(b.link, a.link, a_first);
+                } else {
+                    link = stack[top];
+                    top -= 1;
+                }
+                if (link & LEAF) != 0u { break; }
             }
-            if min(entry_a, entry_b) < NO_ENTRY {
-                link = select(b.link, a.link, a_first);
-            } else {
-                link = stack[top];
-                top -= 1;
+            if link == DONE { break; }
+            // Across: this leaf's primitives, and those of the leaves on top of the stack.
+            slot = link & FIRST_SLOT;
+            last = slot + ((link >> 28u) & 7u);
+            loop {
+                if COUNT { primitives_tested += 1u; }
+                let primitive = primitive_at(slot);
+                let found = intersect(primitive, rays, scales, t_min);
+                if any_is_enough {
+                    let hit = found.hit & (found.t >= t_min) & (found.t <= hits.t);
+                    hits.t = select(hits.t, F(NEVER), hit);
+                    hits.slot = select(hits.slot, U(slot), hit);
+                } else {
+                    let hit = found.hit & is_nearer(hits, found.t, t_min, primitive.id);
+                    hits.t = select(hits.t, found.t, hit);
+                    hits.primitive = select(hits.primitive, U(primitive.id), hit);
+                    hits.slot = select(hits.slot, U(slot), hit);
+                }
+                let in_doubt = any_ray(found.doubtful);
+                waiting = in_doubt && put_off != MISS;
+                if waiting { break; }
+                put_off = select(put_off, slot, in_doubt);
+                doubted |= found.doubtful;
+                slot += 1u;
+                if slot > last {
+                    link = stack[top];
+                    top -= 1;
+                    slot = link & FIRST_SLOT;
+                    last = slot + ((link >> 28u) & 7u);
+                }
+                if any_is_enough && all_rays(hits.t == F(NEVER)) { link = DONE; }
+                if (link & LEAF) == 0u || link == DONE { break; }
             }
-            if (link & LEAF) != 0u { break; }
+            reach = hits.t;
+            if link == DONE || waiting { break; }
         }
-        if link == DONE { break; }
-        // Across: this leaf's primitives, and those of the leaves on top of the stack.
-        var slot = link & FIRST_SLOT;
-        var last = slot + ((link >> 28u) & 7u);
+        // One ray a round.
         loop {
-            if COUNT { primitives_tested += 1u; }
-            let primitive = primitive_at(slot);
-            let t = intersect(primitive, rays, per_length_squared, t_min);
-            let hit = is_nearer(hits, t, t_min, primitive.id);
-            hits.t = select(hits.t, select(t, F(NEVER), any_is_enough), hit);
+            let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
+            let ray = first_ray(doubted);
+            let t = look_again(primitive, rays.origin, of_ray3(direction, ray), of_ray(t_min, ray));
+            let chosen = RAY_INDEX == U(ray);
+            let hit = chosen & doubted & is_nearer(hits, F(t), t_min, primitive.id);
+            hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
             hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
-            hits.slot = select(hits.slot, U(slot), hit);
-            slot += 1u;
-            if slot > last {
-                link = stack[top];
-                top -= 1;
-                slot = link & FIRST_SLOT;
-                last = slot + ((link >> 28u) & 7u);
-            }
-            if any_is_enough && all_rays(hits.t == F(NEVER)) { link = DONE; }
-            if (link & LEAF) == 0u || link == DONE { break; }
+            hits.slot = select(hits.slot, U(put_off), hit);
+            doubted &= !chosen;
+            if !any_ray(doubted) { break; }
         }
-        if link == DONE { break; }
+        put_off = MISS;
+        if !waiting { break; }
+        // The rest of the leaf goes back on the stack, and the root is visited in vain, to take it from there.
+        top += 1;
+        stack[top] = LEAF | ((last - slot) << 28u) | slot;
+        link = 0u;
+        reach = F(NEVER);
+        waiting = false;
     }
     cut_short |= link != DONE;
     return hits;

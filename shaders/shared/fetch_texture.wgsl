@@ -6,10 +6,19 @@
 @group(0) @binding(1) var nodes: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(2) var primitives: texture_storage_2d<rgba32uint, read>;
 
-fn node_texel(index: u32) -> vec4u {
-    return textureLoad(nodes, texel_position(index));
+// Where the texels of a pair of children begin. They stand in one row, so that all have one address but for the column.
+alias Place = vec2u;
+
+fn pair_place(pair: u32) -> Place {
+    return texel_position(2u * CHILD_TEXELS * pair);
 }
 
-fn primitive_texel(index: u32) -> vec4u {
-    return textureLoad(primitives, texel_position(index));
+fn node_texel(place: Place, texel: u32) -> vec4u {
+    return textureLoad(nodes, vec2u(place.x + texel, place.y));
+}
+
+// A primitive's texels stand below each other: 8192 primitives' first ones in a row, then their second ones.
+fn primitive_texel(slot: u32, texel: u32) -> vec4u {
+    let first = texel_position(slot);
+    return textureLoad(primitives, vec2u(first.x, first.y * PRIMITIVE_TEXELS + texel));
 }

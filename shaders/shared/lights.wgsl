@@ -5,6 +5,9 @@
 // measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
+// And by this share of the point's triangle, what t's rounding grows with; of a triangle to which eye and light are so close that t is
+// computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
+const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
 // From a light to the points that a lane's rays hit.
 struct ShadowRay {
@@ -20,6 +23,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
     let reach_y = abs(point.y) * OFFSET_BY_PLACE + abs(point.y - eye.y) * OFFSET_BY_DISTANCE;
     let reach_z = abs(point.z) * OFFSET_BY_PLACE + abs(point.z - eye.z) * OFFSET_BY_DISTANCE;
     let reach = max(max(reach_x, reach_y), reach_z);
+    let away = max(max(abs(point.x - eye.x), abs(point.y - eye.y)), abs(point.z - eye.z));
     var sum = all3(vec3f(0.0));
     let light_count = table_texel(AMBIENT).w;
     var light = 0u;
@@ -27,7 +31,13 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
         let position = shading_vector(LIGHTS + 2u * light);
         let intensity = shading_vector(LIGHTS + 2u * light + 1u);
         let straight = minus3(point, all3(position));
-        let offset = reach + max(max(abs(straight.x), abs(straight.y)), abs(straight.z)) * OFFSET_BY_LIGHT;
+        let way = max(max(abs(straight.x), abs(straight.y)), abs(straight.z));
+        var offset = reach + way * OFFSET_BY_LIGHT;
+        if CLOSE {
+            offset += min(surfaces.reach, max(away, way) * LARGE) * OFFSET_BY_REACH;
+        } else {
+            offset += surfaces.reach * OFFSET_BY_REACH;
+        }
         let aside = times3(surfaces.geometric_normal, offset);
         let from_light = add3(straight, aside);
         let distance = sqrt(dot3(from_light, from_light));

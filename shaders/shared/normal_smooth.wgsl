@@ -14,7 +14,7 @@ fn unpack_normal(word: u32) -> vec3f {
 // On the side of the geometric normal. Turned towards the viewer by itself, a normal that points away at a silhouette
 // would be mirrored, and a lit rim go dark.
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
-    let packed = primitive_texel(slot * PRIMITIVE_TEXELS + 3u);
+    let packed = primitive_texel(slot, 3u);
     let sum = weights.x + weights.y + weights.z;
     let w = weights / sum;
     let blend = unpack_normal(packed.x) * w.x + unpack_normal(packed.y) * w.y + unpack_normal(packed.z) * w.z;

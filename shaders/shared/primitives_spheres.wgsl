@@ -3,13 +3,18 @@
 const PRIMITIVE_TEXELS: u32 = 3u;
 
 fn primitive_at(slot: u32) -> Primitive {
-    let first = primitive_texel(slot * PRIMITIVE_TEXELS);
-    let second = primitive_texel(slot * PRIMITIVE_TEXELS + 1u);
-    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w);
+    let first = primitive_texel(slot, 0u);
+    let second = primitive_texel(slot, 1u);
+    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
 }
 
-fn intersect(primitive: Primitive, rays: Rays, per_length_squared: F, t_min: F) -> F {
-    return intersect_sphere(rays, per_length_squared, primitive.a, primitive.b.x, t_min);
+fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
+    return intersect_sphere(rays, scales, primitive, t_min);
+}
+
+fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {
+    if CLOSE { return look_again_sphere(origin, direction, primitive, t_min); }
+    return -1.0;
 }
 
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {

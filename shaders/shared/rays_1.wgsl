@@ -15,6 +15,7 @@ const RAY_INDEX: U = 0u;
 fn any_ray(b: B) -> bool { return b; }
 fn all_rays(b: B) -> bool { return b; }
 fn count_rays(b: B) -> u32 { return select(0u, 1u, b); }
+fn first_ray(b: B) -> u32 { return 0u; }
 fn smallest(f: F) -> f32 { return f; }
 
 fn of_ray(f: F, ray: u32) -> f32 { return f; }

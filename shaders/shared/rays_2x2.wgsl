@@ -15,6 +15,7 @@ const RAY_INDEX: U = vec4u(0u, 1u, 2u, 3u);
 fn any_ray(b: B) -> bool { return any(b); }
 fn all_rays(b: B) -> bool { return all(b); }
 fn count_rays(b: B) -> u32 { let n = select(vec4u(0u), vec4u(1u), b); return n.x + n.y + n.z + n.w; }
+fn first_ray(b: B) -> u32 { return select(select(select(3u, 2u, b.z), 1u, b.y), 0u, b.x); }
 fn smallest(f: F) -> f32 { return min(min(f.x, f.y), min(f.z, f.w)); }
 
 fn of_ray(f: F, ray: u32) -> f32 { return f[ray]; }

@@ -33,6 +33,7 @@ struct Surfaces {
     shading_normal: F3,     // unit, on the geometric normal's side
     albedo: F3,
     component: U,
+    reach: F,               // of triangles: at least the length of the longest edge
 }
 
 // Primary rays from an eye, shaded; those that are not wanted see the sky.
@@ -59,6 +60,7 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
     var smooth_normal: F3;
     var albedo: F3;
     var component: U;
+    var reach: F;
     var ray = 0u;
     loop {
         if of_ray_b(there, ray) {
@@ -66,11 +68,12 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
             geometric = with_ray3(geometric, ray, surface.geometric_normal);
             smooth_normal = with_ray3(smooth_normal, ray, surface.shading_normal);
             component = with_ray_u(component, ray, surface.component);
+            reach = with_ray(reach, ray, surface.reach);
             albedo = with_ray3(albedo, ray, shading_vector(albedos + surface.material));
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
     let point = add3(all3(rays.origin), times3(rays.direction, hits.t));
-    return Surfaces(there, point, geometric, smooth_normal, albedo, component);
+    return Surfaces(there, point, geometric, smooth_normal, albedo, component, reach);
 }

@@ -14,7 +14,7 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 // Whether a primitive stands in the way of one of the rays, as traversal would find it.
 fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
     if COUNT { primitives_tested += 1u; }
-    let per_length_squared = 1.0 / dot3(ray.direction, ray.direction);
-    let t = of_ray(intersect(primitive_at(slot), Rays(ray.light, ray.direction), per_length_squared, F(0.0)), index);
-    return (t >= 0.0) & (t <= of_ray(ray.distance, index));
+    let rays = Rays(ray.light, ray.direction);
+    let found = intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
+    return of_ray_b(found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance), index);
 }

@@ -2,27 +2,49 @@
 // Gems, chapter 7): the distance of the centre from the line is taken of the line's nearest point, so that small
 // spheres far away lose no digits.
 
-// The nearest t of at least t_min, or -1 where a ray misses.
-fn intersect_sphere(rays: Rays, per_length_squared: F, center: vec3f, radius: f32, t_min: F) -> F {
-    let to_center = center - rays.origin;
-    let middle = along(rays.direction, to_center) * per_length_squared;
+// The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result is doubtful.
+fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
+    let radius = primitive.b.x;
+    let to_center = primitive.a - rays.origin;
+    let middle = along(rays.direction, to_center) * scales.per_length_squared;
     let offset = minus3(all3(to_center), times3(rays.direction, middle));
     let inside = radius * radius - dot3(offset, offset);
-    let half = sqrt(max(inside, F(0.0)) * per_length_squared);
+    let half = sqrt(max(inside, F(0.0)) * scales.per_length_squared);
     let near = middle - half;
     let t = select(middle + half, near, near >= t_min);
-    return select(F(-1.0), t, inside >= F(0.0));
+    let close = B(CLOSE && abs(dot(to_center, to_center) - radius * radius) < 0.5 * radius * radius);
+    return Found((inside >= F(0.0)) & !close, t, close);
+}
+
+// One ray's t at a sphere that was doubtful, or -1 where it misses: the quadratic equation in sums of two f32, its smaller root as a
+// quotient, so that nothing cancels.
+fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
+    let to_center = difference3(primitive.a, origin);
+    let way = Two3(direction, vec3f(0.0));
+    let radius = Two(primitive.b.x, 0.0);
+    let squared = product_two(radius, radius);
+    let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
+    let middle = dot_two3(to_center, way);
+    let length_squared = dot_two3(way, way);
+    let less = product_two(length_squared, outside);
+    let root = sum_two(product_two(middle, middle), Two(-less.hi, -less.lo)).hi;
+    let both = middle.hi + select(-1.0, 1.0, middle.hi >= 0.0) * sqrt(max(root, 0.0));
+    let larger_root = both / length_squared.hi;
+    let other_root = select(outside.hi / both, 0.0, both == 0.0);
+    let near = min(larger_root, other_root);
+    let t = select(max(larger_root, other_root), near, near >= t_min);
+    return select(-1.0, t, root >= 0.0);
 }
 
 fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let slot = of_ray_u(hits.slot, ray);
-    let first = primitive_texel(slot * PRIMITIVE_TEXELS);
-    let component = primitive_texel(slot * PRIMITIVE_TEXELS + 1u).w;
-    let material = primitive_texel(slot * PRIMITIVE_TEXELS + 2u).w;
+    let first = primitive_texel(slot, 0u);
+    let component = primitive_texel(slot, 1u).w;
+    let material = primitive_texel(slot, 2u).w;
     let center = bitcast<vec3f>(first.xyz);
     let direction = of_ray3(rays.direction, ray);
     // From the eye, not from the world's origin, which may be far off.
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
     let normal = towards_viewer(normalize(largest_one(from_center)), direction);
-    return Surface(normal, normal, material, component);
+    return Surface(normal, normal, material, component, 0.0);
 }

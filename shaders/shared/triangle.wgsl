@@ -22,34 +22,80 @@ fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     );
 }
 
-// The rays' t at the triangle, or -1 where they miss. Edges and corners belong to every triangle they bound.
-fn intersect_triangle(rays: Rays, per_length_squared: F, corner_a: vec3f, corner_b: vec3f, corner_c: vec3f) -> F {
-    let a = corner_a - rays.origin;
-    let b = corner_b - rays.origin;
-    let c = corner_c - rays.origin;
-    let weights = triangle_weights(rays.direction, a, b, c);
+// Sums of two products of an edge's ends are off by less than this share of the direction's length, the corners' distance and the
+// edge's length: 18 roundings of f32 at most, the rounding of look_again's projections among them. DESIGN, section 9.
+const DOUBT: f32 = 22.0 / 16777216.0;
+
+// Rays against a triangle. Where rounding might decide on which side of an edge a ray passes, and where the triangle is
+// so large that t would be off, the result is doubtful.
+fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found {
+    let direction = rays.direction;
+    let a = primitive.a - rays.origin;
+    let b = primitive.b - rays.origin;
+    let c = primitive.c - rays.origin;
+    let weights = triangle_weights(direction, a, b, c);
     let least = smaller(weights.x, smaller(weights.y, weights.z));
     let most = larger(weights.x, larger(weights.y, weights.z));
-    let determinant = weights.x + weights.y + weights.z;
-    // A mean of the corners' t: seen edge-on, where the weights are mostly rounding, it still lies between them.
-    let t_a = along(rays.direction, a) * per_length_squared;
-    let t_b = along(rays.direction, b) * per_length_squared;
-    let t_c = along(rays.direction, c) * per_length_squared;
-    let t = (weights.x * t_a + weights.y * t_b + weights.z * t_c) / determinant;
-    let hit = ((least >= F(0.0)) | (most <= F(0.0))) & (determinant != F(0.0));
-    return select(F(-1.0), t, hit);
+    // Above 0 on the inner side of all edges, whichever way the triangle is wound.
+    let inside = larger(least, -most);
+    let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
+    // A mean of the corners' t, which lies between them whatever the weights' rounding.
+    let sum = weights.x * along(direction, a) + weights.y * along(direction, b) + weights.z * along(direction, c);
+    let t = sum * scales.per_length_squared / (weights.x + weights.y + weights.z);
+    let hit = inside > bound;
+    let doubtful = abs(inside) <= bound;
+    if CLOSE {
+        let close = hit & (t * scales.length * LARGE < F(primitive.reach));
+        return Found(hit & !close, t, doubtful | close);
+    }
+    return Found(hit, t, doubtful);
+}
+
+// One ray's t at a triangle that was doubtful, or -1 where it misses (Woop, Benthin & Wald 2013). Corners are projected along the ray,
+// so that an edge's product is a difference of two: rounding keeps their order, hence its sign is never wrong. Where they are equal the
+// ray is inside for both triangles of the edge, so rays through an edge or a vertex are not lost. Products are compared, not
+// subtracted, since a compiler may fuse a product with a sum. A triangle whose corners fall on one line is missed: a neighbour is hit.
+fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) -> f32 {
+    let a = primitive.a - origin;
+    let b = primitive.b - origin;
+    let c = primitive.c - origin;
+    let p = projected(direction, a);
+    let q = projected(direction, b);
+    let r = projected(direction, c);
+    let forth = vec3f(q.x * r.y, r.x * p.y, p.x * q.y);
+    let back = vec3f(q.y * r.x, r.y * p.x, p.y * q.x);
+    let hit = (all(forth >= back) || all(forth <= back)) && any(forth != back);
+    let weights = abs(forth - back);
+    let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
+    var t = dot(weights, t_corner) / (weights.x + weights.y + weights.z);
+    if CLOSE {
+        let near = min(t_corner.x, min(t_corner.y, t_corner.z));
+        let far = max(t_corner.x, max(t_corner.y, t_corner.z));
+        let exact = clamp(plane_t(origin, direction, primitive.a, primitive.b, primitive.c), near, far);
+        t = select(t, exact, t * length(direction) * LARGE < primitive.reach);
+    }
+    return select(-1.0, t, hit);
+}
+
+// Two components of cross(corner, direction), those across the direction's largest one.
+fn projected(direction: vec3f, corner: vec3f) -> vec2f {
+    let m = cross(corner, direction);
+    let size = abs(direction);
+    let along_x = size.x >= size.y && size.x >= size.z;
+    let along_z = size.z > size.y;
+    return select(select(m.zx, m.xy, along_z), m.yz, along_x);
 }
 
 fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let slot = of_ray_u(hits.slot, ray);
-    let a = bitcast<vec3f>(primitive_texel(slot * PRIMITIVE_TEXELS).xyz);
-    let second = primitive_texel(slot * PRIMITIVE_TEXELS + 1u);
+    let a = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
+    let second = primitive_texel(slot, 1u);
     let b = bitcast<vec3f>(second.xyz);
-    let last = primitive_texel(slot * PRIMITIVE_TEXELS + 2u);
+    let last = primitive_texel(slot, 2u);
     let c = bitcast<vec3f>(last.xyz);
     // Scaled to its largest component first: the squares of a tiny triangle's normal would vanish in f32.
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
-    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w, second.w);
+    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w));
 }

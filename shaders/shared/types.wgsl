@@ -23,7 +23,8 @@ struct Frame {
     right_axis: vec3f,       // r, the image's right
     row_end: u32,
     image_size: vec2u,       // width, height
-    _pad: vec2u,
+    longest: f32,            // at least the length of every pixel's direction
+    _pad: u32,
     forward: vec3f,          // f, unit
     _pad_after: u32,
 }

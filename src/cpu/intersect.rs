@@ -2,26 +2,72 @@
 
 use glam::Vec3;
 
-use crate::{MISS, Scene};
+use super::double_float::{Two, Two3, dot, plane_t};
+use crate::{MISS, Scene, bvh::reach_bits, large::LARGE};
 
-/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, see
-/// shaders/shared/triangle.wgsl.
+/// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
+const DOUBT: f32 = 22.0 / 16_777_216.0;
+
+/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, and where rounding might decide products of the
+/// projected corners, see shaders/shared/triangle.wgsl.
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let [a, b, c] = corners.map(|corner| corner - origin);
     let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
     let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-    let determinant = u + v + w;
-    if !((u.min(v.min(w)) >= 0.0 || u.max(v.max(w)) <= 0.0) && determinant != 0.0) {
+    let inside = u.min(v.min(w)).max(-u.max(v.max(w)));
+    let reach = f32::from_bits(reach_bits(corners));
+    let length_squared = direction.dot(direction);
+    let bound = length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT);
+    if inside.abs() <= bound {
+        return look_again_triangle(origin, direction, corners, reach);
+    }
+    let sum = u * direction.dot(a) + v * direction.dot(b) + w * direction.dot(c);
+    let t = sum * (1.0 / length_squared) / (u + v + w);
+    match inside > bound {
+        true if t * length_squared.sqrt() * LARGE < reach => look_again_triangle(origin, direction, corners, reach),
+        true => Some(t),
+        false => None,
+    }
+}
+
+fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3], reach: f32) -> Option<f32> {
+    let relative = corners.map(|corner| corner - origin);
+    let [p, q, r] = relative.map(|corner| projected(direction, corner));
+    let forth = Vec3::new(q.0 * r.1, r.0 * p.1, p.0 * q.1);
+    let back = Vec3::new(q.1 * r.0, r.1 * p.0, p.1 * q.0);
+    if !(forth.cmpge(back).all() || forth.cmple(back).all()) || forth == back {
         return None;
     }
-    let per_length_squared = 1.0 / direction.dot(direction);
-    let [t_a, t_b, t_c] = [a, b, c].map(|corner| direction.dot(corner) * per_length_squared);
-    Some((u * t_a + v * t_b + w * t_c) / determinant)
+    let weights = (forth - back).abs();
+    let t_corner = Vec3::from(relative.map(|corner| direction.dot(corner))) / direction.dot(direction);
+    let t = weights.dot(t_corner) / (weights.x + weights.y + weights.z);
+    match t * direction.length() * LARGE < reach {
+        true => {
+            let exact = plane_t(origin, direction, corners);
+            Some(exact.max(t_corner.min_element()).min(t_corner.max_element()))
+        }
+        false => Some(t),
+    }
+}
+
+fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
+    let m = corner.cross(direction);
+    let size = direction.abs();
+    if size.x >= size.y && size.x >= size.z {
+        (m.y, m.z)
+    } else if size.z > size.y {
+        (m.x, m.y)
+    } else {
+        (m.z, m.x)
+    }
 }
 
 /// The nearest t of at least `t_min` at a sphere, or `None` where the ray misses (shaders/shared/sphere.wgsl).
 pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     let to_center = center - origin;
+    if (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius {
+        return look_again_sphere(origin, direction, center, radius, t_min);
+    }
     let per_length_squared = 1.0 / direction.dot(direction);
     let middle = to_center.dot(direction) * per_length_squared;
     let offset = to_center - direction * middle;
@@ -32,6 +78,24 @@ pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32
     let half = (inside * per_length_squared).sqrt();
     let near = middle - half;
     Some(if near >= t_min { near } else { middle + half })
+}
+
+fn look_again_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
+    let to_center = Two3::difference(center, origin);
+    let way = Two3::new(direction);
+    let squared = Two::new(radius) * Two::new(radius);
+    let outside = dot(to_center, to_center) + -squared;
+    let middle = dot(to_center, way);
+    let length_squared = dot(way, way);
+    let root = (middle * middle + -(length_squared * outside)).hi;
+    if root < 0.0 {
+        return None;
+    }
+    let both = middle.hi + if middle.hi >= 0.0 { root.sqrt() } else { -root.sqrt() };
+    let larger_root = both / length_squared.hi;
+    let other_root = if both == 0.0 { 0.0 } else { outside.hi / both };
+    let near = larger_root.min(other_root);
+    Some(if near >= t_min { near } else { larger_root.max(other_root) })
 }
 
 /// The nearest hit with t in `[t_min, t_max]` among all primitives, as (t, id); of equal t the smallest id;

@@ -1,0 +1,67 @@
+// Sums of two f32, twice as exact: for eyes and lights so close to a large triangle or sphere that f32 is too coarse for its
+// size (Dekker 1971; Knuth, TAOCP 2, 4.2.2). A compiler that reorders sums makes them f32 again: then t is as coarse as elsewhere.
+
+struct Two { hi: f32, lo: f32 }
+struct Two3 { hi: vec3f, lo: vec3f }
+
+// a - b, exactly.
+fn difference3(a: vec3f, b: vec3f) -> Two3 {
+    let hi = a - b;
+    let taken = hi - a;
+    return Two3(hi, (a - (hi - taken)) - (b + taken));
+}
+
+fn upper_half3(a: vec3f) -> vec3f {
+    let c = a * 4097.0;
+    return c - (c - a);
+}
+
+// The products of the components.
+fn product_two3(a: Two3, b: Two3) -> Two3 {
+    let hi = a.hi * b.hi;
+    let a_high = upper_half3(a.hi);
+    let b_high = upper_half3(b.hi);
+    let a_low = a.hi - a_high;
+    let b_low = b.hi - b_high;
+    let lo = ((a_high * b_high - hi) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    return Two3(hi, lo + (a.hi * b.lo + a.lo * b.hi));
+}
+
+fn sum_two(a: Two, b: Two) -> Two {
+    let hi = a.hi + b.hi;
+    let taken = hi - a.hi;
+    let lo = (a.hi - (hi - taken)) + (b.hi - taken) + (a.lo + b.lo);
+    let sum = hi + lo;
+    return Two(sum, lo - (sum - hi));
+}
+
+fn sum_two3(a: Two3, b: Two3) -> Two3 {
+    let hi = a.hi + b.hi;
+    let taken = hi - a.hi;
+    let lo = (a.hi - (hi - taken)) + (b.hi - taken) + (a.lo + b.lo);
+    let sum = hi + lo;
+    return Two3(sum, lo - (sum - hi));
+}
+
+fn dot_two3(a: Two3, b: Two3) -> Two {
+    let p = product_two3(a, b);
+    return sum_two(sum_two(Two(p.hi.x, p.lo.x), Two(p.hi.y, p.lo.y)), Two(p.hi.z, p.lo.z));
+}
+
+fn product_two(a: Two, b: Two) -> Two {
+    let p = product_two3(Two3(vec3f(a.hi), vec3f(a.lo)), Two3(vec3f(b.hi), vec3f(b.lo)));
+    return Two(p.hi.x, p.lo.x);
+}
+
+fn cross_two3(a: Two3, b: Two3) -> Two3 {
+    let forth = product_two3(Two3(a.hi.yzx, a.lo.yzx), Two3(b.hi.zxy, b.lo.zxy));
+    let back = product_two3(Two3(a.hi.zxy, a.lo.zxy), Two3(b.hi.yzx, b.lo.yzx));
+    return sum_two3(forth, Two3(-back.hi, -back.lo));
+}
+
+// Where a ray meets the plane of a triangle; corners in world coordinates.
+fn plane_t(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
+    let normal = cross_two3(difference3(b, a), difference3(c, a));
+    let distance = dot_two3(normal, difference3(a, origin));
+    return distance.hi / dot_two3(normal, Two3(direction, vec3f(0.0))).hi;
+}
