@@ -1,0 +1,169 @@
+//! A ray tracer in double precision to judge pictures by: brute force, the textbook's formulas, and no code of the
+//! crate's but its scenes. It follows the f32 rays that the kernels follow, so that only their arithmetic is judged.
+#![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
+
+use rayon::prelude::*;
+use stereotrace::{
+    MISS, Scene, Sky,
+    cpu::{Eye, Frame},
+    glam::{DVec3, Vec3},
+};
+
+/// A triangle with what its tests share.
+struct Triangle {
+    corners: [DVec3; 3],
+    normal: DVec3,
+    albedo: DVec3,
+}
+
+struct Sphere {
+    center: DVec3,
+    radius: f64,
+    albedo: DVec3,
+}
+
+/// A scene in double precision.
+pub struct Truth {
+    triangles: Vec<Triangle>,
+    spheres: Vec<Sphere>,
+    lights: Vec<(DVec3, DVec3)>,
+    shadows: bool,
+    ambient: DVec3,
+    sky: DVec3,
+}
+
+/// What a ray sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Infinite where nothing is hit.
+    pub t: f64,
+    /// [`MISS`] where nothing is hit.
+    pub primitive: u32,
+    /// Linear RGB in 0 to 1.
+    pub linear: DVec3,
+    /// The sine of the angle between ray and surface.
+    pub slope: f64,
+}
+
+impl Seen {
+    pub fn srgb(&self) -> [u8; 3] {
+        self.linear.to_array().map(|value| {
+            let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+            (255.0 * encoded).round() as u8
+        })
+    }
+}
+
+impl Truth {
+    pub fn new(scene: &Scene) -> Self {
+        let albedo = |id: stereotrace::MaterialId| scene.materials()[id.0 as usize].albedo.as_dvec3();
+        let triangle = |triangle: &stereotrace::Triangle| {
+            let corners @ [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+            Triangle { corners, normal: (b - a).cross(c - a), albedo: albedo(triangle.material) }
+        };
+        let sphere = |sphere: &stereotrace::Sphere| Sphere {
+            center: sphere.center.as_dvec3(),
+            radius: f64::from(sphere.radius),
+            albedo: albedo(sphere.material),
+        };
+        let Sky::Constant(sky) = scene.sky else { panic!("skies of one colour only") };
+        Self {
+            triangles: scene.triangles().iter().map(triangle).collect(),
+            spheres: scene.spheres().iter().map(sphere).collect(),
+            lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
+            shadows: scene.shadows,
+            ambient: scene.ambient.as_dvec3(),
+            sky: sky.as_dvec3(),
+        }
+    }
+
+    /// The nearest t above 0 and the primitive there, or infinity and [`MISS`]; of equal t the smaller id.
+    pub fn closest(&self, origin: DVec3, direction: DVec3) -> (f64, u32) {
+        let mut best = (f64::INFINITY, MISS);
+        let mut offer = |t: Option<f64>, id: usize| {
+            if let Some(t) = t.filter(|&t| t > 0.0 && t < best.0) {
+                best = (t, id as u32);
+            }
+        };
+        for (id, triangle) in self.triangles.iter().enumerate() {
+            offer(triangle.hit(origin, direction), id);
+        }
+        for (id, sphere) in self.spheres.iter().enumerate() {
+            let [near, far] = sphere.hits(origin, direction).unwrap_or([f64::NAN; 2]);
+            offer(Some(if near > 0.0 { near } else { far }), self.triangles.len() + id);
+        }
+        best
+    }
+
+    /// Whether a primitive other than `own` stands between two points.
+    fn occluded(&self, from: DVec3, to: DVec3, own: u32) -> bool {
+        // Coplanar neighbours of `own` are met at t = 0 within rounding.
+        let between = |t: f64| t > 1e-9 && t < 1.0;
+        let direction = to - from;
+        let triangles = self.triangles.iter().enumerate().filter(|(id, _)| *id as u32 != own);
+        let mut spheres = self.spheres.iter().enumerate().filter(|(id, _)| (self.triangles.len() + id) as u32 != own);
+        triangles.into_iter().any(|(_, triangle)| triangle.hit(from, direction).is_some_and(between))
+            || spheres.any(|(_, sphere)| sphere.hits(from, direction).is_some_and(|t| t.into_iter().any(between)))
+    }
+
+    /// What a ray sees, shaded as DESIGN, section 3, says.
+    pub fn see(&self, origin: Vec3, direction: Vec3) -> Seen {
+        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+        let (t, primitive) = self.closest(origin, direction);
+        if primitive == MISS {
+            return Seen { t, primitive, linear: self.sky, slope: 1.0 };
+        }
+        let point = origin + direction * t;
+        let (normal, albedo) = match self.triangles.get(primitive as usize) {
+            Some(triangle) => (triangle.normal.normalize(), triangle.albedo),
+            None => {
+                let sphere = &self.spheres[primitive as usize - self.triangles.len()];
+                ((point - sphere.center).normalize(), sphere.albedo)
+            }
+        };
+        let cosine = normal.dot(direction);
+        let normal = if cosine > 0.0 { -normal } else { normal };
+        let lit = self.lights.iter().map(|&(position, intensity)| {
+            let facing = normal.dot((position - point).normalize());
+            let dark = facing <= 0.0 || (self.shadows && self.occluded(point, position, primitive));
+            if dark { DVec3::ZERO } else { intensity * facing }
+        });
+        let light = self.ambient + lit.sum::<DVec3>();
+        let linear = (albedo * light).clamp(DVec3::ZERO, DVec3::ONE);
+        Seen { t, primitive, linear, slope: cosine.abs() / direction.length() }
+    }
+
+    /// What an eye sees, row by row: t is depth, since directions have length 1 along the view axis.
+    pub fn view(&self, frame: &Frame, eye: Eye) -> Vec<Seen> {
+        let [width, height] = frame.size();
+        let pixel = |index: usize| self.see(frame.eye(eye), frame.direction(eye, index % width, index / width));
+        (0..width * height).into_par_iter().map(pixel).collect()
+    }
+}
+
+impl Triangle {
+    /// t at the triangle's plane, where the ray passes within the triangle.
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let [a, b, c] = self.corners.map(|corner| corner - origin);
+        let edge = |p: DVec3, q: DVec3| direction.dot(p.cross(q - p));
+        let (u, v) = (edge(b, c), edge(c, a));
+        if u * v < 0.0 {
+            return None;
+        }
+        let w = edge(a, b);
+        let inside = u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0;
+        let across = self.normal.dot(direction);
+        (inside && across != 0.0).then(|| self.normal.dot(a) / across)
+    }
+}
+
+impl Sphere {
+    fn hits(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let to_center = self.center - origin;
+        let per_length_squared = 1.0 / direction.length_squared();
+        let middle = to_center.dot(direction) * per_length_squared;
+        let inside = self.radius * self.radius - (to_center - direction * middle).length_squared();
+        let half = (inside * per_length_squared).sqrt();
+        (inside >= 0.0).then_some([middle - half, middle + half])
+    }
+}
