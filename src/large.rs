@@ -1,5 +1,5 @@
 //! Large primitives: where an eye or a light comes so close to one that f32 is too coarse for its size, kernels compute t twice as
-//! exactly (shaders/shared/double_float.wgsl). Elsewhere they don't pay for it.
+//! exactly (`shaders/shared/double_float.wgsl`). Elsewhere they don't pay for it.
 
 use glam::{DVec3, Vec3};
 
