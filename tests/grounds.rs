@@ -3,7 +3,7 @@
 mod common;
 mod truth;
 
-use common::{Random, mesh, renderer};
+use common::{mesh, random::Random, renderer};
 use stereotrace::{
     Material, MaterialId, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair, View,
     cpu::{Eye, Frame},
@@ -62,11 +62,11 @@ impl Ground {
                 scene.add_sphere(Sphere { center: -radius * Vec3::Y, radius, material: grey }).unwrap();
             }
         }
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         for index in 0..if boxes { 12 } else { 0 } {
             let center = Vec3::new(1.6 * (index % 4) as f32 - 2.4, 0.1, 1.7 * (index / 4) as f32 - 2.6);
-            let half = Vec3::new(random.range(0.2, 0.5), random.range(0.2, 0.9), random.range(0.2, 0.5));
-            add_box(&mut scene, center, half, random.range(0.0, 1.5), self.turn(), red);
+            let half = Vec3::new(random.between(0.2, 0.5), random.between(0.2, 0.9), random.between(0.2, 0.5));
+            add_box(&mut scene, center, half, random.between(0.0, 1.5), self.turn(), red);
         }
         scene.ambient = Vec3::splat(0.15);
         scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));

@@ -4,7 +4,7 @@
 mod common;
 mod truth;
 
-use common::{Random, mesh, renderer};
+use common::{mesh, random::Random, renderer};
 use stereotrace::{
     MISS, Method, Options, Pose, Scene, StereoCamera, View,
     cpu::{Eye, Frame},
@@ -54,10 +54,10 @@ impl Kind {
     fn corners(self, eye: Vec3, scale: f32, random: &mut Random) -> [Vec3; 4] {
         let mut toward = || (Vec3::new(0.45, 0.33, 0.0) * random.point(1.0) - Vec3::Z).normalize();
         let (first, second) = (toward(), toward());
-        let [near, far] = [random.range(2.0, 5.0), random.range(5.0, 15.0)].map(|distance| distance * scale);
+        let [near, far] = [random.between(2.0, 5.0), random.between(5.0, 15.0)].map(|distance| distance * scale);
         let across = first.cross(random.point(1.0)).normalize();
-        let length = random.range(0.5, 4.0) * scale;
-        let thin = 10.0_f32.powf(random.range(-7.0, -3.0)) * length;
+        let length = random.between(0.5, 4.0) * scale;
+        let thin = 10.0_f32.powf(random.between(-7.0, -3.0)) * length;
         // Strips: from a corner along, and aside.
         let strip = |from: Vec3, along: Vec3, aside: Vec3| [from, from + aside, from + along + aside, from + along];
         match self {
@@ -194,9 +194,9 @@ fn judge(scene: &Scene, truth: &Truth, pose: &Pose, view: &View, eye: Eye, fault
     }
 }
 
-fn search(kind: Kind, scale: f32, offset: f32, seed: u64) -> Faults {
+fn search(kind: Kind, scale: f32, offset: f32, seed: u32) -> Faults {
     let camera = camera(scale, offset);
-    let scene = kind.scene(&camera.pose().unwrap(), scale, &mut Random(seed));
+    let scene = kind.scene(&camera.pose().unwrap(), scale, &mut Random::new(seed));
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let mut pair_by = |method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();

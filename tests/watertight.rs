@@ -5,7 +5,7 @@ mod solids;
 
 use std::collections::HashSet;
 
-use common::{Random, mesh, renderer};
+use common::{mesh, random::Random, renderer};
 use solids::{Solid, solids};
 use stereotrace::{
     MISS, Mesh, Ray, Renderer, Scene, UploadedScene,
@@ -75,7 +75,7 @@ enum Aim {
 /// any that are level with an axis.
 fn origin(solid: &Solid, placed: &Placed, inside: bool, random: &mut Random) -> Vec3 {
     loop {
-        let away = random.range(2.0, 9.0) * if random.unit() < 0.2 { 4.0 } else { 1.0 };
+        let away = random.between(2.0, 9.0) * if random.unit() < 0.2 { 4.0 } else { 1.0 };
         let mut point = if inside { random.point(1.0) } else { random.point(1.0).normalize() * away };
         if !solid.levels.is_empty() && random.unit() < 0.5 {
             let axis = (3.0 * random.unit()) as usize % 3;
@@ -119,7 +119,7 @@ fn rays(
             Aim::Anywhere => placed.world(random.point(1.0)),
         };
         // Half of the directions exactly as the difference is, the others of another length, which rounds again.
-        let length = if random.unit() < 0.5 { 1.0 } else { random.range(0.1, 3.0) / placed.scale };
+        let length = if random.unit() < 0.5 { 1.0 } else { random.between(0.1, 3.0) / placed.scale };
         let direction = (target - from) * length;
         if direction.length_squared() < f32::MIN_POSITIVE {
             continue;
@@ -159,7 +159,7 @@ fn leaks(renderer: &mut Renderer, scene: &UploadedScene, from: Vec3, rays: &[(Ai
 fn search(total: usize) -> Count {
     let solids = solids();
     let per_place = total / (solids.len() * SCALES.len() * OFFSETS.len());
-    let mut random = Random(23);
+    let mut random = Random::new(23);
     let mut renderer = renderer();
     let mut all = Count::default();
     for solid in &solids {
@@ -207,7 +207,7 @@ fn every_mesh_is_closed_and_knows_its_inside() {
         }
         assert!(open.is_empty(), "{} is open at {} edges", solid.name, open.len());
         // From a point that it claims a line crosses an odd number of triangles.
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         let points: Vec<DVec3> = (0..1000).map(|_| random.point(1.0).as_dvec3()).collect();
         let claimed: Vec<_> = points.into_iter().filter(|&point| (solid.inside)(point)).collect();
         assert!(claimed.len() > 10, "{}: {}", solid.name, claimed.len());

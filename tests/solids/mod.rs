@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use stereotrace::glam::{DVec3, Vec3};
 
-use crate::common::Random;
+use crate::common::random::Random;
 
 /// A closed mesh of about unit size around the origin, and a test that is sure of some points that they lie inside.
 pub struct Solid {
@@ -145,8 +145,8 @@ fn torus() -> Solid {
 pub fn solids() -> Vec<Solid> {
     let (positions, triangles) = icosphere(3);
     let sphere_inside = |point: DVec3| point.length() < 0.95;
-    let mut random = Random(17);
-    let spiky: Vec<Vec3> = positions.iter().map(|position| position * random.range(0.45, 1.0)).collect();
+    let mut random = Random::new(17);
+    let spiky: Vec<Vec3> = positions.iter().map(|position| position * random.between(0.45, 1.0)).collect();
     let hull: Vec<Vec3> = (0..40).map(|_| random.point(1.0).normalize() * Vec3::new(1.0, 0.6, 0.8)).collect();
     let hull_faces = hull_triangles(&hull);
     let planes: Vec<(DVec3, DVec3)> = hull_faces
