@@ -184,7 +184,7 @@ impl Grid {
             grid_origin: self.origin.to_array(),
             extent: self.extent,
             grid_cell: self.cell.to_array(),
-            _pad: 0,
+            zero: 0,
         }
     }
 

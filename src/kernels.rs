@@ -841,7 +841,7 @@ mod tests {
                 _pad_after,
             }
         );
-        assert_layout!(module, Bvh { grid_origin, extent, grid_cell, _pad });
+        assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
         assert_layout!(module, PixelHit { depth, primitive });
         let listed = parse(&TRACE_LISTED, &with);
         let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {

@@ -34,7 +34,7 @@ pub(crate) struct Bvh {
     pub(crate) grid_origin: [f32; 3],
     pub(crate) extent: f32,
     pub(crate) grid_cell: [f32; 3],
-    pub(crate) _pad: u32,
+    pub(crate) zero: u32,
 }
 
 /// `PixelHit` of `shaders/shared/hits_ids.wgsl`.

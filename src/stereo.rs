@@ -139,7 +139,9 @@ impl UploadedScene {
     /// Whether rays from these points, or from the lights, need t of large primitives more exactly.
     pub(crate) fn close_to(&self, eyes: &[Vec3]) -> bool {
         let shadows = if self.specialisation.shadows == Shadows::None { &[] } else { self.lights.as_slice() };
-        self.large.any_close_to(eyes) || self.large.any_close_to(shadows)
+        let close = self.large.any_close_to(eyes) || self.large.any_close_to(shadows);
+        log::debug!("close to a large primitive: {close}");
+        close
     }
 
     /// The primitives' objects, for the pass that tells edges by them.

@@ -68,7 +68,7 @@ impl Ground {
             let half = Vec3::new(random.between(0.2, 0.5), random.between(0.2, 0.9), random.between(0.2, 0.5));
             add_box(&mut scene, center, half, random.between(0.0, 1.5), self.turn(), red);
         }
-        scene.ambient = Vec3::splat(0.15);
+        scene.ambient = Some(Vec3::splat(0.15));
         scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
         let lamps = [Vec3::new(-4.0, 6.0, 3.0), Vec3::new(3.5, 4.0, -2.0), Vec3::new(1.0, 9.0, 5.0)];
         scene.lights = lamps

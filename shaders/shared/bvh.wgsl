@@ -8,7 +8,7 @@ struct Bvh {
     grid_origin: vec3f,   // world position of grid point 0
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
-    _pad: u32,
+    zero: u32,            // 0, which compilers do not know
 }
 
 // A lane's rays. t counts in lengths of the direction, which may be any.

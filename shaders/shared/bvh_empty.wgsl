@@ -1,6 +1,6 @@
 // A scene without primitives: no traversal in the kernel, nothing is ever hit.
 
-struct Bvh { grid_origin: vec3f, extent: f32, grid_cell: vec3f, _pad: u32 }
+struct Bvh { grid_origin: vec3f, extent: f32, grid_cell: vec3f, zero: u32 }
 struct Rays { origin: vec3f, direction: F3 }
 struct Hits { t: F, primitive: U, slot: U }
 struct Surface { geometric_normal: vec3f, shading_normal: vec3f, material: u32, component: u32, reach: f32 }

@@ -1,19 +1,28 @@
 // Sums of two f32, twice as exact: for eyes and lights so close to a large triangle or sphere that f32 is too coarse for its
-// size (Dekker 1971; Knuth, TAOCP 2, 4.2.2). A compiler that reorders sums makes them f32 again: then t is as coarse as elsewhere.
+// size (Dekker 1971; Knuth, TAOCP 2, 4.2.2).
 
 struct Two { hi: f32, lo: f32 }
 struct Two3 { hi: vec3f, lo: vec3f }
 
+// The same value, of which compilers know nothing: they take (a + b) - a for b, which here is what it differs by from b.
+fn opaque(v: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(v) ^ bvh.zero);
+}
+
+fn opaque3(v: vec3f) -> vec3f {
+    return bitcast<vec3f>(bitcast<vec3u>(v) ^ vec3u(bvh.zero));
+}
+
 // a - b, exactly.
 fn difference3(a: vec3f, b: vec3f) -> Two3 {
-    let hi = a - b;
-    let taken = hi - a;
+    let hi = opaque3(a - b);
+    let taken = opaque3(hi - a);
     return Two3(hi, (a - (hi - taken)) - (b + taken));
 }
 
 fn upper_half3(a: vec3f) -> vec3f {
     let c = a * 4097.0;
-    return c - (c - a);
+    return c - opaque3(c - a);
 }
 
 // The products of the components.
@@ -28,18 +37,18 @@ fn product_two3(a: Two3, b: Two3) -> Two3 {
 }
 
 fn sum_two(a: Two, b: Two) -> Two {
-    let hi = a.hi + b.hi;
-    let taken = hi - a.hi;
+    let hi = opaque(a.hi + b.hi);
+    let taken = opaque(hi - a.hi);
     let lo = (a.hi - (hi - taken)) + (b.hi - taken) + (a.lo + b.lo);
-    let sum = hi + lo;
+    let sum = opaque(hi + lo);
     return Two(sum, lo - (sum - hi));
 }
 
 fn sum_two3(a: Two3, b: Two3) -> Two3 {
-    let hi = a.hi + b.hi;
-    let taken = hi - a.hi;
+    let hi = opaque3(a.hi + b.hi);
+    let taken = opaque3(hi - a.hi);
     let lo = (a.hi - (hi - taken)) + (b.hi - taken) + (a.lo + b.lo);
-    let sum = hi + lo;
+    let sum = opaque3(hi + lo);
     return Two3(sum, lo - (sum - hi));
 }
 

@@ -45,8 +45,8 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     let hit = inside > bound;
     let doubtful = abs(inside) <= bound;
     if CLOSE {
-        let close = hit & (t * scales.length * LARGE < F(primitive.reach));
-        return Found(hit & !close, t, doubtful | close);
+        let close = B(is_close(a, b, c, primitive.reach));
+        return Found(hit & !close, t, doubtful | (hit & close));
     }
     return Found(hit, t, doubtful);
 }
@@ -68,13 +68,19 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     let weights = abs(forth - back);
     let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
     var t = dot(weights, t_corner) / (weights.x + weights.y + weights.z);
-    if CLOSE {
+    if CLOSE && is_close(a, b, c, primitive.reach) {
         let near = min(t_corner.x, min(t_corner.y, t_corner.z));
         let far = max(t_corner.x, max(t_corner.y, t_corner.z));
-        let exact = clamp(plane_t(origin, direction, primitive.a, primitive.b, primitive.c), near, far);
-        t = select(t, exact, t * length(direction) * LARGE < primitive.reach);
+        t = clamp(plane_t(origin, direction, primitive.a, primitive.b, primitive.c), near, far);
     }
     return select(-1.0, t, hit);
+}
+
+// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that a mean of the corners' t is too coarse.
+fn is_close(a: vec3f, b: vec3f, c: vec3f, reach: f32) -> bool {
+    let normal = cross(b - a, c - a);
+    let beside = dot(a, a) < 4.0 * reach * reach;
+    return abs(dot(normal, a)) * LARGE < sqrt(dot(normal, normal)) * reach && beside;
 }
 
 // Two components of cross(corner, direction), those across the direction's largest one.

@@ -19,18 +19,18 @@ pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> 
     let length_squared = direction.dot(direction);
     let bound = length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT);
     if inside.abs() <= bound {
-        return look_again_triangle(origin, direction, corners, reach);
+        return look_again_triangle(origin, direction, corners);
     }
     let sum = u * direction.dot(a) + v * direction.dot(b) + w * direction.dot(c);
     let t = sum * (1.0 / length_squared) / (u + v + w);
     match inside > bound {
-        true if t * length_squared.sqrt() * LARGE < reach => look_again_triangle(origin, direction, corners, reach),
+        true if is_close(origin, corners) => look_again_triangle(origin, direction, corners),
         true => Some(t),
         false => None,
     }
 }
 
-fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3], reach: f32) -> Option<f32> {
+fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let relative = corners.map(|corner| corner - origin);
     let [p, q, r] = relative.map(|corner| projected(direction, corner));
     let forth = Vec3::new(q.0 * r.1, r.0 * p.1, p.0 * q.1);
@@ -41,13 +41,28 @@ fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3], reach:
     let weights = (forth - back).abs();
     let t_corner = Vec3::from(relative.map(|corner| direction.dot(corner))) / direction.dot(direction);
     let t = weights.dot(t_corner) / (weights.x + weights.y + weights.z);
-    match t * direction.length() * LARGE < reach {
+    match is_close(origin, corners) {
         true => {
             let exact = plane_t(origin, direction, corners);
             Some(exact.max(t_corner.min_element()).min(t_corner.max_element()))
         }
         false => Some(t),
     }
+}
+
+/// Whether t must be computed twice as exactly.
+pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
+    let reach = f32::from_bits(reach_bits(corners));
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    let normal = (b - a).cross(c - a);
+    let beside = a.dot(a) < 4.0 * reach * reach;
+    normal.dot(a).abs() * LARGE < normal.dot(normal).sqrt() * reach && beside
+}
+
+/// Whether t must be computed twice as exactly.
+pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
+    let to_center = center - origin;
+    (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
 }
 
 fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
@@ -65,7 +80,7 @@ fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
 /// The nearest t of at least `t_min` at a sphere, or `None` where the ray misses (shaders/shared/sphere.wgsl).
 pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     let to_center = center - origin;
-    if (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius {
+    if is_close_sphere(origin, center, radius) {
         return look_again_sphere(origin, direction, center, radius, t_min);
     }
     let per_length_squared = 1.0 / direction.dot(direction);

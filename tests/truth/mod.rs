@@ -72,7 +72,7 @@ impl Truth {
             spheres: scene.spheres().iter().map(sphere).collect(),
             lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
             shadows: scene.shadows,
-            ambient: scene.ambient.as_dvec3(),
+            ambient: scene.rendered_ambient().as_dvec3(),
             sky: sky.as_dvec3(),
         }
     }
