@@ -4,7 +4,7 @@
 struct Two { hi: f32, lo: f32 }
 struct Two3 { hi: vec3f, lo: vec3f }
 
-// The same value, of which compilers know nothing: they take (a + b) - a for b, which here is what it differs by from b.
+// The same value, of which compilers know nothing. They take (a + b) - a for b; here it is what that differs by from b.
 fn opaque(v: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(v) ^ bvh.zero);
 }
@@ -25,6 +25,11 @@ fn upper_half3(a: vec3f) -> vec3f {
     return c - opaque3(c - a);
 }
 
+// The products of the components, exactly.
+fn exact_product3(a: vec3f, b: vec3f) -> Two3 {
+    return product_two3(Two3(a, vec3f(0.0)), Two3(b, vec3f(0.0)));
+}
+
 // The products of the components.
 fn product_two3(a: Two3, b: Two3) -> Two3 {
     let hi = a.hi * b.hi;
@@ -32,7 +37,11 @@ fn product_two3(a: Two3, b: Two3) -> Two3 {
     let b_high = upper_half3(b.hi);
     let a_low = a.hi - a_high;
     let b_low = b.hi - b_high;
-    let lo = ((a_high * b_high - hi) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    // Each sum by itself: compilers take out common factors.
+    let first = opaque3(a_high * b_high - hi);
+    let second = opaque3(first + a_high * b_low);
+    let third = opaque3(second + a_low * b_high);
+    let lo = opaque3(third + a_low * b_low);
     return Two3(hi, lo + (a.hi * b.lo + a.lo * b.hi));
 }
 

@@ -52,9 +52,9 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
 }
 
 // One ray's t at a triangle that was doubtful, or -1 where it misses (Woop, Benthin & Wald 2013). Corners are projected along the ray,
-// so that an edge's product is a difference of two: rounding keeps their order, hence its sign is never wrong. Where they are equal the
-// ray is inside for both triangles of the edge, so rays through an edge or a vertex are not lost. Products are compared, not
-// subtracted, since a compiler may fuse a product with a sum. A triangle whose corners fall on one line is missed: a neighbour is hit.
+// each by itself, so that all its triangles see it at one place. An edge's product is then a difference of two products: these are
+// exact, hence its sign is. Where they are equal the ray is inside for both triangles of the edge, so rays through an edge or a vertex
+// are not lost. A triangle whose corners fall on one line is missed: a neighbour is hit.
 fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) -> f32 {
     let a = primitive.a - origin;
     let b = primitive.b - origin;
@@ -62,10 +62,13 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     let p = projected(direction, a);
     let q = projected(direction, b);
     let r = projected(direction, c);
-    let forth = vec3f(q.x * r.y, r.x * p.y, p.x * q.y);
-    let back = vec3f(q.y * r.x, r.y * p.x, p.y * q.x);
-    let hit = (all(forth >= back) || all(forth <= back)) && any(forth != back);
-    let weights = abs(forth - back);
+    let forth = exact_product3(vec3f(q.x, r.x, p.x), vec3f(r.y, p.y, q.y));
+    let back = exact_product3(vec3f(q.y, r.y, p.y), vec3f(r.x, p.x, q.x));
+    let same = forth.hi == back.hi;
+    let more = (forth.hi > back.hi) | (same & (forth.lo > back.lo));
+    let less = (forth.hi < back.hi) | (same & (forth.lo < back.lo));
+    let hit = any(more) != any(less);
+    let weights = abs(opaque3(opaque3(forth.hi - back.hi) + opaque3(forth.lo - back.lo)));
     let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
     var t = dot(weights, t_corner) / (weights.x + weights.y + weights.z);
     if CLOSE && is_close(a, b, c, primitive.reach) {

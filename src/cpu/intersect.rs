@@ -33,12 +33,14 @@ pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> 
 fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let relative = corners.map(|corner| corner - origin);
     let [p, q, r] = relative.map(|corner| projected(direction, corner));
-    let forth = Vec3::new(q.0 * r.1, r.0 * p.1, p.0 * q.1);
-    let back = Vec3::new(q.1 * r.0, r.1 * p.0, p.1 * q.0);
-    if !(forth.cmpge(back).all() || forth.cmple(back).all()) || forth == back {
+    let product = |a: f32, b: f32| Two::new(a) * Two::new(b);
+    let pairs = [(q, r), (r, p), (p, q)].map(|(p, q)| (product(p.0, q.1), product(p.1, q.0)));
+    let more = |(forth, back): &(Two, Two)| forth.hi > back.hi || forth.hi == back.hi && forth.lo > back.lo;
+    let less = |(forth, back): &(Two, Two)| forth.hi < back.hi || forth.hi == back.hi && forth.lo < back.lo;
+    if pairs.iter().any(more) == pairs.iter().any(less) {
         return None;
     }
-    let weights = (forth - back).abs();
+    let weights = Vec3::from(pairs.map(|(forth, back)| ((forth.hi - back.hi) + (forth.lo - back.lo)).abs()));
     let t_corner = Vec3::from(relative.map(|corner| direction.dot(corner))) / direction.dot(direction);
     let t = weights.dot(t_corner) / (weights.x + weights.y + weights.z);
     match is_close(origin, corners) {
