@@ -1,14 +1,18 @@
 //! The stereo camera: pose, off-axis frusta, parallax and comfort. Geometry as DESIGN, section 2.
 
+mod fitting;
+mod ranges;
+
+pub use ranges::{MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES};
+
 use glam::{DVec3, Vec3};
 
+pub(crate) use self::ranges::least_pixel_angle;
+use self::ranges::{check_fields, check_precision, check_screen_distance, fault};
 use crate::Error;
 
 /// Depth of a ray that hits nothing, in every buffer; WGSL has no infinity. Results turn it into `f32::INFINITY`.
 pub const FAR: f32 = 3.4e38;
-
-/// Longest side of a picture in pixels: past it f32 does not hold the centres of its pixels, which lie at halves.
-pub const MAX_SIDE: u32 = 1 << 23;
 
 /// Distance between human eyes in metres, on average (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
@@ -84,7 +88,8 @@ impl StereoCamera {
     /// A camera at `eye` (the midpoint between the eyes) that looks at `target`: up is +y, 640 x 480 pixels, 45
     /// degrees of vertical field of view, the screen at the target, and a thirtieth of that distance between the eyes.
     pub fn look_at(eye: Vec3, target: Vec3) -> Self {
-        let distance = eye.distance(target);
+        // f64, in which no square of a difference vanishes or overflows.
+        let distance = eye.as_dvec3().distance(target.as_dvec3()) as f32;
         Self {
             eye,
             target,
@@ -95,28 +100,6 @@ impl StereoCamera {
             width: 640,
             height: 480,
         }
-    }
-
-    /// A camera for an object of unknown size: from the front (+z), a little to the right and above, so that the
-    /// sphere around `bounds` (low and high corner) fits the picture; the screen through its centre, and a
-    /// thirtieth of the nearest distance between the eyes.
-    pub fn fitting(bounds: (Vec3, Vec3), width: u32, height: u32) -> Self {
-        let (low, high) = bounds;
-        let center = low.midpoint(high);
-        let radius = match 0.5 * low.distance(high) {
-            radius if radius > 0.0 => radius,
-            _ => 1.0,
-        };
-        let vertical_fov = 35.0_f32;
-        let half_height = (0.5 * vertical_fov).to_radians().tan();
-        let half_width = half_height * width as f32 / height.max(1) as f32;
-        let narrower = half_height.min(half_width).max(1e-3).atan();
-        let distance = radius / narrower.sin();
-        let direction = Vec3::new(0.35, 0.25, 1.0).normalize();
-        Self::look_at(center + direction * distance, center)
-            .size(width, height)
-            .vertical_fov_degrees(vertical_fov)
-            .interaxial((distance - radius).max(0.1 * distance) / 30.0)
     }
 
     /// The midpoint between the eyes; the screen's distance and the interaxial stay.
@@ -175,38 +158,63 @@ impl StereoCamera {
 
     /// Checks the camera and works out its axes and sizes.
     ///
+    /// Within these ranges `bracket-rays` shows what `naive` does, to the last bit, where adapters don't contract f32:
+    ///
+    /// | field | range |
+    /// |---|---|
+    /// | size | 1 to [`MAX_SIDE`] a side |
+    /// | eye, target | coordinates within [`MAX_EYE_COORDINATE`], for both eyes |
+    /// | screen distance | [`SCREEN_DISTANCES`] |
+    /// | field of view or screen width, size, interaxial | pixels span [`MIN_PIXEL_ANGLE`] as seen from both eyes |
+    /// | interaxial | 0, or so large that the eyes' rounding changes it by at most [`MAX_EYE_SHIFT`] of it |
+    ///
     /// # Errors
-    /// [`Error::Camera`], naming the field: a size of zero or over [`MAX_SIDE`], `d` not above 0, a field of view outside 0 to 180
-    /// degrees, an interaxial that is negative or no number, or `up` parallel to the view.
+    /// [`Error::Camera`], naming the field, for what lies outside of them, a field of view outside 0 to 180 degrees, a
+    /// target that is the eye, or `up` parallel to the view.
     pub fn pose(&self) -> Result<Pose, Error> {
-        let fault = |field, value: String, reason| Err(Error::Camera { field, value, reason });
-        let positive = |value: f32| value > 0.0 && value.is_finite();
-        if self.width == 0 || self.height == 0 {
-            return fault("size", format!("{}x{}", self.width, self.height), "width and height must be at least 1");
-        }
-        if self.width.max(self.height) > MAX_SIDE {
-            let reason = "width and height must be at most 8388608 (2^23)";
-            return fault("size", format!("{}x{}", self.width, self.height), reason);
-        }
-        for (field, value) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
-            if !value.to_array().iter().all(|v| v.abs() <= crate::scene::MAX_COORDINATE) {
-                return fault(field, value.to_string(), "its coordinates must be numbers within ±1e8");
-            }
-        }
+        check_fields(self)?;
         // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
         let forward = (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or_zero();
         if forward == DVec3::ZERO {
             return fault("target", self.target.to_string(), "it must differ from the eye");
         }
-        if !positive(self.screen_distance) {
-            return fault("screen_distance", self.screen_distance.to_string(), "it must be above 0");
-        }
+        check_screen_distance(self.screen_distance)?;
         let side = forward.cross(self.up.as_dvec3().normalize_or_zero());
         if side.length() <= 1e-6 {
             return fault("up", self.up.to_string(), "it must not be zero or parallel to the view direction");
         }
         let right = side.normalize();
+        let (width, screen_size) = (self.width as f32, self.screen_size()?);
+        let (interaxial, interaxial_px) = match self.interaxial {
+            Interaxial::World(world) => (world, world * width / screen_size[0]),
+            Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
+        };
+        if !(interaxial >= 0.0 && interaxial.is_finite() && interaxial_px.is_finite()) {
+            let value = match self.interaxial {
+                Interaxial::World(world) => world.to_string(),
+                Interaxial::Pixels(pixels) => format!("{pixels} px"),
+            };
+            return fault("interaxial", value, "it must be a number of at least 0");
+        }
+        let pose = Pose {
+            eye: self.eye,
+            forward: forward.as_vec3(),
+            right: right.as_vec3(),
+            up: right.cross(forward).as_vec3(),
+            screen_distance: self.screen_distance,
+            screen_size,
+            interaxial,
+            interaxial_px,
+            size: [self.width, self.height],
+        };
+        check_precision(self, &pose)?;
+        Ok(pose)
+    }
+
+    /// Width and height of the screen rectangle in world units.
+    fn screen_size(&self) -> Result<[f32; 2], Error> {
         let (width, height) = (self.width as f32, self.height as f32);
+        let positive = |value: f32| value > 0.0 && value.is_finite();
         let screen_size = match self.aperture {
             Aperture::VerticalFov(degrees) => {
                 if !(degrees > 0.0 && degrees < 180.0) {
@@ -226,28 +234,7 @@ impl StereoCamera {
             let value = format!("{} x {}", screen_size[0], screen_size[1]);
             return fault("screen size", value, "choose a field of view and a screen distance that f32 can hold");
         }
-        let (interaxial, interaxial_px) = match self.interaxial {
-            Interaxial::World(world) => (world, world * width / screen_size[0]),
-            Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
-        };
-        if !(interaxial >= 0.0 && interaxial.is_finite() && interaxial_px.is_finite()) {
-            let value = match self.interaxial {
-                Interaxial::World(world) => world.to_string(),
-                Interaxial::Pixels(pixels) => format!("{pixels} px"),
-            };
-            return fault("interaxial", value, "it must be a number of at least 0");
-        }
-        Ok(Pose {
-            eye: self.eye,
-            forward: forward.as_vec3(),
-            right: right.as_vec3(),
-            up: right.cross(forward).as_vec3(),
-            screen_distance: self.screen_distance,
-            screen_size,
-            interaxial,
-            interaxial_px,
-            size: [self.width, self.height],
-        })
+        Ok(screen_size)
     }
 }
 
@@ -400,7 +387,8 @@ mod tests {
             (camera().up(Vec3::ZERO), "up"),
             (camera().vertical_fov_degrees(180.0), "vertical_fov"),
             (camera().screen_width(-1.0), "screen_width"),
-            (camera().screen_distance(1e38).vertical_fov_degrees(179.9), "screen size"),
+            (camera().screen_distance(1e38), "screen_distance"),
+            (camera().up(Vec3::INFINITY), "up"),
             (camera().vertical_fov_degrees(1e-44), "screen size"),
             (StereoCamera::look_at(Vec3::ONE, Vec3::ONE), "target"),
             (StereoCamera::look_at(Vec3::NAN, Vec3::ONE), "eye"),

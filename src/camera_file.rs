@@ -252,7 +252,11 @@ mod tests {
             ("[10, 3.2, 0.2]", "[10, 3.2, null]", "target is [10,3.2,null]; it must be three numbers"),
             ("[-13.5, 2.2, -0.3]", "[1e300, 2.2, -0.3]", "eye is [inf, 2.2, -0.3]; its coordinates"),
             ("[0, 1, 0]", "[0, 0, 0]", "up is [0, 0, 0]; it must not be zero"),
-            (r#""screen_distance": 6"#, r#""screen_distance": 0"#, "screen_distance is 0; it must be above 0"),
+            (
+                r#""screen_distance": 6"#,
+                r#""screen_distance": 0"#,
+                "screen_distance is 0.0; it must lie between 1e-6 and 1e9",
+            ),
             ("0.065", "-1", "eye_separation is -1; it must be"),
         ];
         for (index, (from, to, expected)) in broken.into_iter().enumerate() {

@@ -838,7 +838,7 @@ mod tests {
                 longest,
                 _pad,
                 forward,
-                _pad_after,
+                wider,
             }
         );
         assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });

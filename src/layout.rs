@@ -24,7 +24,7 @@ pub(crate) struct Frame {
     pub(crate) longest: f32,
     pub(crate) _pad: u32,
     pub(crate) forward: [f32; 3],
-    pub(crate) _pad_after: u32,
+    pub(crate) wider: f32,
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.

@@ -13,6 +13,7 @@ use crate::{
     StereoCamera, StereoPair, View, Work,
     auto::CostModel,
     bvh,
+    camera::least_pixel_angle,
     gpu::{self, Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
     kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Shadows, Specialisation, Touches},
     large::LargePrimitives,
@@ -26,6 +27,8 @@ use crate::{
 const BAND_PIXELS: u32 = 1 << 18;
 /// Bands of a picture at most: eight dispatches each, the most that a method has, fit one query set.
 const MAX_BANDS: u32 = 256;
+/// Of an ordinary picture, whose pixels span 2e-5 radians and more: far more than the rounding of a projection.
+const WIDER: f32 = 0.05;
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -1164,8 +1167,16 @@ pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
         screen_distance: pose.screen_distance,
         image_size: pose.size,
         row_end: pose.size[1],
+        wider: wider(pose),
         ..layout::Frame::default()
     }
+}
+
+/// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's corners
+/// may be rounded by, and never less than in an ordinary picture.
+fn wider(pose: &Pose) -> f32 {
+    let pixel_angle = least_pixel_angle(pose, f64::from(pose.interaxial));
+    WIDER.max((f64::from(f32::EPSILON) * 8.0 / pixel_angle) as f32)
 }
 
 /// Texels of the shading table before its lights.

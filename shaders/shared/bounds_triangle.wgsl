@@ -34,7 +34,7 @@ fn triangle_edges(primitive: Primitive) -> Edges {
 
 fn reach(normal: vec3f) -> f32 {
     let rounding = (abs(normal.x) + abs(normal.y) + abs(normal.z)) * (1.0 / 1048576.0);
-    return (0.5 + WIDER) * (abs(dot(normal, frame.step_x)) + abs(dot(normal, frame.step_y))) + rounding;
+    return (0.5 + frame.wider) * (abs(dot(normal, frame.step_x)) + abs(dot(normal, frame.step_y))) + rounding;
 }
 
 // Whether a ray of a block, its middle in pixels, may lie on the inner sides of all edges; which these are, the triangle's winding

@@ -5,11 +5,8 @@ struct Tile {
     size: vec2u,
 }
 
-// Projected bounds are widened by this much, pixels: far more than their rounding.
-const WIDER: f32 = 0.05;
-
 // Column and row of a point p from the right eye are dot(p, column) / z and dot(p, row) / z, z = dot(p, forward). The planes look
-// inwards through the outermost pixel centres, moved out by WIDER.
+// inwards through the outermost pixel centres, moved out by frame.wider.
 struct Projection {
     forward: vec3f,
     column: vec3f,
@@ -26,8 +23,8 @@ fn projection_of(tile: Tile) -> Projection {
     let up = cross(right, forward);
     let column = (right - forward * dot(frame.right_corner, right)) / dot(frame.step_x, right);
     let row = (up - forward * dot(frame.right_corner, up)) / dot(frame.step_y, up);
-    let first = vec2f(tile.corner) + 0.5 - WIDER;
-    let last = vec2f(tile.corner + tile.size) - 0.5 + WIDER;
+    let first = vec2f(tile.corner) + 0.5 - frame.wider;
+    let last = vec2f(tile.corner + tile.size) - 0.5 + frame.wider;
     return Projection(
         forward,
         column,
@@ -61,8 +58,8 @@ fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> v
     let bounds = projected_bounds(primitive, projection);
     let corner = vec2f(tile.corner) + 0.5;
     let most = vec2f(tile.size) - 1.0;
-    let first = ceil(clamp(bounds.xy - WIDER - corner, vec2f(0.0), most + 1.0));
-    let last = floor(clamp(bounds.zw + WIDER - corner, vec2f(-1.0), most));
+    let first = ceil(clamp(bounds.xy - frame.wider - corner, vec2f(0.0), most + 1.0));
+    let last = floor(clamp(bounds.zw + frame.wider - corner, vec2f(-1.0), most));
     // Columns past the last one must not be begun.
     let none = first.x > last.x;
     return vec4i(i32(first.x), select(i32(first.y), i32(TILE), none), i32(last.x), select(i32(last.y), -1, none));

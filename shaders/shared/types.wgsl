@@ -26,7 +26,7 @@ struct Frame {
     longest: f32,            // at least the length of every pixel's direction
     _pad: u32,
     forward: vec3f,          // f, unit
-    _pad_after: u32,
+    wider: f32,              // pixels that a tile's search adds around projected bounds, far more than rounding
 }
 
 // Threads of a workgroup in x and in y.

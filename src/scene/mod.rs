@@ -21,6 +21,10 @@ use crate::{Error, message::tidy};
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
 
+/// The least length, in world units, of a scene's longest side: the products of an intersection would vanish in f32.
+/// What is smaller may stand in a larger scene.
+pub const MIN_EXTENT: f32 = 1e-6;
+
 /// Lights that a scene may have at most.
 pub const MAX_LIGHTS: usize = 1 << 20;
 
@@ -396,7 +400,20 @@ impl Scene {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
             check(format!("light {index}"), check_coordinate(light.position))?;
         }
-        Ok(())
+        check("geometry".into(), self.check_extent())
+    }
+
+    /// Far from the origin a sphere can be less than a step of f32 across, and its box nothing.
+    fn check_extent(&self) -> Result<(), String> {
+        let Some((low, high)) = self.bounds() else { return Ok(()) };
+        let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
+        let extent = across.fold((high - low).max_element(), f32::max);
+        match extent >= MIN_EXTENT {
+            true => Ok(()),
+            false => {
+                Err(format!("its longest side is {extent:?}; it must be at least {MIN_EXTENT:?}: scale the scene up"))
+            }
+        }
     }
 }
 

@@ -1,0 +1,112 @@
+//! The cameras that f32 holds: what lies outside is refused by name (docs/DESIGN.md, section 2, has the measurements).
+
+use std::ops::RangeInclusive;
+
+use glam::{DVec3, Vec3};
+
+use super::{Aperture, Interaxial, Pose, StereoCamera};
+use crate::Error;
+
+/// Longest side of a picture in pixels. With more of them f32 does not tell their directions apart, whatever the field
+/// of view: see [`MIN_PIXEL_ANGLE`].
+pub const MAX_SIDE: u32 = 1 << 17;
+
+/// Coordinates of the eyes and of the target reach this far, twice as far as a scene's: so that every scene can be seen
+/// from outside. Farther off, the box tests of the traversal overflow f32.
+pub const MAX_EYE_COORDINATE: f32 = 2e8;
+
+/// Distances to the screen in world units. Primitives that a pixel tells apart there are so small below it that the
+/// products of an intersection vanish in f32.
+pub const SCREEN_DISTANCES: RangeInclusive<f32> = 1e-6..=1e9;
+
+/// The least angle in radians that a pixel must span as seen from its eye, 2⁻¹⁸: 0.8 seconds of arc. A direction in f32
+/// is good to about a tenth of it.
+///
+/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the side `s` of a
+/// pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye. Too narrow
+/// and too wide a field of view fall below it, too many pixels, and eyes too far apart.
+pub const MIN_PIXEL_ANGLE: f32 = 1.0 / 262_144.0;
+
+/// The share of the interaxial by which f32 may move the eyes apart or together when their positions are rounded.
+pub const MAX_EYE_SHIFT: f32 = 0.25;
+
+/// An [`Error::Camera`].
+pub(super) fn fault<T>(field: &'static str, value: String, reason: &'static str) -> Result<T, Error> {
+    Err(Error::Camera { field, value, reason })
+}
+
+/// Checks what needs no sizes worked out.
+pub(super) fn check_fields(camera: &StereoCamera) -> Result<(), Error> {
+    let (width, height) = (camera.width, camera.height);
+    if width == 0 || height == 0 {
+        return fault("size", format!("{width}x{height}"), "width and height must be at least 1");
+    }
+    if width.max(height) > MAX_SIDE {
+        return fault("size", format!("{width}x{height}"), "width and height must be at most 131072 (2^17)");
+    }
+    for (field, value) in [("eye", camera.eye), ("target", camera.target)] {
+        if !(value.is_finite() && value.abs().max_element() <= MAX_EYE_COORDINATE) {
+            return fault(field, value.to_string(), "its coordinates must be numbers within ±2e8");
+        }
+    }
+    if !camera.up.is_finite() {
+        return fault("up", camera.up.to_string(), "its coordinates must be finite numbers");
+    }
+    Ok(())
+}
+
+pub(super) fn check_screen_distance(distance: f32) -> Result<(), Error> {
+    if SCREEN_DISTANCES.contains(&distance) {
+        return Ok(());
+    }
+    fault("screen_distance", format!("{distance:?}"), "it must lie between 1e-6 and 1e9")
+}
+
+/// Checks that directions and eyes survive their rounding to f32.
+pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
+    let interaxial = || match camera.interaxial {
+        Interaxial::World(world) => format!("{world:?}"),
+        Interaxial::Pixels(pixels) => format!("{pixels:?} px"),
+    };
+    let angle = least_pixel_angle(pose, 0.0);
+    if angle < f64::from(MIN_PIXEL_ANGLE) {
+        let [w, h] = pose.size;
+        let (field, value) = match camera.aperture {
+            Aperture::VerticalFov(degrees) => ("vertical_fov", degrees),
+            Aperture::ScreenWidth(width) => ("screen_width", width),
+        };
+        let reason = "pixels must span at least 3.8e-6 radians (2^-18) in the picture's corners: take fewer pixels, or \
+                      a field of view that is neither so narrow nor so wide";
+        return fault(field, format!("{value:?}, and pixels of {w}x{h} span {angle:.1e} radians"), reason);
+    }
+    let angle = least_pixel_angle(pose, f64::from(pose.interaxial));
+    if angle < f64::from(MIN_PIXEL_ANGLE) {
+        let reason =
+            "so far apart the eyes see the screen too much aslant: pixels must span at least 3.8e-6 radians (2^-18)";
+        return fault("interaxial", format!("{}, and pixels span {angle:.1e} radians", interaxial()), reason);
+    }
+    let eyes = [-1.0, 1.0].map(|side| pose.eye_position(side));
+    if eyes.iter().any(|eye| eye.abs().max_element() > MAX_EYE_COORDINATE) {
+        return fault("interaxial", interaxial(), "it moves an eye's coordinates beyond ±2e8");
+    }
+    if shift(pose, eyes) > f64::from(MAX_EYE_SHIFT * pose.interaxial) {
+        let reason = "so far from the world's origin f32 moves the eyes by more than a quarter of it: take more, or \
+                      bring scene and camera nearer to the origin";
+        return fault("interaxial", interaxial(), reason);
+    }
+    Ok(())
+}
+
+/// The angle in radians that a pixel of the picture's corners spans, with the eyes so far apart.
+pub(crate) fn least_pixel_angle(pose: &Pose, interaxial: f64) -> f64 {
+    let d = f64::from(pose.screen_distance);
+    let [width, height] = pose.screen_size.map(f64::from);
+    let (x, y) = (0.5 * (width + interaxial) / d, 0.5 * height / d);
+    width / f64::from(pose.size[0]) / d / (1.0 + x * x + y * y)
+}
+
+/// By how much rounding moves one eye against the other.
+fn shift(pose: &Pose, [left, right]: [Vec3; 2]) -> f64 {
+    let wanted: DVec3 = pose.right.as_dvec3() * f64::from(pose.interaxial);
+    (right.as_dvec3() - left.as_dvec3() - wanted).length()
+}

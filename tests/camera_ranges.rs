@@ -1,0 +1,252 @@
+//! The edges of what f32 holds: cameras, scales of scenes, and the camera that fits any of them.
+
+mod common;
+
+use common::{RandomScene, ball, is_exact, mesh, random::Random, renderer};
+use stereotrace::{
+    MISS, MaterialId, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
+    camera::{MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
+    glam::Vec3,
+    scene::{MAX_COORDINATE, MIN_EXTENT},
+};
+
+/// Ten to a random power.
+fn power(random: &mut Random, low: f32, high: f32) -> f32 {
+    10_f32.powf(random.between(low, high))
+}
+
+fn camera() -> StereoCamera {
+    StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(100, 80)
+}
+
+#[test]
+fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
+    let far_off = StereoCamera::look_at(Vec3::splat(1e7), Vec3::splat(1e7) - 9.0 * Vec3::Z);
+    let at_the_limit = StereoCamera::look_at(2e8 * Vec3::X + 1e5 * Vec3::Z, 2e8 * Vec3::X).interaxial(1000.0);
+    let tiny = StereoCamera::look_at(1e-30 * Vec3::Z, Vec3::ZERO);
+    let refused = [
+        (tiny, "screen_distance is 1e-30; it must lie between 1e-6 and 1e9"),
+        (camera().screen_distance(1e-20), "screen_distance is 1e-20; it must lie between"),
+        (camera().screen_distance(2e9), "screen_distance is 2000000000.0; it must lie between"),
+        (camera().eye(3e8 * Vec3::Z), "eye is [0, 0, 300000000]; its coordinates must be numbers within ±2e8"),
+        (camera().interaxial(1e6), "interaxial is 1000000.0, and pixels span"),
+        (camera().interaxial_pixels(1e6), "interaxial is 1000000.0 px, and pixels span"),
+        (camera().interaxial(-1.0), "interaxial is -1; it must be a number of at least 0"),
+        (at_the_limit, "interaxial is 1000.0; it moves an eye's coordinates beyond"),
+        (far_off, "interaxial is 0.3; so far from the world's origin"),
+        (
+            camera().vertical_fov_degrees(0.01),
+            "vertical_fov is 0.01, and pixels of 100x80 span 2.2e-6 radians; pixels must",
+        ),
+        (camera().vertical_fov_degrees(179.99), "vertical_fov is 179.99, and pixels of 100x80 span"),
+        (camera().screen_width(1e-3), "screen_width is 0.001, and pixels of 100x80 span 2.5e-6 radians"),
+        (camera().size(1 << 18, 1), "size is 262144x1; width and height must be at most 131072"),
+    ];
+    for (camera, expected) in refused {
+        let message = camera.pose().unwrap_err().to_string();
+        assert!(message.contains(expected), "{message} should say: {expected}");
+    }
+    for distance in [*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end()] {
+        camera().screen_distance(distance).interaxial(0.0).pose().unwrap();
+    }
+}
+
+/// Pixels of the right view that differ in depth, primitive or colour.
+fn differing(a: &StereoPair, b: &StereoPair) -> usize {
+    let pixel = |pair: &StereoPair, index: usize| {
+        (pair.right.depth[index], pair.right.primitive[index], pair.right.linear[index])
+    };
+    (0..a.right.depth.len()).filter(|&index| pixel(a, index) != pixel(b, index)).count()
+}
+
+/// A camera whose pixels in the corners span `angle` or so: by a narrow field of view, a wide one, or eyes far apart.
+fn at_the_edge(
+    random: &mut Random,
+    scene: &Scene,
+    place: impl Fn(Vec3) -> Vec3,
+    scale: f32,
+    angle: f32,
+) -> StereoCamera {
+    let far = power(random, -1.0, 3.0);
+    let eye = place(random.point(1.0).normalize() * far);
+    let [a, b, _] = scene.triangles()[random.below(60)].corners;
+    let size = match random.below(5) {
+        0 => [2000, 1],
+        1 => [1, 2000],
+        _ => [1 + random.below(60) as u32, 1 + random.below(60) as u32],
+    };
+    let [width, height] = size.map(|side| side as f32);
+    let distance = scale * if random.unit() < 0.5 { far } else { power(random, -3.0, 3.0) };
+    let slope = match random.below(3) {
+        0 => 0.5 * height * angle,
+        1 => 2.0 / (angle * width.max(height)) * (height / width.max(height)),
+        _ => 0.4,
+    };
+    let camera = StereoCamera::look_at(eye, a.midpoint(b))
+        .size(size[0], size[1])
+        .vertical_fov_degrees(2.0 * slope.atan().to_degrees())
+        .screen_distance(distance);
+    match random.below(3) {
+        0 => camera.interaxial_pixels(power(random, -2.0, 1.0)),
+        _ => camera.interaxial(distance * 2.0 * (2.0 * slope / height / angle).sqrt()),
+    }
+}
+
+#[test]
+fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
+    let mut random = Random::new(6);
+    let mut renderer = renderer();
+    let (mut rendered, mut surfaces) = (0, 0);
+    for number in 0..1500 {
+        let scale = if number % 2 == 0 { 1.0 } else { power(&mut random, -3.0, 4.0) };
+        let offset = if number % 3 == 0 { scale * power(&mut random, -1.0, 2.0) } else { 0.0 };
+        let seed = random.below(1000) as u32;
+        let scene = RandomScene { seed, triangles: 60, spheres: 10, scale, offset, ..RandomScene::default() }.build();
+        let place = |point: Vec3| point * scale + Vec3::splat(offset);
+        // From just beyond the edge to four times as much.
+        let angle = MIN_PIXEL_ANGLE * 2_f32.powf(random.between(-0.2, 2.0));
+        let camera = at_the_edge(&mut random, &scene, place, scale, angle);
+        if camera.pose().is_err() {
+            continue;
+        }
+        let uploaded = renderer.upload(&scene).unwrap();
+        let [naive, bracket] = [Method::Naive, Method::BRACKET_RAYS]
+            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap());
+        rendered += 1;
+        surfaces += naive.right.primitive.iter().filter(|&&primitive| primitive != MISS).count();
+        if is_exact(&renderer) {
+            assert_eq!(differing(&naive, &bracket), 0, "{number}: {camera:?}");
+        }
+    }
+    assert!(rendered > 500 && surfaces > 50_000, "{rendered} {surfaces}");
+}
+
+/// A random scene, a fine ball in it, and a light; all times a power of two.
+fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
+    let source = RandomScene { seed, triangles: 60, spheres: 10, ..RandomScene::default() }.build();
+    let mut scene = Scene::new();
+    for mut part in [ball(target, radius, 40), {
+        let corners: Vec<Vec3> = source.triangles().iter().flat_map(|triangle| triangle.corners).collect();
+        let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+        mesh(corners, faces)
+    }] {
+        part.positions.iter_mut().for_each(|position| *position *= scale);
+        scene.add_mesh(&part).unwrap();
+    }
+    for sphere in source.spheres() {
+        scene.add_sphere(Sphere { center: sphere.center * scale, radius: sphere.radius * scale, ..*sphere }).unwrap();
+    }
+    scene.lights.push(PointLight { position: Vec3::new(1.0, 3.0, 2.0) * scale, intensity: Vec3::splat(0.5) });
+    scene
+}
+
+#[test]
+fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
+    let mut random = Random::new(5);
+    let mut renderer = renderer();
+    for (seed, (radius, degrees)) in (0..).zip([(0.3, 40.0), (1e-3, 0.05), (1e-4, 0.0106)]) {
+        let (eye, target) = (4.0 * random.point(1.0).normalize(), random.point(0.3));
+        let mut pairs = |scale: f32| {
+            let uploaded = renderer.upload(&scaled(seed, radius, target, scale)).unwrap();
+            let camera = StereoCamera::look_at(eye * scale, target * scale)
+                .size(64, 48)
+                .vertical_fov_degrees(degrees)
+                .screen_distance(4.0 * scale)
+                .interaxial_pixels(3.0);
+            [Method::Naive, Method::BRACKET_RAYS]
+                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap())
+        };
+        let [at_one, _] = pairs(1.0);
+        assert!(at_one.right.primitive.iter().filter(|&&primitive| primitive != MISS).count() > 100);
+        for scale in [-21, 24].map(|exponent| 2_f32.powi(exponent)) {
+            for mut pair in pairs(scale) {
+                pair.right.depth.iter_mut().for_each(|depth| *depth /= scale);
+                assert_eq!(differing(&at_one, &pair), 0, "scale {scale:e}, {degrees} degrees");
+            }
+        }
+    }
+}
+
+/// Low and high corner of a random box of any scale and place that a scene may have: flat, a line or a point, too.
+fn random_bounds(random: &mut Random) -> (Vec3, Vec3) {
+    let size = power(random, -7.0, 8.5);
+    let side = |random: &mut Random| match random.below(3) {
+        0 => 0.0,
+        1 => size * random.unit(),
+        _ => size,
+    };
+    let sides = Vec3::new(side(random), side(random), side(random));
+    let place = if random.unit() < 0.3 { Vec3::ZERO } else { random.point(1.0) * power(random, -6.0, 8.3) };
+    let clamp = |corner: Vec3| corner.clamp(Vec3::splat(-MAX_COORDINATE), Vec3::splat(MAX_COORDINATE));
+    (clamp(place - 0.5 * sides), clamp(place + 0.5 * sides))
+}
+
+#[test]
+fn a_fitting_camera_shows_both_eyes_the_whole_of_any_box() {
+    let mut random = Random::new(8);
+    let sizes = [(64, 48), (48, 64), (1, 1), (300, 100), (1600, 100), (100, 1600), (3840, 2160), (5000, 5000)];
+    let largest = (Vec3::splat(-MAX_COORDINATE), Vec3::splat(MAX_COORDINATE));
+    for number in 0..40_000 {
+        let bounds = if number == 0 { largest } else { random_bounds(&mut random) };
+        for (width, height) in [sizes[number % sizes.len()], sizes[(number / sizes.len()) % sizes.len()]] {
+            let camera = StereoCamera::fitting(bounds, width, height);
+            let pose = camera.pose().unwrap_or_else(|error| panic!("{bounds:?} at {width}x{height}: {error}"));
+            for corner in 0..8 {
+                let pick = |axis: usize| if corner >> axis & 1 == 0 { bounds.0[axis] } else { bounds.1[axis] };
+                for side in [-1.0, 1.0] {
+                    let [x, y, z] = pose.project(Vec3::new(pick(0), pick(1), pick(2)), side);
+                    let inside = (0.0..=width as f32).contains(&x) && (0.0..=height as f32).contains(&y);
+                    assert!(z > 0.0 && inside, "{bounds:?} at {width}x{height}: {x} {y} {z}");
+                }
+            }
+        }
+    }
+}
+
+fn framed(renderer: &mut Renderer, scene: &Scene) -> StereoPair {
+    let uploaded = renderer.upload(scene).unwrap();
+    let camera = StereoCamera::fitting(scene.bounds().unwrap(), 48, 48);
+    renderer.render(&uploaded, &camera, &Options::default()).unwrap()
+}
+
+fn triangle(corners: [Vec3; 3]) -> Scene {
+    let mut scene = Scene::new();
+    scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
+    scene
+}
+
+#[test]
+fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
+    let mut renderer = renderer();
+    // (Flat and at an angle, so that the fitting camera sees it from the front.)
+    let shape = [Vec3::new(-0.5, -0.5, 0.0), Vec3::new(0.5, -0.5, 0.0), Vec3::new(0.0, 0.5, 0.0)];
+    for scale in [1.1 * MIN_EXTENT, 1e-3, 1.0, 1e6, 1.9 * MAX_COORDINATE] {
+        let scene = triangle(shape.map(|corner| corner * scale));
+        let seen = framed(&mut renderer, &scene).left.primitive.iter().filter(|&&primitive| primitive == 0).count();
+        assert!(seen > 200, "{scale:e}: {seen}");
+    }
+    // A few steps of f32 across: a dot.
+    framed(&mut renderer, &triangle(shape.map(|corner| 8.0 * corner + Vec3::splat(5e7))));
+
+    let sphere = |center: Vec3, radius: f32| {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+        scene
+    };
+    for (small, side) in [
+        (triangle(shape.map(|corner| corner * 1e-30)), "1e-30"),
+        (triangle(shape.map(|corner| corner * 0.9 * MIN_EXTENT)), "9e-7"),
+        (sphere(Vec3::X, 1e-9), "2e-9"),
+    ] {
+        let message = renderer.upload(&small).unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("geometry: its longest side is {side}; it must be at least 1e-6")),
+            "{message}"
+        );
+    }
+    // Far from the origin its box is no step of f32 across, and the sphere is as good as any.
+    framed(&mut renderer, &sphere(Vec3::splat(1e6), 1e-3));
+    let mut mixed = triangle(shape.map(|corner| corner * 1e-30));
+    mixed.add_sphere(Sphere { center: Vec3::X, radius: 0.1, material: MaterialId(0) }).unwrap();
+    framed(&mut renderer, &mixed);
+}
