@@ -1,9 +1,9 @@
 //! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
 
 use glam::{DVec3, Vec3};
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 
-use crate::{Boxes, Error, Scene, large::longest_edge, layout, scene::components};
+use crate::{Boxes, Error, Scene, large::longest_edge, layout, scene::components, tree};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
@@ -25,7 +25,7 @@ impl BvhBuild {
     pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Best];
 
     /// obvhs's preset. Leaves hold up to eight primitives, which is what a link can say.
-    fn params(self) -> BvhBuildParams {
+    pub(crate) fn params(self) -> BvhBuildParams {
         let preset = match self {
             Self::Fast => BvhBuildParams::very_fast_build(),
             Self::Balanced => BvhBuildParams::medium_build(),
@@ -47,8 +47,6 @@ const MAX_MATERIALS: usize = 1 << 16;
 const GRID: f64 = 65535.0;
 /// A scene whose detail is smaller than this share of it gets boxes that are widened each by its own distance.
 const FINE_DETAIL: f32 = 1.0 / 65536.0;
-/// Deeper trees are refused: every level is a word of private memory a thread.
-const MAX_STACK: u32 = 256;
 
 /// A scene's geometry, ready to upload.
 pub(crate) struct PackedBvh {
@@ -82,17 +80,25 @@ fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
     triangles.chain(spheres).enumerate().filter_map(|(id, aabb)| Some((id as u32, aabb?))).unzip()
 }
 
-/// Builds the tree of a scene's primitives; degenerate triangles are left out.
-///
-/// # Errors
-/// [`Error::Scene`] if there are more primitives than links can name, or the tree is too deep.
-pub(crate) fn build(scene: &Scene, build: BvhBuild, boxes: Boxes) -> Result<PackedBvh, Error> {
-    build_within(scene, build, boxes, MAX_STACK)
+/// What rays meet of a primitive, to the bit: whether it is a sphere, and its corners or its centre and radius.
+fn geometry(scene: &Scene, id: u32) -> (bool, [[u32; 3]; 3]) {
+    let words = |v: Vec3| v.to_array().map(f32::to_bits);
+    match scene.triangles().get(id as usize) {
+        Some(triangle) => (false, triangle.corners.map(words)),
+        None => {
+            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
+            (true, [words(sphere.center), [sphere.radius.to_bits(), 0, 0], [0; 3]])
+        }
+    }
 }
 
-fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> Result<PackedBvh, Error> {
+/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive:
+/// of equal t the smaller id wins, so no ray sees them.
+///
+/// # Errors
+/// [`Error::Scene`] if there are more primitives than links can name.
+pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes) = traced(scene);
-    let fault = |reason: String| Error::Scene { element: "geometry".into(), reason };
     if ids.is_empty() {
         // Textures and buffers need a texel; no kernel of an empty scene reads it.
         let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
@@ -106,17 +112,16 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
         });
     }
     if scene.materials().len() > MAX_MATERIALS {
-        return Err(fault(format!(
-            "{} materials, over the {MAX_MATERIALS} that primitives can name",
-            scene.materials().len()
-        )));
+        let reason =
+            format!("{} materials, over the {MAX_MATERIALS} that primitives can name", scene.materials().len());
+        return Err(Error::Scene { element: "materials".into(), reason });
     }
-    let tree = build_bvh2(&boxes, build.params(), &mut std::time::Duration::default());
-    // The best builds split large primitives: these stand in several leaves.
-    let slots = tree.primitive_indices.len();
-    if slots > MAX_SLOTS {
-        return Err(fault(format!("{slots} primitives, more than the {MAX_SLOTS} that a tree can name")));
+    if ids.len() > MAX_SLOTS {
+        let reason = format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len());
+        return Err(Error::Scene { element: "geometry".into(), reason });
     }
+    let compare = |a: u32, b: u32| geometry(scene, ids[a as usize]).cmp(&geometry(scene, ids[b as usize]));
+    let tree = tree::build(&boxes, build.params(), &compare);
     let grid = Grid::around(&tree, kind == Boxes::F32 && has_fine_detail(&boxes));
     let mut packer = Packer {
         scene,
@@ -130,13 +135,8 @@ fn build_within(scene: &Scene, build: BvhBuild, kind: Boxes, max_stack: u32) -> 
         packed: Vec::new(),
     };
     let depth = packer.pack_nodes();
+    // The root's sentinel, a link a level, and what is left of a leaf that is interrupted.
     let stack_size = (depth + 2).next_multiple_of(8);
-    if stack_size > max_stack {
-        return Err(fault(format!(
-            "its tree is {depth} levels deep, over the {} that kernels provide for; its primitives differ too much in size",
-            max_stack - 1
-        )));
-    }
     Ok(PackedBvh {
         world_boxes: grid.world,
         uniform: packer.grid.uniform(),
@@ -444,19 +444,33 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_too_deep_for_the_stack_is_refused_and_a_deep_one_gets_its_stack() {
+    fn a_deep_tree_gets_its_stack() {
         // Each triangle is larger than all before it together: every tree over them is a chain.
-        let chain = |factor: f32, count: i32, max_stack| {
-            let corners =
-                (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * factor.powi(i))).collect();
-            build_within(&scene_of(corners), BvhBuild::Balanced, Boxes::Grid16, max_stack)
-        };
-        let deep = chain(2.0, 120, MAX_STACK).unwrap();
+        let corners =
+            (0..120).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * 2_f32.powi(i))).collect();
+        let deep = build(&scene_of(corners), BvhBuild::Balanced, Boxes::Grid16).unwrap();
         let (_, depth) = check_boxes(&deep, Boxes::Grid16, 3);
         assert!(depth > 40, "a chain, not a balanced tree: {depth}");
-        assert!(depth < deep.stack_size && deep.stack_size <= MAX_STACK, "{depth} {}", deep.stack_size);
-        let message = chain(2.0, 120, 40).err().unwrap().to_string();
-        assert!(message.contains(&format!("{depth} levels deep, over the 39")), "{message}");
+        assert!(depth < deep.stack_size && deep.stack_size <= 256, "{depth} {}", deep.stack_size);
+    }
+
+    #[test]
+    fn of_copies_the_first_is_traced_and_turned_copies_stay() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        for (copies, scale) in [(2, 1.0), (20, 1e-30), (3000, 1.0), (3000, 1e-30)] {
+            let turned = (0..3 * copies).map(|copy| [0, 1, 2].map(|k| scale * corners[(copy + k) % 3]));
+            let apart = (0..40).map(|k| corners.map(|p| scale * (p + Vec3::Z * k as f32 + Vec3::X)));
+            let mut scene = scene_of(apart.chain(turned).flatten().collect());
+            for radius in [1.0, 2.0, 1.0, 1.0] {
+                scene.add_sphere(crate::Sphere { center: Vec3::X, radius, material: MaterialId(0) }).unwrap();
+            }
+            let spheres = scene.triangles().len() as u32;
+            for build_kind in BvhBuild::ALL {
+                let mut ids = build(&scene, build_kind, Boxes::F32).unwrap().ids;
+                ids.sort_unstable();
+                assert_eq!(ids, (0..43).chain([spheres, spheres + 1]).collect::<Vec<_>>(), "{copies} at {scale}");
+            }
+        }
     }
 
     #[test]

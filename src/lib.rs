@@ -86,6 +86,7 @@ mod random;
 pub mod scene;
 pub mod stereo;
 pub mod traversal;
+mod tree;
 
 pub use auto::Choice;
 pub use bvh::BvhBuild;
