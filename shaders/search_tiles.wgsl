@@ -23,6 +23,12 @@ const LEAVES: u32 = 32u;
 // Links to open stand from 0 on, leaves from here down.
 const FIRST_LEAF: u32 = STACK_SIZE + LEAVES - 1u;
 
+// A tile that asks for more boxes and primitives than this is given up and traced, which is cheaper then: so many triangles stand
+// in it that lists overflow anyhow. It also keeps a thread's rounds far below those that a software adapter ends loops after.
+const MOST_STEPS: u32 = 1024u;
+
+// Boxes and primitives looked at.
+var<private> steps: u32;
 // Primitives listed so far.
 var<private> listed: array<u32, TILE_BLOCKS>;
 
@@ -36,10 +42,12 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     search(tile, lists, min(bound * DEEPER, FAR));
     var anything = bound < FAR;
     var block = 0u;
+    let given_up = steps > MOST_STEPS;
+    anything |= given_up;
     loop {
         // What does not fit its list is traced: without a bound.
         let list = lists + block * LIST_WORDS;
-        let fits = listed[block] <= LIST_MOST;
+        let fits = listed[block] <= LIST_MOST && !given_up;
         anything |= listed[block] > 0u;
         found[list] = select(0u, listed[block], fits);
         found[list + 1u] = select(0u, bitcast<u32>(bound), fits);
@@ -65,6 +73,7 @@ fn search(tile: Tile, lists: u32, limit: f32) {
         var gathered = 0u;
         loop {
             if COUNT { nodes_visited += 1u; }
+            steps += 1u;
             let place = pair_place(link);
             let a = child_at(place, 0u, offsets);
             let b = child_at(place, 1u, offsets);
@@ -81,7 +90,7 @@ fn search(tile: Tile, lists: u32, limit: f32) {
             gathered += select(0u, 1u, met_b & leaf_b);
             link = links[top];
             top -= 1u;
-            if link == DONE || gathered + 2u > LEAVES { break; }
+            if link == DONE || gathered + 2u > LEAVES || steps > MOST_STEPS { break; }
         }
         var leaf = 0u;
         let first_leaf = links[FIRST_LEAF];
@@ -90,6 +99,7 @@ fn search(tile: Tile, lists: u32, limit: f32) {
         loop {
             if leaf >= gathered { break; }
             list_primitive(slot, tile, lists, projection);
+            steps += 1u;
             slot += 1u;
             if slot > last {
                 leaf += 1u;
@@ -98,9 +108,8 @@ fn search(tile: Tile, lists: u32, limit: f32) {
                 last = slot + ((next >> 28u) & 7u);
             }
         }
-        if link == DONE { break; }
+        if link == DONE || steps > MOST_STEPS { break; }
     }
-    cut_short |= link != DONE;
 }
 
 fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
