@@ -8,8 +8,9 @@ use crate::{
     Error, MISS, Renderer, UploadedScene,
     bvh::Texel,
     gpu::{Timestamps, bind_group},
-    kernels::{ANY_HITS, CLOSEST_HITS, Kernel},
+    kernels::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS, Kernel, Specialisation},
     layout::{self, LIST_WORKGROUP},
+    steps::{DISPATCHES, Lanes},
 };
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
@@ -48,7 +49,7 @@ pub struct RayHit {
 pub struct Cast<T> {
     /// One a ray.
     pub hits: Vec<T>,
-    /// Time of the tracing alone; `None` where the adapter has no timestamps.
+    /// Time of the tracing alone; `None` where the adapter has no timestamps, or tracing took more steps than can be timed.
     pub time: Option<Duration>,
 }
 
@@ -73,7 +74,8 @@ impl Renderer {
     /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::Scene`] for a scene that
     /// another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub fn closest_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
-        let cast = pollster::block_on(self.cast::<[u32; 2]>(scene, origin, rays, &CLOSEST_HITS))?;
+        let cast =
+            pollster::block_on(self.cast::<[u32; 2]>(scene, origin, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
             MISS => RayHit { t: f32::INFINITY, primitive },
             _ => RayHit { t: f32::from_bits(t), primitive },
@@ -87,78 +89,145 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::closest_hits`].
     pub fn any_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<bool>, Error> {
-        let cast = pollster::block_on(self.cast::<u32>(scene, origin, rays, &ANY_HITS))?;
+        let cast = pollster::block_on(self.cast::<u32>(scene, origin, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]))?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
+    /// By the first kernel; what the adapter cuts short, by the second, in steps.
     async fn cast<T: bytemuck::Pod>(
         &mut self,
         scene: &UploadedScene,
         origin: Vec3,
         rays: &[Ray],
-        kernel: &Kernel,
+        [at_once, in_steps]: [&'static Kernel; 2],
     ) -> Result<Cast<T>, Error> {
         scene.belongs_to(&self.gpu)?;
         check(origin, rays)?;
         let mut cast = Cast { hits: Vec::with_capacity(rays.len()), time: Some(Duration::ZERO) };
         for batch in rays.chunks(BATCH) {
-            let (hits, time) = self.cast_batch::<T>(scene, origin, batch, kernel).await?;
-            cast.hits.extend(hits);
-            cast.time = cast.time.zip(time).map(|(sum, time)| sum + time);
+            if !self.steps.always {
+                let mut list = List::new(self, scene, origin, batch, size_of::<T>()).await?;
+                if list.dispatch(at_once, None, 1).await? == 0 {
+                    list.read(&mut cast).await?;
+                    continue;
+                }
+            }
+            for part in batch.chunks(self.steps.threads as usize) {
+                let mut list = List::new(self, scene, origin, part, size_of::<T>()).await?;
+                list.trace_in_steps(in_steps).await?;
+                list.read(&mut cast).await?;
+            }
         }
         Ok(cast)
     }
+}
 
-    async fn cast_batch<T: bytemuck::Pod>(
-        &mut self,
-        scene: &UploadedScene,
+/// Rays on the device and what becomes of them.
+struct List<'a> {
+    renderer: &'a Renderer,
+    scene: &'a UploadedScene,
+    specialisation: Specialisation,
+    count: u32,
+    frame: wgpu::Buffer,
+    table: wgpu::BindGroup,
+    found: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    timestamps: Option<Timestamps>,
+}
+
+impl<'a> List<'a> {
+    async fn new(
+        renderer: &'a Renderer,
+        scene: &'a UploadedScene,
         origin: Vec3,
         rays: &[Ray],
-        kernel: &Kernel,
-    ) -> Result<(Vec<T>, Option<Duration>), Error> {
-        let gpu = &self.gpu;
-        let with =
-            crate::kernels::Specialisation { close: scene.large.any_close_to(&[origin]), ..scene.specialisation };
-        let frame =
-            layout::Frame { left_eye: origin.to_array(), image_size: [rays.len() as u32, 1], ..Default::default() };
-        let mut timestamps = Timestamps::new(gpu);
+        answer_bytes: usize,
+    ) -> Result<Self, Error> {
+        let gpu = &renderer.gpu;
+        let fetch = scene.specialisation.traversal.fetch;
+        let count = rays.len() as u32;
+        let frame = layout::Frame { left_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
+        let upload = || {
+            let table = gpu.upload("rays", &texels(rays), fetch)?;
+            let layout = &renderer.pipelines.layouts(fetch).table;
+            Ok(Self {
+                renderer,
+                scene,
+                specialisation: Specialisation { close: scene.large.any_close_to(&[origin]), ..scene.specialisation },
+                count,
+                frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
+                table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
+                found: gpu.storage_buffer("found", (answer_bytes * rays.len()) as u64),
+                counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
+                timestamps: Timestamps::new(gpu),
+            })
+        };
+        gpu.checked(upload).await
+    }
+
+    fn threads(&self) -> u32 {
+        self.count.div_ceil(self.specialisation.traversal.rays.block().pow(2))
+    }
+
+    /// So many dispatches of a kernel with these buffers. Returns in how many threads the adapter cut them short.
+    async fn dispatch(&mut self, kernel: &Kernel, lanes: Option<&Lanes>, times: u32) -> Result<u32, Error> {
+        let (renderer, gpu) = (self.renderer, &self.renderer.gpu);
         let launch = || {
-            let pipeline = self.pipelines.get(gpu, kernel, with);
-            let layouts = self.pipelines.layouts(with.traversal.fetch);
-            let table = gpu.upload("rays", &texels(rays), with.traversal.fetch)?;
-            let frame = gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame));
-            let found = gpu.storage_buffer("found", (size_of::<T>() * rays.len()) as u64);
-            let counters = gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4);
-            let own = [&frame, &found, &counters].map(wgpu::Buffer::as_entire_binding);
-            let own = bind_group(gpu, kernel.name, &pipeline.own, own.into_iter());
-            let table = bind_group(gpu, "rays", &layouts.table, std::iter::once(table.binding()));
+            let pipeline = renderer.pipelines.get(gpu, kernel, self.specialisation);
+            let lanes = lanes.map(|lanes| &lanes.buffer);
+            let own = std::iter::once(&self.frame).chain(lanes).chain([&self.found, &self.counters]);
+            let own = bind_group(gpu, kernel.name, &pipeline.own, own.map(wgpu::Buffer::as_entire_binding));
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let timestamp_writes = timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));
-            let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes };
-            let mut pass = encoder.begin_compute_pass(&descriptor);
-            pass.set_pipeline(&pipeline.pipeline);
-            pass.set_bind_group(0, &scene.geometry, &[]);
-            pass.set_bind_group(1, &own, &[]);
-            pass.set_bind_group(2, &table, &[]);
-            let side = kernel.block(&with);
-            pass.dispatch_workgroups((rays.len() as u32).div_ceil(LIST_WORKGROUP * side * side), 1, 1);
-            drop(pass);
-            if let Some(timestamps) = &timestamps {
-                timestamps.resolve(&mut encoder);
+            for _ in 0..times {
+                let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));
+                let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
+                pass.set_pipeline(&pipeline.pipeline);
+                pass.set_bind_group(0, &self.scene.geometry, &[]);
+                pass.set_bind_group(1, &own, &[]);
+                pass.set_bind_group(2, &self.table, &[]);
+                pass.dispatch_workgroups(self.threads().div_ceil(LIST_WORKGROUP), 1, 1);
             }
             gpu.queue.submit([encoder.finish()]);
-            Ok((found, counters))
+            Ok(())
         };
-        let (found, counters) = gpu.checked(launch).await?;
-        let words: Vec<u32> = gpu.read(&counters, layout::COUNTERS).await?;
-        if words[layout::CUT_SHORT] > 0 {
-            return Err(Error::cut_short(u64::from(words[layout::CUT_SHORT]), "threads"));
+        gpu.checked(launch).await?;
+        let words: Vec<u32> = gpu.read(&self.counters, layout::COUNTERS).await?;
+        Ok(words[layout::CUT_SHORT])
+    }
+
+    async fn trace_in_steps(&mut self, kernel: &Kernel) -> Result<(), Error> {
+        let gpu = &self.renderer.gpu;
+        let lanes = Lanes::new(gpu, &self.specialisation, self.threads()).await?;
+        lanes.begin(gpu, self.threads(), self.renderer.steps.rounds).await?;
+        loop {
+            match self.dispatch(kernel, Some(&lanes), DISPATCHES).await? {
+                0 if lanes.unfinished(gpu).await? == 0 => return Ok(()),
+                0 => {}
+                threads => return Err(Error::cut_short(u64::from(threads), "threads")),
+            }
         }
-        let time = match &timestamps {
-            Some(timestamps) => timestamps.read(gpu).await?.map(|times| times.total()),
+    }
+
+    /// Reads the answers and the time they took.
+    async fn read<T: bytemuck::Pod>(&self, cast: &mut Cast<T>) -> Result<(), Error> {
+        let gpu = &self.renderer.gpu;
+        let time = match &self.timestamps {
+            Some(timestamps) => {
+                let resolve = || {
+                    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                    timestamps.resolve(&mut encoder);
+                    gpu.queue.submit([encoder.finish()]);
+                    Ok(())
+                };
+                gpu.checked(resolve).await?;
+                timestamps.read(gpu).await?.map(|times| times.total())
+            }
             None => None,
         };
-        Ok((gpu.read(&found, rays.len()).await?, time))
+        cast.hits.extend(gpu.read::<T>(&self.found, self.count as usize).await?);
+        cast.time = cast.time.zip(time).map(|(sum, time)| sum + time);
+        Ok(())
     }
 }
 

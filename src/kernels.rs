@@ -392,6 +392,27 @@ pub(crate) const ANY_HITS: Kernel = Kernel {
     extra: &[COUNT, RAY_LIST],
     main: part!("any_hits.wgsl"),
 };
+pub(crate) const TRACE_IN_STEPS: Kernel = Kernel {
+    name: "trace_in_steps",
+    touches: Touches::Shading,
+    storage: &[Write, Write, Write, Write],
+    extra: &[COUNT, LIGHT_TRACED],
+    main: part!("trace_in_steps.wgsl"),
+};
+pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel {
+    name: "closest_hits_in_steps",
+    touches: Touches::RayList,
+    storage: &[Write, Write, Write],
+    extra: &[COUNT, RAY_LIST],
+    main: part!("closest_hits_in_steps.wgsl"),
+};
+pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel {
+    name: "any_hits_in_steps",
+    touches: Touches::RayList,
+    storage: &[Write, Write, Write],
+    extra: &[COUNT, RAY_LIST],
+    main: part!("any_hits_in_steps.wgsl"),
+};
 pub(crate) const COMPOSE: Kernel = Kernel {
     name: "compose",
     touches: Touches::Pixels,
@@ -433,6 +454,11 @@ impl Kernel {
         }
     }
 
+    /// Whether its threads leave work to the next dispatch (`src/steps.rs`).
+    fn in_steps(&self) -> bool {
+        matches!(self.name, "trace_in_steps" | "closest_hits_in_steps" | "any_hits_in_steps")
+    }
+
     /// The files a kernel is made of, in order.
     pub(crate) fn parts(&self, with: &Specialisation) -> Vec<Part> {
         let hits = match with.hits {
@@ -459,6 +485,10 @@ impl Kernel {
                 Fetch::Buffer => part!("shared/fetch_buffer.wgsl"),
             });
             parts.extend(geometry_parts(with));
+            parts.push(match self.in_steps() {
+                true => part!("shared/in_steps.wgsl"),
+                false => part!("shared/in_one_go.wgsl"),
+            });
         }
         if self.name == RESOLVE_RIGHT.name {
             parts.push(match with.verify {
@@ -572,7 +602,10 @@ mod tests {
     use super::*;
     use crate::layout;
 
-    const ALL: [&Kernel; 18] = [
+    const ALL: [&Kernel; 21] = [
+        &TRACE_IN_STEPS,
+        &CLOSEST_HITS_IN_STEPS,
+        &ANY_HITS_IN_STEPS,
         &SHADE_SKY,
         &BOUND_TILES,
         &SEARCH_TILES,

@@ -84,6 +84,7 @@ pub mod output;
 pub mod pair;
 mod random;
 pub mod scene;
+mod steps;
 pub mod stereo;
 pub mod traversal;
 mod tree;

@@ -108,10 +108,14 @@ impl PassTimes {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`] chose.
+    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`] chose,
+    /// [`Method::Naive`] [in steps](Self::in_steps).
     pub method: Method,
     /// Why [`Method::Auto`] chose it; `None` by other methods.
     pub choice: Option<Choice>,
+    /// Whether threads left work to further dispatches: where an adapter ends their loops before that is done, a frame is rendered
+    /// again, by [`Method::Naive`] in steps. It takes longer and shows the same.
+    pub in_steps: bool,
     /// The left view's work.
     pub left: Work,
     /// The right view's work.

@@ -1,5 +1,7 @@
 //! The renderer: the passes of one frame, in order.
 
+mod in_steps;
+
 use std::{
     ops::ControlFlow,
     sync::{Arc, OnceLock},
@@ -19,6 +21,7 @@ use crate::{
     large::LargePrimitives,
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
+    steps::Steps,
     traversal::{Fetch, Traversal},
 };
 
@@ -94,7 +97,8 @@ impl Default for Options {
 pub struct Progress {
     /// The pass at work.
     pub pass: &'static str,
-    /// Share of the frame's rows done, all passes together, 0 to 1.
+    /// Share of the frame's rows done, all passes together, 0 to 1. It begins anew where a frame is rendered again
+    /// ([`Statistics::in_steps`]).
     pub done: f32,
 }
 
@@ -206,6 +210,7 @@ pub struct Renderer {
     slots: Option<Arc<wgpu::Buffer>>,
     timestamps: Option<Timestamps>,
     band_pixels: u32,
+    pub(crate) steps: Steps,
 }
 
 /// What a frame needs of its picture.
@@ -384,7 +389,8 @@ impl Renderer {
     pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
         let pipelines = Pipelines::new(&gpu);
         let timestamps = Timestamps::new(&gpu);
-        Self { gpu, traversal, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS }
+        let steps = Steps::default();
+        Self { gpu, traversal, pipelines, picture: None, slots: None, timestamps, band_pixels: BAND_PIXELS, steps }
     }
 
     /// The device.
@@ -488,8 +494,8 @@ impl Renderer {
     /// Renders a pair; `progress` is called after every band of rows of every pass, and may stop the frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind or whose
-    /// tracing a driver cuts short, [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
+    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
     /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,
@@ -530,45 +536,43 @@ impl Renderer {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, pose, scene);
         method.check()?;
+        if !self.steps.always
+            && let Some(traced) = self.trace_at_once(scene, pose, options, method, progress).await?
+        {
+            return Ok(traced);
+        }
+        self.trace_in_steps(scene, pose, options, progress).await
+    }
+
+    /// The passes of a frame, unless the adapter cuts a thread's work short: then `None`.
+    async fn trace_at_once(
+        &mut self,
+        scene: &UploadedScene,
+        pose: &Pose,
+        options: &Options,
+        method: Method,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<Option<(Statistics, Arc<Picture>)>, Error> {
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, pose) } else { None };
         let method = early.map_or(method, |choice| choice.method);
         let kept = Kept::of(options.g_buffer, method);
-        let need = Need {
-            size: pose.size,
-            kept,
-            reuse: !matches!(method, Method::Naive | Method::Ideal),
-            cost_map: options.cost_map,
-        };
-        let picture = self.picture_of(need).await?;
-        if let Some(timestamps) = &mut self.timestamps {
-            timestamps.restart();
-        }
-        let mut passes = Passes {
-            gpu: &self.gpu,
-            pipelines: &self.pipelines,
-            scene,
-            specialisation: Specialisation {
-                hits: kept,
-                close: scene.close_to(&[pose.eye_position(-1.0), pose.eye_position(1.0)]),
-                ..scene.specialisation.counting(options.count, options.cost_map)
-            },
-            picture: &picture,
-            slots: &mut self.slots,
-            slot_bytes: 0,
-            rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6)),
-            frame: frame_uniform(pose),
-            timestamps: self.timestamps.as_mut(),
-            host: Duration::ZERO,
-            choice: None,
-            rows_done: 0,
-            rows_total: pose.size[1] * passes_of(method),
-            progress,
-        };
+        let reuse = !matches!(method, Method::Naive | Method::Ideal);
+        let picture = self.picture_of(Need { size: pose.size, kept, reuse, cost_map: options.cost_map }).await?;
+        let mut passes = self.passes(scene, pose, options, &picture, progress);
+        passes.rows_total = pose.size[1] * passes_of(method);
         let buffer_depth = passes.frame(pose, method).await?;
         passes.finish().await?;
         let (slot_bytes, host, choice) = (passes.slot_bytes, passes.host, passes.choice);
         let method = choice.map_or(method, |choice| choice.method);
-        let mut statistics = self.statistics(&picture, method).await?;
+        let mut statistics = match self.statistics(&picture, method).await? {
+            Ok(statistics) => statistics,
+            Err(threads) => {
+                log::warn!(
+                    "{method}: the adapter ended the loops of {threads} threads before their work was done; naive goes on in steps"
+                );
+                return Ok(None);
+            }
+        };
         statistics.choice = choice.or(early);
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes += slot_bytes;
@@ -578,7 +582,40 @@ impl Renderer {
         if let Some(times) = statistics.times.as_mut().filter(|_| !host.is_zero()) {
             times.0.insert(1, ("reproject_on_the_host", host));
         }
-        Ok((statistics, picture))
+        Ok(Some((statistics, picture)))
+    }
+
+    /// A frame's passes, none of them run.
+    fn passes<'a>(
+        &'a mut self,
+        scene: &'a UploadedScene,
+        pose: &Pose,
+        options: &Options,
+        picture: &'a Picture,
+        progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Passes<'a> {
+        if let Some(timestamps) = &mut self.timestamps {
+            timestamps.restart();
+        }
+        let counting = scene.specialisation.counting(options.count, options.cost_map);
+        let close = scene.close_to(&[pose.eye_position(-1.0), pose.eye_position(1.0)]);
+        Passes {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            scene,
+            specialisation: Specialisation { hits: picture.kept, close, ..counting },
+            picture,
+            slots: &mut self.slots,
+            slot_bytes: 0,
+            rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6)),
+            frame: frame_uniform(pose),
+            timestamps: self.timestamps.as_mut(),
+            host: Duration::ZERO,
+            choice: None,
+            rows_done: 0,
+            rows_total: pose.size[1],
+            progress,
+        }
     }
 
     async fn picture_of(&mut self, need: Need) -> Result<Arc<Picture>, Error> {
@@ -595,14 +632,15 @@ impl Renderer {
         Ok(picture)
     }
 
-    async fn statistics(&self, picture: &Picture, method: Method) -> Result<Statistics, Error> {
+    /// What a frame cost, or in how many threads an adapter cut it short.
+    async fn statistics(&self, picture: &Picture, method: Method) -> Result<Result<Statistics, u64>, Error> {
         let [width, height] = picture.size;
         let words: Vec<u32> = self.gpu.read(&picture.counters, height as usize * layout::COUNTERS).await?;
         let sum = |word| sum_of(&words, word);
         let pixels = u64::from(width) * u64::from(height);
         let cut_short = sum(layout::CUT_SHORT);
         if cut_short > 0 {
-            return Err(Error::cut_short(cut_short, "pixels"));
+            return Ok(Err(cut_short));
         }
         let work = |eye: usize, primary, verification| Work {
             rays: Rays { primary, verification, shadow: sum(eye * layout::VIEW_WORDS + layout::SHADOW_RAYS) },
@@ -619,7 +657,7 @@ impl Renderer {
                 (bad + missed, if checked { landed } else { 0 }, landed - bad)
             }
         };
-        Ok(Statistics {
+        Ok(Ok(Statistics {
             method,
             left: work(0, pixels, 0),
             right: work(1, primary, verification),
@@ -629,7 +667,7 @@ impl Renderer {
             lost_candidates: sum(layout::LOST_CANDIDATES),
             intermediate_bytes: picture.intermediate_bytes(method),
             ..Statistics::default()
-        })
+        }))
     }
 
     async fn read_pair(
@@ -1303,26 +1341,11 @@ mod tests {
                 renderer.picture_of(Need { size: pose.size, kept: Kept::Ids, reuse: true, cost_map: false }).await?;
             let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
             renderer.gpu.queue.write_buffer(&picture.hits, 0, bytemuck::cast_slice(&hits));
-            let mut passes = Passes {
-                gpu: &renderer.gpu,
-                pipelines: &renderer.pipelines,
-                scene: &scene,
-                specialisation: scene.specialisation,
-                picture: &picture,
-                slots: &mut renderer.slots,
-                slot_bytes: 0,
-                rows: band_rows(pose.size, renderer.band_pixels),
-                frame: frame_uniform(pose),
-                timestamps: None,
-                host: Duration::ZERO,
-                choice: None,
-                rows_done: 0,
-                rows_total: 1,
-                progress: &mut |_| ControlFlow::Continue(()),
-            };
+            let mut go_on = |_| ControlFlow::Continue(());
+            let mut passes = renderer.passes(&scene, pose, &Options::default(), &picture, &mut go_on);
             passes.clear(&[&picture.counters, &picture.right_source]).await?;
             passes.reproject(pose, overlap).await?;
-            let lost = renderer.statistics(&picture, Method::Naive).await?.lost_candidates;
+            let lost = renderer.statistics(&picture, Method::Naive).await?.unwrap().lost_candidates;
             Ok::<_, Error>((renderer.gpu.read(&picture.right_source, depths.len()).await?, lost))
         };
         pollster::block_on(run).unwrap()

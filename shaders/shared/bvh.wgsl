@@ -17,6 +17,9 @@ struct Rays {
     direction: F3,
 }
 
+// Links that a traversal has yet to follow, above DONE.
+alias Stack = array<u32, STACK_SIZE>;
+
 // What tests of primitives ask of a lane's rays besides.
 struct Scales {
     length: F,               // of the direction
@@ -139,14 +142,15 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let offsets = offsets_from(rays.origin);
 
     var hits = Hits(t_max, U(MISS), select(U(0u), U(MISS), any_is_enough));
-    var stack: array<u32, STACK_SIZE>;
+    var stack: Stack;
     stack[0] = DONE;
     var top = 0;
     var link = 0u;
+    resume(&hits, &stack, &top, &link);
     var slot: u32;
     var last: u32;
     // The t that boxes must begin before.
-    var reach = t_max;
+    var reach = hits.t;
     // A doubtful primitive is put off: few are, and what is done for them here every ray of a software adapter's vector pays for.
     var put_off = MISS;
     var doubted = t_max < t_max;
@@ -173,14 +177,16 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                     link = stack[top];
                     top -= 1;
                 }
-                if (link & LEAF) != 0u { break; }
+                spend_round();
+                if (link & LEAF) != 0u || is_tired() { break; }
             }
-            if link == DONE { break; }
+            if link == DONE || is_step_over(link) { break; }
             // Across: this leaf's primitives, and those of the leaves on top of the stack.
             slot = link & FIRST_SLOT;
             last = slot + ((link >> 28u) & 7u);
             loop {
                 if COUNT { primitives_tested += 1u; }
+                spend_round();
                 let primitive = primitive_at(slot);
                 let found = intersect(primitive, rays, scales, t_min);
                 if any_is_enough {
@@ -209,7 +215,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 if (link & LEAF) == 0u || link == DONE { break; }
             }
             reach = hits.t;
-            if link == DONE || waiting { break; }
+            if link == DONE || waiting || is_tired() { break; }
         }
         // One ray a round.
         loop {
@@ -233,7 +239,8 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         reach = F(NEVER);
         waiting = false;
     }
-    cut_short |= link != DONE;
+    let kept = keep_traversal(hits, &stack, top, link);
+    cut_short |= (link != DONE) & !kept;
     return hits;
 }
 

@@ -24,9 +24,9 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
     let reach_z = abs(point.z) * OFFSET_BY_PLACE + abs(point.z - eye.z) * OFFSET_BY_DISTANCE;
     let reach = max(max(reach_x, reach_y), reach_z);
     let away = max(max(abs(point.x - eye.x), abs(point.y - eye.y)), abs(point.z - eye.z));
-    var sum = all3(vec3f(0.0));
+    var sum = sum_so_far();
     let light_count = table_texel(AMBIENT).w;
-    var light = 0u;
+    var light = first_light();
     loop {
         let position = shading_vector(LIGHTS + 2u * light);
         let intensity = shading_vector(LIGHTS + 2u * light + 1u);
@@ -47,11 +47,13 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
         let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & surfaces.there;
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
+            if is_put_off(faces) { break; }
             sum = add3(sum, times3(all3(intensity), select(F(0.0), cosine, lit)));
         }
         light += 1u;
-        if light >= light_count { break; }
+        spend_round();
+        if light >= light_count || is_tired() { break; }
     }
-    cut_short |= light < light_count;
+    cut_short |= light < light_count && !keep_lights(sum, light);
     return sum;
 }

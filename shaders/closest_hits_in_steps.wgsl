@@ -1,0 +1,28 @@
+// The nearest hit of each ray of a list, as closest_hits.wgsl finds it, in as many dispatches as it takes (shared/in_steps.wgsl).
+//
+// launch  one thread per ray, or per four, until all have finished
+// updates steps     a lane per thread
+// writes  found     [rays]      t as bits (t_max where nothing is hit), primitive id
+// adds    counters  [COUNTERS]  as of the left view
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(2) var<storage, read_write> found: array<vec2u>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn closest_hits_in_steps(@builtin(global_invocation_id) id: vec3u) {
+    let first = id.x * RAYS;
+    if first >= frame.image_size.x || !begin_step(id.x) { return; }
+    let listed = listed_rays(first);
+    let hits = closest_hit(listed.rays, listed.t_min, listed.t_max);
+    var ray = 0u;
+    loop {
+        if !paused && first + ray < frame.image_size.x {
+            found[first + ray] = vec2u(bitcast<u32>(of_ray(hits.t, ray)), of_ray_u(hits.primitive, ray));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    end_step();
+    count_view(0u, LEFT, 0u, nodes_visited, primitives_tested);
+}

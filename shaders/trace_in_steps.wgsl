@@ -1,0 +1,62 @@
+// Trace and shade one view as trace_left.wgsl does, in as many dispatches as it takes (shared/in_steps.wgsl).
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work, until all have finished
+// updates steps     a lane per thread of the launch
+// writes  color     [height * width]      linear RGB, 1
+// writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id
+// adds    counters  [height * COUNTERS]   and a map of costs behind them, if one is asked for
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(2) var<storage, read_write> color: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> hits: array<PixelHit>;
+@group(1) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+
+// The lane of a thread: threads of a launch row by row, in whole workgroups.
+fn lane_of(id: vec3u) -> u32 {
+    let workgroups = (frame.image_size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
+    return id.y * workgroups * WORKGROUP + id.x;
+}
+
+fn seen_by(rays: Rays, wanted: B) -> Hits {
+    if steps.lanes[lane].stage != 0u { return steps.lanes[lane].seen; }
+    let seen = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
+    if !paused {
+        steps.lanes[lane].seen = seen;
+        steps.lanes[lane].stage = 1u;
+    }
+    return seen;
+}
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) || !begin_step(lane_of(id)) { return; }
+    let left = frame.eye == LEFT;
+    let eye = select(frame.right_eye, frame.left_eye, left);
+    let corner = select(frame.right_corner, frame.left_corner, left);
+    let rays = Rays(eye, pixel_directions(corner, pixels));
+    let seen = seen_by(rays, wanted);
+    if !paused {
+        let samples = shade(rays, seen, surfaces_at(rays, seen));
+        if !paused { keep_pixels(pixels, wanted, samples); }
+    }
+    end_step();
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(select(right_index(first), pixel_index(first), left));
+    count_view(first.y, frame.eye, shadow_rays - to_count_again, nodes_visited, primitives_tested);
+}
+
+fn keep_pixels(pixels: Pixels, wanted: B, samples: Samples) {
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
+            let hit = sample_hit(samples, ray);
+            if KEEP_HITS { hits[select(right_index(pixel), pixel_index(pixel), frame.eye == LEFT)] = hit; }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+}
