@@ -80,7 +80,7 @@ fn lights_without_number_light_what_their_sum_does() {
     let floor = [(-4.0, -4.0), (-4.0, 4.0), (4.0, 4.0), (4.0, -4.0)].map(|(x, z)| Vec3::new(x, -0.5, z));
     scene.add_mesh(&mesh(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     scene.add_mesh(&ball(Vec3::ZERO, 0.5, 12)).unwrap();
-    scene.ambient = Vec3::splat(0.1);
+    scene.ambient = Some(Vec3::splat(0.1));
     let camera = StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.0), Vec3::ZERO).size(31, 17).interaxial_pixels(3.0);
     let light = PointLight { position: Vec3::new(1.0, 4.0, 2.0), intensity: Vec3::splat(0.8) };
     scene.lights = vec![light];
