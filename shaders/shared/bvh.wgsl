@@ -237,6 +237,11 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         stack[top] = LEAF | ((last - slot) << 28u) | slot;
         link = 0u;
         reach = F(NEVER);
+        // Neither that visit nor the test that is made again counts.
+        if COUNT {
+            nodes_visited -= 1u;
+            primitives_tested -= 1u;
+        }
         waiting = false;
     }
     let kept = keep_traversal(hits, &stack, top, link);

@@ -147,6 +147,27 @@ mod tests {
         pair
     }
 
+    /// What is doubtful is looked at again at the end of a step at the latest, so that boxes behind it are not visited: counts may be a
+    /// little lower, 0.1% as measured.
+    fn assert_counts_alike(pair: &StereoPair, expected: &StereoPair, what: &str) {
+        for (work, expected) in
+            [(pair.statistics.left, expected.statistics.left), (pair.statistics.right, expected.statistics.right)]
+        {
+            assert_eq!(work.rays, expected.rays, "{what}");
+            for (count, expected) in [(work.nodes, expected.nodes), (work.primitive_tests, expected.primitive_tests)] {
+                assert!(count.abs_diff(expected) * 200 <= expected, "{what}: {count} for {expected}");
+            }
+        }
+    }
+
+    fn without_counts(mut pair: StereoPair) -> StereoPair {
+        for work in [&mut pair.statistics.left, &mut pair.statistics.right] {
+            (work.nodes, work.primitive_tests) = (0, 0);
+        }
+        (pair.left.cost, pair.right.cost) = (Vec::new(), Vec::new());
+        pair
+    }
+
     /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
         let options = |method| Options { cost_map: costs, ..Options::new(method) };
@@ -158,7 +179,8 @@ mod tests {
             let pair = renderer.render(&uploaded, camera, &options(Method::BRACKET)).unwrap();
             let what = format!("{name}, {:?}, {rounds} rounds a step", uploaded.info().traversal);
             assert!(pair.statistics.in_steps, "{what}");
-            assert!(shown(pair) == expected, "{what}");
+            assert_counts_alike(&pair, &expected, &what);
+            assert!(without_counts(shown(pair)) == without_counts(expected.clone()), "{what}");
         }
     }
 
