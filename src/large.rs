@@ -35,10 +35,20 @@ impl LargePrimitives {
     /// Whether one of them is large for one of these points.
     pub(crate) fn any_close_to(&self, points: &[Vec3]) -> bool {
         points.iter().any(|&point| {
-            self.triangles.iter().any(|corners| is_close(point, *corners))
+            self.triangles.iter().any(|corners| is_over(point, *corners) && is_close(point, *corners))
                 || self.spheres.iter().any(|sphere| is_close_sphere(point, sphere.center, sphere.radius))
         })
     }
+}
+
+/// Whether a point's foot on a triangle's plane lies in the triangle's box, or beside it. A triangle that is seen edge-on from afar is no
+/// matter: the mean of the corners' t holds there.
+fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let foot = point.as_dvec3() + normal * (a - point.as_dvec3()).dot(normal);
+    let aside = longest_edge([a, b, c]) / 8.0;
+    foot.cmpge(a.min(b).min(c) - aside).all() && foot.cmple(a.max(b).max(c) + aside).all()
 }
 
 fn largest<T>(mut all: Vec<T>, size: impl Fn(&T) -> f64) -> Vec<T> {
