@@ -104,18 +104,8 @@ fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
             if waiting { break; }
             place += 1u;
         }
-        loop {
-            let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
-            let ray = first_ray(doubted);
-            let t = look_again(primitive, rays.origin, of_ray3(rays.direction, ray), 0.0);
-            let chosen = RAY_INDEX == U(ray);
-            let hit = chosen & doubted & is_nearer(nearest, F(t), F(0.0), primitive.id);
-            nearest.t = select(nearest.t, F(t), hit);
-            nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
-            nearest.slot = select(nearest.slot, U(put_off), hit);
-            doubted &= !chosen;
-            if !any_ray(doubted) { break; }
-        }
+        nearest = settled(nearest, rays, F(0.0), put_off, doubted, false);
+        doubted = nearest.t < nearest.t;
         put_off = MISS;
         if place >= count { break; }
         // The test that is made again does not count.

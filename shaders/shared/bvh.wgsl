@@ -217,19 +217,8 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
             reach = hits.t;
             if link == DONE || waiting || is_tired() { break; }
         }
-        // One ray a round.
-        loop {
-            let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
-            let ray = first_ray(doubted);
-            let t = look_again(primitive, rays.origin, of_ray3(direction, ray), of_ray(t_min, ray));
-            let chosen = RAY_INDEX == U(ray);
-            let hit = chosen & doubted & is_nearer(hits, F(t), t_min, primitive.id);
-            hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
-            hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
-            hits.slot = select(hits.slot, U(put_off), hit);
-            doubted &= !chosen;
-            if !any_ray(doubted) { break; }
-        }
+        hits = settled(hits, rays, t_min, put_off, doubted, any_is_enough);
+        doubted = t_max < t_max;
         put_off = MISS;
         if !waiting { break; }
         // The rest of the leaf goes back on the stack, and the root is visited in vain, to take it from there.
@@ -246,6 +235,25 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     }
     let kept = keep_traversal(hits, &stack, top, link);
     cut_short |= (link != DONE) & !kept;
+    return hits;
+}
+
+// The hits once more, after a second look at a primitive that was put off, or at none (MISS), for the rays that doubt it: one ray a round.
+fn settled(before: Hits, rays: Rays, t_min: F, put_off: u32, doubted: B, any_is_enough: bool) -> Hits {
+    var hits = before;
+    var left = doubted;
+    let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
+    loop {
+        let ray = first_ray(left);
+        let t = look_again(primitive, rays.origin, of_ray3(rays.direction, ray), of_ray(t_min, ray));
+        let chosen = RAY_INDEX == U(ray);
+        let hit = chosen & left & is_nearer(hits, F(t), t_min, primitive.id);
+        hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
+        hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
+        hits.slot = select(hits.slot, U(put_off), hit);
+        left &= !chosen;
+        if !any_ray(left) { break; }
+    }
     return hits;
 }
 
