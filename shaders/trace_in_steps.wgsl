@@ -46,17 +46,3 @@ fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
     count_pixel(select(right_index(first), pixel_index(first), left));
     count_view(first.y, frame.eye, shadow_rays - to_count_again, nodes_visited, primitives_tested);
 }
-
-fn keep_pixels(pixels: Pixels, wanted: B, samples: Samples) {
-    var ray = 0u;
-    loop {
-        if of_ray_b(wanted, ray) {
-            let pixel = pixel_of_ray(pixels, ray);
-            color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
-            let hit = sample_hit(samples, ray);
-            if KEEP_HITS { hits[select(right_index(pixel), pixel_index(pixel), frame.eye == LEFT)] = hit; }
-        }
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
-}

@@ -20,18 +20,7 @@ fn trace_left(@builtin(global_invocation_id) id: vec3u) {
     let eye = select(frame.right_eye, frame.left_eye, left);
     let corner = select(frame.right_corner, frame.left_corner, left);
     let samples = trace_pixels(Rays(eye, pixel_directions(corner, pixels)), wanted);
-    var ray = 0u;
-    loop {
-        if of_ray_b(wanted, ray) {
-            let pixel = pixel_of_ray(pixels, ray);
-            color[pixel_index(pixel)] = vec4f(of_ray3(samples.color, ray), 1.0);
-            let hit = sample_hit(samples, ray);
-            keep_sample(pixel, samples, ray);
-            if KEEP_HITS { hits[select(right_index(pixel), pixel_index(pixel), left)] = hit; }
-        }
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
+    keep_pixels(pixels, wanted, samples);
     let first = pixel_of_ray(pixels, 0u);
     count_pixel(select(right_index(first), pixel_index(first), left));
     count_view(first.y, frame.eye, shadow_rays, nodes_visited, primitives_tested);

@@ -268,6 +268,7 @@ const LISTED_TILE: Part = part!("shared/listed_tile.wgsl");
 const RIGHT_HITS: Part = part!("shared/right_hits.wgsl");
 const TILES: Part = part!("shared/tiles.wgsl");
 const TILE: Part = part!("shared/tile.wgsl");
+const KEEP_PIXELS: Part = part!("shared/keep_pixels.wgsl");
 const RAY_LIST: Part = part!("shared/ray_list.wgsl");
 const PARALLAX: Part = part!("shared/parallax.wgsl");
 const MARKS: Part = part!("shared/marks.wgsl");
@@ -277,7 +278,7 @@ pub(crate) const TRACE_LEFT: Kernel = Kernel {
     name: "trace_left",
     touches: Touches::Shading,
     storage: &[Write, Write, Write],
-    extra: &[COUNT, LIGHT_TRACED],
+    extra: &[COUNT, LIGHT_TRACED, KEEP_PIXELS],
     main: part!("trace_left.wgsl"),
 };
 pub(crate) const REPROJECT: Kernel = Kernel {
@@ -396,7 +397,7 @@ pub(crate) const TRACE_IN_STEPS: Kernel = Kernel {
     name: "trace_in_steps",
     touches: Touches::Shading,
     storage: &[Write, Write, Write, Write],
-    extra: &[COUNT, LIGHT_TRACED],
+    extra: &[COUNT, LIGHT_TRACED, KEEP_PIXELS],
     main: part!("trace_in_steps.wgsl"),
 };
 pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel {
