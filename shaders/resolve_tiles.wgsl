@@ -78,8 +78,7 @@ fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
     let count = found[list];
     let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
     var nearest = Hits(F(FAR), U(MISS), U(0u));
-    var put_off = MISS;
-    var doubted = nearest.t < nearest.t;
+    var put_off = PutOff();
     var place = 0u;
     loop {
         loop {
@@ -96,17 +95,15 @@ fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
                 nearest.t = select(nearest.t, test.t, hit);
                 nearest.primitive = select(nearest.primitive, U(primitive.id), hit);
                 nearest.slot = select(nearest.slot, U(slot), hit);
-                let in_doubt = any_ray(test.doubtful);
-                waiting = in_doubt && put_off != MISS;
-                put_off = select(put_off, slot, in_doubt && !waiting);
-                doubted |= test.doubtful & B(!waiting);
+                let doubted = bits_of(test.doubtful);
+                waiting = is_too_many(put_off, doubted);
+                if !waiting { put_off = put_off_also(put_off, slot, doubted); }
             }
             if waiting { break; }
             place += 1u;
         }
-        nearest = settled(nearest, rays, F(0.0), put_off, doubted, false);
-        doubted = nearest.t < nearest.t;
-        put_off = MISS;
+        nearest = settled(nearest, rays, F(0.0), put_off, false);
+        put_off = PutOff();
         if place >= count { break; }
         // The test that is made again does not count.
         if COUNT { primitives_tested -= 1u; }

@@ -35,8 +35,8 @@ fn searched(scene: &Scene, frame: &Frame, eye: Eye) -> Vec<u32> {
 }
 
 #[test]
-fn rays_that_meet_all_of_twenty_thousand_triangles_find_the_first() {
-    let mut scene = stack_of_triangles(20_000);
+fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
+    let mut scene = stack_of_triangles(30_000);
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(13, 9).interaxial_pixels(1.5);
     scene.place_lights(4, &camera).unwrap();
     let mut renderer = renderer();

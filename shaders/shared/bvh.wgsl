@@ -57,6 +57,13 @@ struct Found {
     doubtful: B,   // not told by this test, which is quick, but by look_again
 }
 
+// Doubtful primitives that wait for their second look, each as slot << RAY_BITS with a bit for each ray that doubts it; 0: none.
+// Two, since a ray that doubts a triangle mostly doubts a neighbour.
+struct PutOff {
+    last: u32,
+    before: u32,
+}
+
 // Where one ray hit.
 struct Surface {
     geometric_normal: vec3f,   // unit, towards the viewer
@@ -73,8 +80,6 @@ const FIRST_SLOT: u32 = 0x0fffffffu;
 const DONE: u32 = 0xffffffffu;
 // Of a primitive's third texel's w: the material. Above it stand the upper 16 bits of a triangle's reach.
 const MATERIAL: u32 = 0x0000ffffu;
-// Box tests are conservative (DESIGN, section 2): rounding must hide neither a tie nor a flat leaf.
-const BOX_MARGIN: f32 = 1.0 + 1.0 / 262144.0;
 const NO_ENTRY: f32 = 3.402e38;
 // The t_max of a ray that is not to be traced, and the t of one that any_hit is finished with: before every box.
 const NEVER: f32 = -3.402e38;
@@ -127,8 +132,8 @@ struct Offsets {
     high: vec3f,
 }
 
-// Boxes are widened by more than all absolute rounding in the slab and primitive tests can amount to; rounding relative to t is
-// BOX_MARGIN's.
+// Boxes are widened by more than rounding can amount to in the slab and primitive tests, so that it hides neither a tie nor a
+// flat leaf (DESIGN, section 2). By no more: a shadow ray begins so close to its surface that a box of it would be met in vain.
 fn offsets_from(origin: vec3f) -> Offsets {
     let to_grid = bvh.grid_origin - origin;
     let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
@@ -151,10 +156,8 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     var last: u32;
     // The t that boxes must begin before.
     var reach = hits.t;
-    // A doubtful primitive is put off: few are, and what is done for them here every ray of a software adapter's vector pays for.
-    var put_off = MISS;
-    var doubted = t_max < t_max;
-    var waiting = false;
+    // Few are, and what is done for them in these loops every ray of a software adapter's vector pays for.
+    var put_off = PutOff();
     loop {
         // Both inner loops run their body before they test: software adapters run a body of no trips once anyhow.
         loop {
@@ -199,11 +202,9 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                     hits.primitive = select(hits.primitive, U(primitive.id), hit);
                     hits.slot = select(hits.slot, U(slot), hit);
                 }
-                let in_doubt = any_ray(found.doubtful);
-                waiting = in_doubt && put_off != MISS;
-                if waiting { break; }
-                put_off = select(put_off, slot, in_doubt);
-                doubted |= found.doubtful;
+                let doubted = bits_of(found.doubtful);
+                if is_too_many(put_off, doubted) { break; }
+                put_off = put_off_also(put_off, slot, doubted);
                 slot += 1u;
                 if slot > last {
                     link = stack[top];
@@ -215,11 +216,11 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 if (link & LEAF) == 0u || link == DONE { break; }
             }
             reach = hits.t;
-            if link == DONE || waiting || is_tired() { break; }
+            if (link & LEAF) != 0u || is_tired() { break; }
         }
-        hits = settled(hits, rays, t_min, put_off, doubted, any_is_enough);
-        doubted = t_max < t_max;
-        put_off = MISS;
+        let waiting = (link & LEAF) != 0u && link != DONE;
+        hits = settled(hits, rays, t_min, put_off, any_is_enough);
+        put_off = PutOff();
         if !waiting { break; }
         // The rest of the leaf goes back on the stack, and the root is visited in vain, to take it from there.
         top += 1;
@@ -231,18 +232,41 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
             nodes_visited -= 1u;
             primitives_tested -= 1u;
         }
-        waiting = false;
     }
     let kept = keep_traversal(hits, &stack, top, link);
     cut_short |= (link != DONE) & !kept;
     return hits;
 }
 
-// The hits once more, after a second look at a primitive that was put off, or at none (MISS), for the rays that doubt it: one ray a round.
-fn settled(before: Hits, rays: Rays, t_min: F, put_off: u32, doubted: B, any_is_enough: bool) -> Hits {
+// A third primitive must wait until those before it are settled.
+fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
+    return doubted != 0u && put_off.before != 0u;
+}
+
+// With one more, for the rays whose bits are given: or the same, for none.
+fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
+    let is_more = doubted != 0u;
+    return PutOff(select(put_off.last, (slot << RAY_BITS) | doubted, is_more), select(put_off.before, put_off.last, is_more));
+}
+
+// The hits once more, after a second look at what was put off.
+fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: bool) -> Hits {
     var hits = before;
-    var left = doubted;
-    let primitive = primitive_at(select(put_off, 0u, put_off == MISS));
+    var left = put_off;
+    loop {
+        hits = settled_by_one(hits, rays, t_min, left.last, any_is_enough);
+        left = PutOff(left.before, 0u);
+        if left.last == 0u { break; }
+    }
+    return hits;
+}
+
+// One ray a round.
+fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
+    var hits = before;
+    var left = with_bits(doubtful);
+    let slot = doubtful >> RAY_BITS;
+    let primitive = primitive_at(slot);
     loop {
         let ray = first_ray(left);
         let t = look_again(primitive, rays.origin, of_ray3(rays.direction, ray), of_ray(t_min, ray));
@@ -250,7 +274,7 @@ fn settled(before: Hits, rays: Rays, t_min: F, put_off: u32, doubted: B, any_is_
         let hit = chosen & left & is_nearer(hits, F(t), t_min, primitive.id);
         hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
         hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
-        hits.slot = select(hits.slot, U(put_off), hit);
+        hits.slot = select(hits.slot, U(slot), hit);
         left &= !chosen;
         if !any_ray(left) { break; }
     }
@@ -269,7 +293,7 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     let exit_xy = smaller(larger(low_x, high_x), larger(low_y, high_y));
     let entry = larger(entry_xy, larger(smaller(low_z, high_z), t_min));
     let exit = smaller(exit_xy, smaller(larger(low_z, high_z), t_best));
-    return smallest(select(F(NO_ENTRY), entry, entry <= exit * BOX_MARGIN));
+    return smallest(select(F(NO_ENTRY), entry, entry <= exit));
 }
 
 // The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER leaves

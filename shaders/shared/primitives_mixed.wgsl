@@ -11,9 +11,16 @@ fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;
 }
 
+// Both tests, then a choice: software adapters run both sides of a branch anyhow, and choose for less.
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
-    if is_sphere(primitive) { return intersect_sphere(rays, scales, primitive, t_min); }
-    return intersect_triangle(rays, scales, primitive);
+    let sphere = intersect_sphere(rays, scales, primitive, t_min);
+    let triangle = intersect_triangle(rays, scales, primitive);
+    let round = B(is_sphere(primitive));
+    return Found(
+        select(triangle.hit, sphere.hit, round),
+        select(triangle.t, sphere.t, round),
+        select(triangle.doubtful, sphere.doubtful, round),
+    );
 }
 
 fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {

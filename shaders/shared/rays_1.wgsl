@@ -23,3 +23,7 @@ fn of_ray_u(u: U, ray: u32) -> u32 { return u; }
 fn of_ray_b(b: B, ray: u32) -> bool { return b; }
 fn with_ray(f: F, ray: u32, value: f32) -> F { return value; }
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return value; }
+
+const RAY_BITS: u32 = 1u;
+fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
+fn with_bits(bits: u32) -> B { return (bits & 1u) != 0u; }

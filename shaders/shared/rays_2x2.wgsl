@@ -23,3 +23,8 @@ fn of_ray_u(u: U, ray: u32) -> u32 { return u[ray]; }
 fn of_ray_b(b: B, ray: u32) -> bool { return b[ray]; }
 fn with_ray(f: F, ray: u32, value: f32) -> F { return select(f, F(value), RAY_INDEX == U(ray)); }
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return select(u, U(value), RAY_INDEX == U(ray)); }
+
+// A bit for each ray.
+const RAY_BITS: u32 = 4u;
+fn bits_of(b: B) -> u32 { let n = select(U(0u), U(1u, 2u, 4u, 8u), b); return (n.x | n.y) | (n.z | n.w); }
+fn with_bits(bits: u32) -> B { return (U(bits) & U(1u, 2u, 4u, 8u)) != U(0u); }
