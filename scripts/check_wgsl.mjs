@@ -9,9 +9,10 @@ import { pathToFileURL } from 'node:url';
 
 const [folder, index] = process.argv.slice(2);
 const { create } = await import(pathToFileURL(index).href);
-// Held in a variable: Dawn aborts where it was collected as garbage.
-const gpu = create(['backend=null']);
-const adapter = await gpu.requestAdapter();
+// Held globally: Dawn crashes or hangs once this is collected as garbage, and an optimised function drops a variable
+// after its last use.
+globalThis.gpu = create(['backend=null']);
+const adapter = await globalThis.gpu.requestAdapter();
 if (!adapter) throw new Error('Dawn offers no null adapter');
 const device = await adapter.requestDevice();
 
