@@ -115,20 +115,57 @@ fn is_map(width: u32, height: u32) -> bool {
     width > 0 && height > 0 && width.is_multiple_of(2)
 }
 
-/// Reads a picture into linear colours. Its samples, which are never larger than those, are read into the list of colours
-/// itself and spread out there.
+/// Bytes of an HDR file, as the image crate asks for them.
+#[cfg(feature = "sky")]
+struct HdrBytes<R> {
+    inner: R,
+    /// Marks in a row.
+    marks: u32,
+}
+
+#[cfg(feature = "sky")]
+impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        self.inner.read(bytes)
+    }
+
+    /// Runs of pixels may be told by marks that stand in the place of pixels. The crate multiplies by 256 for each one that
+    /// follows another, and panics where a `usize` overflows: at the eighth, with 32 bits at the fourth.
+    fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
+        self.inner.read_exact(bytes)?;
+        self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
+        match self.marks {
+            0..=3 => Ok(()),
+            _ => Err(std::io::Error::other("a run of pixels has over three marks, which stand for 16 million pixels")),
+        }
+    }
+}
+
+/// Reads a picture into linear colours.
 #[cfg(feature = "sky")]
 fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), String> {
-    use image::ImageDecoder;
-
-    let said = |error: image::ImageError| error.to_string();
     let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
         .with_guessed_format()
         .map_err(|error| error.to_string())?;
+    if reader.format() == Some(image::ImageFormat::Hdr) {
+        let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
+        return colors(image::codecs::hdr::HdrDecoder::new(bytes), limits);
+    }
     let mut format_limits = image::Limits::default();
     format_limits.max_alloc = Some(limits.sky_pixels.saturating_mul(size_of::<Vec3>() as u64));
     reader.limits(format_limits);
-    let decoder = reader.into_decoder().map_err(said)?;
+    colors(reader.into_decoder(), limits)
+}
+
+/// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of colours
+/// itself and spread out there.
+#[cfg(feature = "sky")]
+fn colors(
+    decoder: image::ImageResult<impl image::ImageDecoder>,
+    limits: &Limits,
+) -> Result<(u32, u32, Vec<Vec3>), String> {
+    let said = |error: image::ImageError| error.to_string();
+    let decoder = decoder.map_err(said)?;
     let (width, height) = decoder.dimensions();
     let count = u64::from(width) * u64::from(height);
     if !is_map(width, height) {
@@ -274,6 +311,27 @@ mod tests {
             "{odd} {broken} {missing}"
         );
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
+    }
+
+    /// Bytes (1, 1, 1, n) stand for n more of the pixel before them, those behind them for 256 n more, and so on.
+    #[cfg(feature = "sky")]
+    #[test]
+    fn runs_of_an_hdr_file_are_read_up_to_those_that_no_number_can_hold() {
+        let folder = crate::folder::Folder::new("runs");
+        let path = folder.file("runs.hdr");
+        let read = |width: usize, marks: &[u8]| {
+            let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X {width}\n").into_bytes();
+            bytes.extend([128, 64, 32, 129]);
+            marks.iter().for_each(|&count| bytes.extend([1, 1, 1, count]));
+            std::fs::write(&path, bytes).unwrap();
+            SkyMap::open(&path)
+        };
+        let sky = read(66_052, &[3, 2, 1]).unwrap();
+        assert!(sky.pixels().iter().all(|&color| color == Vec3::new(1.0, 0.5, 0.25)));
+        for marks in [4, 9, 20] {
+            let message = read(8, &vec![0; marks]).unwrap_err().to_string();
+            assert!(message.contains("runs.hdr: no picture of a sky: a run of pixels has over three"), "{message}");
+        }
     }
 
     /// Writes a picture, reads it as a sky, and takes it away again.
