@@ -1,6 +1,8 @@
-// Whether each ray of a list hits anything (shared/ray_list.wgsl), for users and tests.
+// Whether each ray of a list hits anything (shared/ray_list.wgsl), for users and tests. All of it at once
+// (shared/in_one_go.wgsl), or in as many dispatches as it takes (shared/in_steps.wgsl).
 //
-// launch  one thread per ray, or per four
+// launch  one thread per ray, or per four; in steps, until all have finished
+// updates steps     a lane per thread, in steps
 // writes  found     [rays]      1 where something is hit
 // adds    counters  [COUNTERS]  as of the left view
 
@@ -11,16 +13,17 @@
 @compute @workgroup_size(LIST_WORKGROUP)
 fn any_hits(@builtin(global_invocation_id) id: vec3u) {
     let first = id.x * RAYS;
-    if first >= frame.image_size.x { return; }
+    if first >= frame.image_size.x || !begin_step(id.x) { return; }
     let listed = listed_rays(first);
     let occluded = any_hit(listed.rays, listed.t_min, listed.t_max);
     var ray = 0u;
     loop {
-        if first + ray < frame.image_size.x {
+        if !paused && first + ray < frame.image_size.x {
             found[first + ray] = select(0u, 1u, of_ray_b(occluded, ray));
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
+    end_step();
     count_view(0u, LEFT, 0u, nodes_visited, primitives_tested);
 }

@@ -1,6 +1,8 @@
-// The nearest hit of each ray of a list (shared/ray_list.wgsl), for users and tests.
+// The nearest hit of each ray of a list (shared/ray_list.wgsl), for users and tests. All of it at once
+// (shared/in_one_go.wgsl), or in as many dispatches as it takes (shared/in_steps.wgsl).
 //
-// launch  one thread per ray, or per four
+// launch  one thread per ray, or per four; in steps, until all have finished
+// updates steps     a lane per thread, in steps
 // writes  found     [rays]      t as bits (t_max where nothing is hit), primitive id
 // adds    counters  [COUNTERS]  as of the left view
 
@@ -11,16 +13,17 @@
 @compute @workgroup_size(LIST_WORKGROUP)
 fn closest_hits(@builtin(global_invocation_id) id: vec3u) {
     let first = id.x * RAYS;
-    if first >= frame.image_size.x { return; }
+    if first >= frame.image_size.x || !begin_step(id.x) { return; }
     let listed = listed_rays(first);
     let hits = closest_hit(listed.rays, listed.t_min, listed.t_max);
     var ray = 0u;
     loop {
-        if first + ray < frame.image_size.x {
+        if !paused && first + ray < frame.image_size.x {
             found[first + ray] = vec2u(bitcast<u32>(of_ray(hits.t, ray)), of_ray_u(hits.primitive, ray));
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
+    end_step();
     count_view(0u, LEFT, 0u, nodes_visited, primitives_tested);
 }

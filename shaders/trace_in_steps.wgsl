@@ -7,9 +7,9 @@
 // adds    counters  [height * COUNTERS]   and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(2) var<storage, read_write> color: array<vec4f>;
-@group(1) @binding(3) var<storage, read_write> hits: array<PixelHit>;
-@group(1) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read_write> color: array<vec4f>;
+@group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
 // The lane of a thread: threads of a launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {

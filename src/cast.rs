@@ -7,8 +7,10 @@ use glam::Vec3;
 use crate::{
     Error, MISS, Renderer, UploadedScene,
     bvh::Texel,
-    gpu::{Timestamps, bind_group},
-    kernels::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS, Kernel, Specialisation},
+    gpu::{Timestamps, bind_group, bind_group_at},
+    kernels::{
+        ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS, Kernel, STEPS_BINDING, Specialisation,
+    },
     layout::{self, LIST_WORKGROUP},
     steps::{DISPATCHES, Lanes},
 };
@@ -174,9 +176,10 @@ impl<'a> List<'a> {
         let (renderer, gpu) = (self.renderer, &self.renderer.gpu);
         let launch = || {
             let pipeline = renderer.pipelines.get(gpu, kernel, self.specialisation);
-            let lanes = lanes.map(|lanes| &lanes.buffer);
-            let own = std::iter::once(&self.frame).chain(lanes).chain([&self.found, &self.counters]);
-            let own = bind_group(gpu, kernel.name, &pipeline.own, own.map(wgpu::Buffer::as_entire_binding));
+            let lanes = lanes.map(|lanes| (STEPS_BINDING, &lanes.buffer));
+            let own = (0..).zip([&self.frame, &self.found, &self.counters]).chain(lanes);
+            let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+            let own = bind_group_at(gpu, kernel.name, &pipeline.own, own);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for _ in 0..times {
                 let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));

@@ -10,7 +10,7 @@ use std::{
 use crate::{
     Error, ShadowReuse,
     bvh::Texel,
-    kernels::{self, Access, Kept, Kernel, SAMPLES_BINDING, Shadows, SkyKind, Specialisation, Touches},
+    kernels::{self, Access, Kept, Kernel, SAMPLES_BINDING, STEPS_BINDING, Shadows, SkyKind, Specialisation, Touches},
     method::Verify,
     traversal::Fetch,
 };
@@ -549,6 +549,9 @@ impl Pipelines {
             let read_only = *access == Access::Read;
             entries.push(entry(index as u32 + 1, buffer_type(wgpu::BufferBindingType::Storage { read_only })));
         }
+        if kernel.in_steps() {
+            entries.push(entry(STEPS_BINDING, buffer_type(wgpu::BufferBindingType::Storage { read_only: false })));
+        }
         if let Some(access) = kernel.samples(&with) {
             let access = match access {
                 Access::Read => wgpu::StorageTextureAccess::ReadOnly,
@@ -573,7 +576,7 @@ impl Pipelines {
             label: Some(kernel.name),
             layout: Some(&layout),
             module: &module,
-            entry_point: Some(kernel.name),
+            entry_point: None, // the only one
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants: if kernel.touches.geometry() { &counting } else { &[] },
                 ..Default::default()

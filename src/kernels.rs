@@ -61,7 +61,7 @@ impl Touches {
     }
 }
 
-/// A compute kernel. Its entry point has the kernel's name; group 1 has the frame at binding 0 and then `storage`.
+/// A compute kernel. Its one entry point has the name of its file; group 1 has the frame at binding 0 and then `storage`.
 pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     pub(crate) touches: Touches,
@@ -254,7 +254,8 @@ impl Specialisation {
 
 use Access::{Read, Write};
 
-/// Where in group 1 the texture of left samples is bound.
+/// Where in group 1 is bound what threads keep from step to step (`src/steps.rs`), and the texture of left samples.
+pub(crate) const STEPS_BINDING: u32 = 14;
 pub(crate) const SAMPLES_BINDING: u32 = 15;
 
 const COUNT: Part = part!("shared/count.wgsl");
@@ -396,24 +397,12 @@ pub(crate) const ANY_HITS: Kernel = Kernel {
 pub(crate) const TRACE_IN_STEPS: Kernel = Kernel {
     name: "trace_in_steps",
     touches: Touches::Shading,
-    storage: &[Write, Write, Write, Write],
+    storage: &[Write, Write, Write],
     extra: &[COUNT, LIGHT_TRACED, KEEP_PIXELS],
     main: part!("trace_in_steps.wgsl"),
 };
-pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel {
-    name: "closest_hits_in_steps",
-    touches: Touches::RayList,
-    storage: &[Write, Write, Write],
-    extra: &[COUNT, RAY_LIST],
-    main: part!("closest_hits_in_steps.wgsl"),
-};
-pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel {
-    name: "any_hits_in_steps",
-    touches: Touches::RayList,
-    storage: &[Write, Write, Write],
-    extra: &[COUNT, RAY_LIST],
-    main: part!("any_hits_in_steps.wgsl"),
-};
+pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel { name: "closest_hits_in_steps", ..CLOSEST_HITS };
+pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps", ..ANY_HITS };
 pub(crate) const COMPOSE: Kernel = Kernel {
     name: "compose",
     touches: Touches::Pixels,
@@ -456,7 +445,7 @@ impl Kernel {
     }
 
     /// Whether its threads leave work to the next dispatch (`src/steps.rs`).
-    fn in_steps(&self) -> bool {
+    pub(crate) fn in_steps(&self) -> bool {
         matches!(self.name, "trace_in_steps" | "closest_hits_in_steps" | "any_hits_in_steps")
     }
 
@@ -726,7 +715,7 @@ mod tests {
                 .validate(&module)
                 .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
             assert_eq!(module.entry_points.len(), 1);
-            assert_eq!(module.entry_points[0].name, kernel.name);
+            assert_eq!(format!("{}.wgsl", module.entry_points[0].name), kernel.main.file);
             let used = module.global_variables.iter().filter(|(handle, variable)| {
                 !info.get_entry_point(0)[*handle].is_empty()
                     && matches!(variable.space, naga::AddressSpace::Storage { .. })
@@ -821,7 +810,7 @@ mod tests {
                 .global_variables
                 .iter()
                 .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-                .filter(|(binding, _)| binding.group == 1 && (1..SAMPLES_BINDING).contains(&binding.binding))
+                .filter(|(binding, _)| binding.group == 1 && (1..STEPS_BINDING).contains(&binding.binding))
                 .map(|(binding, space)| match space {
                     naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
                         (binding.binding, Write)

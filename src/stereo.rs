@@ -17,7 +17,7 @@ use crate::{
     bvh,
     camera::least_pixel_angle,
     gpu::{self, Gpu, Pipelines, Timestamps, bind_group, bind_group_at, check_bytes},
-    kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, Shadows, Specialisation, Touches},
+    kernels::{self, Kept, Kernel, RightView, SAMPLES_BINDING, STEPS_BINDING, Shadows, Specialisation, Touches},
     large::LargePrimitives,
     layout::{self, WORKGROUP},
     method::{BufferDepth, Overlap, Verify},
@@ -610,6 +610,7 @@ impl Renderer {
             rows: band_rows(pose.size, self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6)),
             frame: frame_uniform(pose),
             timestamps: self.timestamps.as_mut(),
+            lanes: None,
             host: Duration::ZERO,
             choice: None,
             rows_done: 0,
@@ -811,6 +812,8 @@ struct Passes<'a> {
     rows: u32,
     frame: layout::Frame,
     timestamps: Option<&'a mut Timestamps>,
+    /// What threads keep from step to step, for kernels in steps.
+    lanes: Option<wgpu::Buffer>,
     /// Time of what the host did in place of a pass.
     host: Duration,
     /// What `Auto` chose.
@@ -1116,7 +1119,9 @@ impl Passes<'_> {
         let resources = std::iter::once(&self.picture.frame).chain(buffers.iter().copied());
         let samples = kernel.samples(&self.specialisation).and(self.picture.samples.as_ref());
         let samples = samples.map(|view| (SAMPLES_BINDING, wgpu::BindingResource::TextureView(view)));
-        let resources = (0..).zip(resources.map(wgpu::Buffer::as_entire_binding)).chain(samples);
+        let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
+        let lanes = lanes.map(|buffer| (STEPS_BINDING, buffer.as_entire_binding()));
+        let resources = (0..).zip(resources.map(wgpu::Buffer::as_entire_binding)).chain(samples).chain(lanes);
         let own = bind_group_at(self.gpu, kernel.name, &pipeline.own, resources);
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };

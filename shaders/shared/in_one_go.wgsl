@@ -1,5 +1,11 @@
 // A thread does all of its work in one dispatch, and none of these does anything. Twin of in_steps.wgsl: same names.
 
+const paused = false;
+
+fn begin_step(thread: u32) -> bool { return true; }
+
+fn end_step() {}
+
 fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {}
 
 fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) -> bool { return false; }

@@ -51,6 +51,7 @@ impl Passes<'_> {
         let workgroups = (steps.threads / WORKGROUP / threads_across).clamp(1, p.size[1].div_ceil(block));
         self.rows = workgroups * block;
         let lanes = Lanes::new(self.gpu, &self.specialisation, workgroups * WORKGROUP * threads_across).await?;
+        self.lanes = Some(lanes.buffer.clone());
         self.clear(&[&p.counters]).await?;
         for (eye, name, color) in [(0, "trace_left", &p.left_color), (1, "trace_right", &p.right_color)] {
             self.frame.eye = eye;
@@ -85,7 +86,7 @@ impl Passes<'_> {
                 let submit = || {
                     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                     for _ in 0..DISPATCHES {
-                        let buffers = [&lanes.buffer, color, &p.hits, &p.counters];
+                        let buffers = [color, &p.hits, &p.counters];
                         let kernel = &kernels::TRACE_IN_STEPS;
                         self.dispatch_as(name, &mut encoder, kernel, &buffers, super::Launch::Pixels);
                     }
