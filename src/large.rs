@@ -23,12 +23,10 @@ pub(crate) struct LargePrimitives {
 impl LargePrimitives {
     pub(crate) fn of(scene: &Scene) -> Self {
         let triangles = scene.triangles().iter().filter(|triangle| !triangle.is_degenerate());
-        let triangles = triangles.map(|triangle| triangle.corners).collect();
         let edge = |corners: &[Vec3; 3]| longest_edge(corners.map(Vec3::as_dvec3));
-        let spheres = scene.spheres().to_vec();
         Self {
-            triangles: largest(triangles, edge),
-            spheres: largest(spheres, |sphere: &Sphere| f64::from(sphere.radius)),
+            triangles: largest(triangles.map(|triangle| triangle.corners), edge),
+            spheres: largest(scene.spheres().iter().copied(), |sphere| f64::from(sphere.radius)),
         }
     }
 
@@ -51,14 +49,50 @@ fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     foot.cmpge(a.min(b).min(c) - aside).all() && foot.cmple(a.max(b).max(c) + aside).all()
 }
 
-fn largest<T>(mut all: Vec<T>, size: impl Fn(&T) -> f64) -> Vec<T> {
-    if all.len() > MOST {
-        all.select_nth_unstable_by(MOST, |a, b| size(b).total_cmp(&size(a)));
-        all.truncate(MOST);
+/// The `MOST` largest, in no order. Keeps at most twice as many at a time.
+fn largest<T>(all: impl Iterator<Item = T>, size: impl Fn(&T) -> f64) -> Vec<T> {
+    let mut kept: Vec<(f64, T)> = Vec::new();
+    let mut least = f64::NEG_INFINITY;
+    let drop_smaller = |kept: &mut Vec<(f64, T)>| {
+        kept.select_nth_unstable_by(MOST - 1, |(a, _), (b, _)| b.total_cmp(a));
+        kept.truncate(MOST);
+        kept[MOST - 1].0
+    };
+    for one in all {
+        let size = size(&one);
+        if size > least {
+            kept.push((size, one));
+        }
+        if kept.len() == 2 * MOST {
+            least = drop_smaller(&mut kept);
+        }
     }
-    all
+    if kept.len() > MOST {
+        drop_smaller(&mut kept);
+    }
+    kept.into_iter().map(|(_, one)| one).collect()
 }
 
 pub(crate) fn longest_edge([a, b, c]: [DVec3; 3]) -> f64 {
     a.distance(b).max(b.distance(c)).max(c.distance(a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn the_largest_are_those_that_sorting_puts_first() {
+        let mut random = Random::new(7);
+        for count in [0, 1, MOST, MOST + 1, 2 * MOST, 50 * MOST + 3] {
+            // Few enough sizes that many are equal.
+            let all: Vec<f64> = (0..count).map(|_| random.below(5000) as f64).collect();
+            let mut found = largest(all.iter().copied(), |&size| size);
+            found.sort_by(f64::total_cmp);
+            let mut expected = all;
+            expected.sort_by(f64::total_cmp);
+            assert_eq!(found, expected[count.saturating_sub(MOST)..], "{count}");
+        }
+    }
 }
