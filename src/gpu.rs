@@ -22,6 +22,9 @@ pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 /// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
+/// Texels that are handed to the driver at a time: whole rows of those textures, 16 MiB.
+const PIECE: usize = 1 << 20;
+
 /// A graphics device and what is known of it. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -250,16 +253,12 @@ impl Gpu {
         })
     }
 
-    pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        self.filled_buffer(label, contents, wgpu::BufferUsages::UNIFORM)
-    }
-
     /// Not mapped at creation: on a lost device that panics.
-    fn filled_buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: contents.len() as u64,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         self.queue.write_buffer(&buffer, 0, contents);
@@ -286,38 +285,80 @@ impl Gpu {
     /// Uploads texels as a texture or a storage buffer.
     ///
     /// # Errors
-    /// [`Error::Limit`] if they don't fit one texture or binding.
+    /// [`Error::Limit`] if they don't fit one texture or binding, and [`Error::DeviceLost`].
     pub(crate) fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
+        self.upload_each(label, texels.len(), texels.iter().copied(), fetch)
+    }
+
+    /// Uploads so many texels as they come, without having them all at once.
+    ///
+    /// # Errors
+    /// As [`Gpu::upload`].
+    pub(crate) fn upload_each(
+        &self,
+        label: &'static str,
+        count: usize,
+        texels: impl Iterator<Item = Texel>,
+        fetch: Fetch,
+    ) -> Result<Texels, Error> {
         match fetch {
-            Fetch::Texture => self.upload_texture(label, texels),
+            Fetch::Texture => {
+                if count as u64 > self.texel_capacity(fetch) {
+                    return Err(Error::Limit {
+                        what: format!("the scene's {label} texture"),
+                        needed: format!("{count} texels in rows of {TEXTURE_WIDTH}"),
+                        limit: "max_texture_dimension_2d",
+                        allowed: self.limits.max_texture_dimension_2d.to_string(),
+                        remedy: "use fewer primitives",
+                    });
+                }
+                let texture = self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count);
+                self.in_pieces(texels, |first, texels| {
+                    self.write_rows(&texture, first / TEXTURE_WIDTH as usize, texels);
+                })?;
+                Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+            }
             Fetch::Buffer => {
-                let contents: &[u8] = bytemuck::cast_slice(texels);
-                let what = format!("the scene's {label} buffer");
-                check_bytes(&what, contents.len() as u64, self.binding_limit(), "use fewer primitives")?;
-                Ok(Texels::Buffer(self.filled_buffer(label, contents, wgpu::BufferUsages::STORAGE)))
+                let (what, bytes) = (format!("the scene's {label} buffer"), (count * size_of::<Texel>()) as u64);
+                check_bytes(&what, bytes, self.binding_limit(), "use fewer primitives")?;
+                let buffer = self.storage_buffer(label, bytes);
+                self.in_pieces(texels, |first, texels| {
+                    let offset = (first * size_of::<Texel>()) as u64;
+                    self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(texels));
+                })?;
+                Ok(Texels::Buffer(buffer))
             }
         }
     }
 
-    fn upload_texture(&self, label: &'static str, texels: &[Texel]) -> Result<Texels, Error> {
-        let rows = texels.len().div_ceil(TEXTURE_WIDTH as usize).max(1);
-        if texels.len() as u64 > self.texel_capacity(Fetch::Texture) {
-            return Err(Error::Limit {
-                what: format!("the scene's {label} texture"),
-                needed: format!("{} texels in rows of {TEXTURE_WIDTH}", texels.len()),
-                limit: "max_texture_dimension_2d",
-                allowed: self.limits.max_texture_dimension_2d.to_string(),
-                remedy: "use fewer primitives",
-            });
+    /// Writes texels in pieces, from the index of a first one on. A driver copies what it is handed and holds that copy until it
+    /// is done, so one piece is waited for before the next is made.
+    fn in_pieces(&self, mut texels: impl Iterator<Item = Texel>, write: impl Fn(usize, &[Texel])) -> Result<(), Error> {
+        let mut piece = Vec::new();
+        for first in (0..).step_by(PIECE) {
+            piece.clear();
+            piece.extend(texels.by_ref().take(PIECE));
+            if !piece.is_empty() {
+                write(first, &piece);
+            }
+            if piece.len() < PIECE {
+                break;
+            }
+            self.wait(Some(self.queue.submit([])))?;
         }
-        let width = if rows == 1 { texels.len().max(1) as u32 } else { TEXTURE_WIDTH };
-        Ok(Texels::Texture(self.filled_texture(label, width, texels)))
+        Ok(())
     }
 
     /// A texture of texels in rows, the last of which may be short.
     pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
-        let height = texels.len().div_ceil(width as usize).max(1) as u32;
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+        let texture = self.texture(label, width, texels.len());
+        self.write_rows(&texture, 0, texels);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    fn texture(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
+        let height = texels.div_ceil(width as usize).max(1) as u32;
+        self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -326,13 +367,16 @@ impl Gpu {
             format: wgpu::TextureFormat::Rgba32Uint,
             usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
-        });
-        let full = texels.len() / width as usize;
-        let write = |first_row: usize, texels: &[Texel], width: u32, rows: usize| {
+        })
+    }
+
+    /// Writes texels from a row on. The last row may be short.
+    fn write_rows(&self, texture: &wgpu::Texture, first_row: usize, texels: &[Texel]) {
+        let write = |row: usize, texels: &[Texel], width: u32, rows: usize| {
             let target = wgpu::TexelCopyTextureInfo {
-                texture: &texture,
+                texture,
                 mip_level: 0,
-                origin: wgpu::Origin3d { x: 0, y: first_row as u32, z: 0 },
+                origin: wgpu::Origin3d { x: 0, y: row as u32, z: 0 },
                 aspect: wgpu::TextureAspect::All,
             };
             let layout =
@@ -340,14 +384,15 @@ impl Gpu {
             let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
             self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
         };
+        let width = texture.width();
+        let full = texels.len() / width as usize;
         let (whole, rest) = texels.split_at(full * width as usize);
         if !whole.is_empty() {
-            write(0, whole, width, full);
+            write(first_row, whole, width, full);
         }
         if !rest.is_empty() {
-            write(full, rest, rest.len() as u32, 1);
+            write(first_row + full, rest, rest.len() as u32, 1);
         }
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     /// Copies a buffer back to the host.

@@ -333,9 +333,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         Fetch::Buffer => Fetch::Texture,
     };
     let geometry = packed.nodes.len().max(packed.primitives.len()) as u64;
-    let sky = if let Sky::Map(map) = &scene.sky { map.pixels().len() } else { 0 };
-    let table = (TABLE_HEAD + 2 * scene.lights.len() + scene.materials().len() + sky) as u64;
-    let needed = geometry.max(table);
+    let needed = geometry.max((texels_before_sky(scene) + sky_pixels(scene).len()) as u64);
     if let Some(fetch) = [wanted, other].into_iter().find(|&fetch| gpu.texel_capacity(fetch) >= needed) {
         if fetch != wanted {
             log::info!("the scene is too large to be read by {wanted:?}: {fetch:?} it is");
@@ -435,7 +433,8 @@ impl Renderer {
                 Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch)?,
                 Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch)?,
             };
-            let table = gpu.upload("shading_table", &shading_table(scene), fetch)?;
+            let texels = texels_before_sky(scene) + sky_pixels(scene).len();
+            let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch)?;
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
@@ -1225,27 +1224,31 @@ fn wider(pose: &Pose) -> f32 {
 /// Texels of the shading table before its lights.
 const TABLE_HEAD: usize = 3;
 
+fn texels_before_sky(scene: &Scene) -> usize {
+    TABLE_HEAD + 2 * scene.lights.len() + scene.materials().len()
+}
+
+/// The pixels of a sky that is a picture.
+fn sky_pixels(scene: &Scene) -> &[Vec3] {
+    if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
+}
+
 /// What shading reads of a scene, a texel each: see shaders/shared/shade.wgsl.
-fn shading_table(scene: &Scene) -> Vec<bvh::Texel> {
-    let (nadir, zenith) = match scene.sky {
-        Sky::Constant(color) => (color, color),
-        Sky::Gradient { nadir, zenith } => (nadir, zenith),
-        Sky::Map(_) => (Vec3::ZERO, Vec3::ZERO), // its header stands in the place of nadir
-    };
-    let head: [_; TABLE_HEAD] = [(scene.rendered_ambient(), scene.lights.len() as u32), (nadir, 0), (zenith, 0)];
-    let lights = scene.lights.iter().flat_map(|light| [(light.position, 0), (light.intensity, 0)]);
-    let albedos = scene.materials().iter().map(|material| (material.albedo, 0));
-    let texel = |(vector, word): (Vec3, u32)| {
+fn shading_table(scene: &Scene) -> impl Iterator<Item = bvh::Texel> {
+    let texel = |vector: Vec3, word: u32| {
         let [x, y, z] = vector.to_array().map(f32::to_bits);
         [x, y, z, word]
     };
-    let mut table: Vec<bvh::Texel> = head.into_iter().chain(lights).chain(albedos).map(texel).collect();
-    if let Sky::Map(map) = &scene.sky {
-        let [width, height] = map.size();
-        table[1] = [table.len() as u32, width, height, 0];
-        table.extend(map.pixels().iter().map(|color| texel((*color, 0))));
-    }
-    table
+    let plain = move |vector| texel(vector, 0);
+    let [nadir, zenith] = match &scene.sky {
+        Sky::Constant(color) => [*color; 2].map(plain),
+        Sky::Gradient { nadir, zenith } => [*nadir, *zenith].map(plain),
+        Sky::Map(map) => [[texels_before_sky(scene) as u32, map.size()[0], map.size()[1], 0], [0; 4]],
+    };
+    let head: [_; TABLE_HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
+    let lights = scene.lights.iter().flat_map(|light| [light.position, light.intensity]);
+    let albedos = scene.materials().iter().map(|material| material.albedo);
+    head.into_iter().chain(lights.chain(albedos).chain(sky_pixels(scene).iter().copied()).map(plain))
 }
 
 /// The object of each primitive, four a texel.

@@ -231,7 +231,7 @@ fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, cpu};
+    use crate::{Fetch, Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, Traversal, UploadedScene, cpu};
 
     /// A sky whose colour is its direction.
     fn compass(width: u32) -> SkyMap {
@@ -242,21 +242,29 @@ mod tests {
     #[test]
     fn every_direction_has_its_colour_poles_and_seam_included() {
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
-        let mut scene = Scene::new();
-        scene.sky = Sky::Map(compass(256));
-        let uploaded = renderer.upload(&scene).unwrap();
-        for target in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::Y, -Vec3::Y, Vec3::new(0.01, -0.3, 1.0)] {
-            let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
-            let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
-            let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
-            let frame = cpu::Frame::new(&pair.pose);
-            for (index, color) in pair.left.linear.iter().enumerate() {
-                let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();
-                let found = Vec3::new(color[0], color[1], color[2]);
-                // Between pixels 1.4 degrees apart a chord is 7.5e-5 short of its arc, in both directions; twice that.
-                assert!((found - (0.5 + 0.5 * d)).abs().max_element() < 3e-4, "{target} {index}: {found} {d}");
+        let gpu = Gpu::open(&wanted).unwrap();
+        // The larger one is uploaded in pieces.
+        for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
+            let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal { fetch, ..Traversal::of(&gpu) });
+            let mut scene = Scene::new();
+            scene.sky = Sky::Map(compass(width));
+            let uploaded = renderer.upload(&scene).unwrap();
+            for target in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::Y, -Vec3::Y, Vec3::new(0.01, -0.3, 1.0)] {
+                assert_colours_are_directions(&mut renderer, &uploaded, target);
             }
+        }
+    }
+
+    fn assert_colours_are_directions(renderer: &mut Renderer, uploaded: &UploadedScene, target: Vec3) {
+        let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
+        let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
+        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let frame = cpu::Frame::new(&pair.pose);
+        for (index, color) in pair.left.linear.iter().enumerate() {
+            let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();
+            let found = Vec3::new(color[0], color[1], color[2]);
+            // Between pixels 1.4 degrees apart a chord is 7.5e-5 short of its arc, in both directions; twice that.
+            assert!((found - (0.5 + 0.5 * d)).abs().max_element() < 3e-4, "{target} {index}: {found} {d}");
         }
     }
 
