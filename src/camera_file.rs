@@ -112,7 +112,7 @@ fn fault(path: &Path, name: &str, reason: String) -> Error {
 
 /// The fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
-    let bytes = input::read(path, limits.json_bytes)?;
+    let bytes = input::read(path, limits.json_bytes, limits.raised_by[0])?;
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);

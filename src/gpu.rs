@@ -331,8 +331,8 @@ impl Gpu {
         }
     }
 
-    /// Writes texels in pieces, from the index of a first one on. A driver copies what it is handed and holds that copy until it
-    /// is done, so one piece is waited for before the next is made.
+    /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
+    /// so one piece is waited for before the next is made.
     fn in_pieces(&self, mut texels: impl Iterator<Item = Texel>, write: impl Fn(usize, &[Texel])) -> Result<(), Error> {
         let mut piece = Vec::new();
         for first in (0..).step_by(PIECE) {

@@ -20,11 +20,18 @@ pub struct Limits {
     pub(crate) file_bytes: u64,
     pub(crate) json_bytes: u64,
     pub(crate) sky_pixels: u64,
+    /// What messages say that the limits on files and on skies are raised by.
+    pub(crate) raised_by: [&'static str; 2],
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { file_bytes: 1 << 30, json_bytes: 16 << 20, sky_pixels: (128 << 20) / SKY_PIXEL_BYTES }
+        Self {
+            file_bytes: 1 << 30,
+            json_bytes: 16 << 20,
+            sky_pixels: (128 << 20) / SKY_PIXEL_BYTES,
+            raised_by: ["Limits"; 2],
+        }
     }
 }
 
@@ -52,6 +59,13 @@ impl Limits {
         self
     }
 
+    /// What messages say that the limits are raised by, those on files and the one on skies: a program's own options,
+    /// where its user has some. `Limits` where nothing is said.
+    pub fn raised_by(mut self, files: &'static str, skies: &'static str) -> Self {
+        self.raised_by = [files, skies];
+        self
+    }
+
     /// Lowers the limit on skies to what this adapter can hold, so that a larger one is refused before it is decoded.
     pub fn within(mut self, gpu: &Gpu) -> Self {
         self.sky_pixels = self.sky_pixels.min(gpu.largest_table());
@@ -59,12 +73,12 @@ impl Limits {
     }
 }
 
-/// Opens a regular file of at most `limit` bytes, and says how many it has.
+/// Opens a regular file of at most `limit` bytes, and says how many it has. A message says what raises the limit.
 ///
 /// # Errors
 /// [`Error::Io`] if it can't be opened; [`Error::File`] for what is no regular file, which may have no end or wait for ever,
 /// and for a file over the limit.
-pub(crate) fn open(path: &Path, limit: u64) -> Result<(File, u64), Error> {
+pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u64), Error> {
     let io = |source| Error::io(path, source);
     // Before it is opened too: opening a pipe waits for one who writes into it.
     check_type(path, fs::metadata(path).map_err(io)?.file_type())?;
@@ -74,7 +88,7 @@ pub(crate) fn open(path: &Path, limit: u64) -> Result<(File, u64), Error> {
     let bytes = metadata.len();
     if bytes > limit {
         let reason =
-            format!("the file has {bytes} bytes, over the limit of {limit}; raise it by Limits, if it is right");
+            format!("the file has {bytes} bytes, over the limit of {limit}; raise it by {raised_by}, if it is right");
         return Err(Error::file(path, None, reason));
     }
     Ok((file, bytes))
@@ -82,10 +96,10 @@ pub(crate) fn open(path: &Path, limit: u64) -> Result<(File, u64), Error> {
 
 /// A file's content, as much of it as the file said it had: what the system makes up as it is read (/proc) has no size.
 #[cfg(any(feature = "obj", feature = "json"))]
-pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     use std::io::Read;
 
-    let (file, bytes) = open(path, limit)?;
+    let (file, bytes) = open(path, limit, raised_by)?;
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(bytes).read_to_end(&mut content).map_err(|source| Error::io(path, source))?;
     Ok(content)

@@ -61,7 +61,7 @@ impl Touches {
     }
 }
 
-/// A compute kernel. Its one entry point has the name of its file; group 1 has the frame at binding 0 and then `storage`.
+/// A compute kernel. Its one entry point has its file's name; group 1 has the frame at binding 0 and then `storage`.
 pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     pub(crate) touches: Touches,
@@ -622,7 +622,7 @@ mod tests {
         let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
         let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
         let mut rows = Vec::new();
-        // A row begins with a pair that has not met yet. Its other choices are those that bring most such pairs together.
+        // A row begins with a pair that has not met yet. Its other choices are those that make most such pairs meet.
         while let Some(&(first, second)) = open.first() {
             let mut row = vec![first, second];
             for option in (0..N).filter(|&option| option != first.0 && option != second.0) {

@@ -116,6 +116,10 @@ fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
     let limit = text.len() as u64;
     let message = refused(&obj, Scene::from_obj_within(&obj, &Limits::default().file_bytes(limit - 1)));
     assert!(message.contains(&format!("the file has {limit} bytes, over the limit of {}", limit - 1)), "{message}");
+    assert!(message.ends_with("raise it by Limits, if it is right"), "{message}");
+    let limits = Limits::default().file_bytes(limit - 1).raised_by("--max-file", "--max-sky");
+    let message = refused(&obj, Scene::from_obj_within(&obj, &limits));
+    assert!(message.ends_with("raise it by --max-file, if it is right"), "{message}");
     // MTL files have the limit together.
     let material = |name: &str| format!("newmtl {name}\n{}\n", "#".repeat(40));
     folder.write("a.mtl", material("a"));
@@ -153,6 +157,8 @@ fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
         assert!(message.contains("8192x4096 pixels, 33554432 in all and over the limit of 8388608"), "{message}");
     });
     assert!(mib < 8, "{mib} MiB for what is refused");
+    let message = refused(&path, SkyMap::open_within(&path, &Limits::default().raised_by("--max-file", "--max-sky")));
+    assert!(message.ends_with("raise it by --max-sky, up to what the adapter holds"), "{message}");
     let pipe = pipe(&folder);
     assert!(refused(&pipe, SkyMap::open(&pipe)).contains("only regular files"));
     let message = refused(&path, SkyMap::open_within(&path, &Limits::default().file_bytes(100)));
@@ -170,7 +176,7 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     renderer.upload(&scene).unwrap();
     scene.sky = Sky::Map(SkyMap::new(4096, 2047, vec![Vec3::ONE; 4096 * 2047]).unwrap());
     let mib = peak_growth(|| drop(renderer.upload(&scene).unwrap()));
-    // Measured 160 MiB: the 128 of the texture, and a piece of 16 twice. At once it took 255 before the texture took its own.
+    // Measured 160 MiB: the 128 of the texture, and a piece of 16 twice. At once it took 255 before the texture's own.
     assert!(mib < 192, "{mib} MiB for 8 million pixels");
 }
 

@@ -140,7 +140,7 @@ impl Arguments {
     }
 
     fn limits(&self) -> Limits {
-        let mut limits = Limits::default();
+        let mut limits = Limits::default().raised_by("--max-file", "--max-sky");
         if let Some(mebibytes) = self.max_file {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);

@@ -52,7 +52,7 @@ struct Prepared {
 
 /// See [`Scene::from_obj_within`].
 pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
-    let (text, _) = read_text(path, limits.file_bytes)?;
+    let (text, _) = read_text(path, limits)?;
     let mut warnings = Warnings::new(path);
     // Of a bad number and a bad index, the message names whichever comes first in the file.
     let prepared = prepare(&text, &mut warnings).map_err(|bad_index| {
@@ -118,8 +118,8 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
 
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
-fn read_text(path: &Path, limit: u64) -> Result<(String, u64), Error> {
-    let bytes = input::read(path, limit)?;
+fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
+    let bytes = input::read(path, limits.file_bytes, limits.raised_by[0])?;
     let count = bytes.len() as u64;
     let mut text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into());
     if text.starts_with('\u{feff}') {

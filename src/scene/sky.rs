@@ -94,7 +94,7 @@ impl SkyMap {
     #[cfg(feature = "sky")]
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
-        let (file, _) = input::open(path, limits.file_bytes)?;
+        let (file, _) = input::open(path, limits.file_bytes, limits.raised_by[0])?;
         let (width, height, pixels) =
             decode(file, limits).map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
         Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
@@ -129,8 +129,8 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
         self.inner.read(bytes)
     }
 
-    /// Runs of pixels may be told by marks that stand in the place of pixels. The crate multiplies by 256 for each one that
-    /// follows another, and panics where a `usize` overflows: at the eighth, with 32 bits at the fourth.
+    /// Runs of pixels may be told by marks that stand in the place of pixels. The crate multiplies by 256 for each mark
+    /// that follows another, and panics where a `usize` overflows: at the eighth, with 32 bits at the fourth.
     fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
         self.inner.read_exact(bytes)?;
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
@@ -157,8 +157,8 @@ fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>),
     colors(reader.into_decoder(), limits)
 }
 
-/// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of colours
-/// itself and spread out there.
+/// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of
+/// colours itself and spread out there.
 #[cfg(feature = "sky")]
 fn colors(
     decoder: image::ImageResult<impl image::ImageDecoder>,
@@ -172,9 +172,9 @@ fn colors(
         return Err(format!("{width}x{height} pixels make no map, which has an even width"));
     }
     if count > limits.sky_pixels {
-        let limit = limits.sky_pixels;
+        let (limit, [_, raised_by]) = (limits.sky_pixels, limits.raised_by);
         return Err(format!(
-            "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by Limits, up to what the adapter holds"
+            "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by {raised_by}, up to what the adapter holds"
         ));
     }
     let kind = decoder.color_type();

@@ -27,15 +27,15 @@ pub(super) fn read(obj: &Path, names: &[String], limits: &Limits, warnings: &mut
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut library = Library::default();
     let mut read = HashSet::new();
-    let mut bytes_left = limits.file_bytes;
+    let mut limits_left = *limits;
     for file in names.iter().flat_map(|name| locate(folder, name)) {
         // A file may have several names.
         if !read.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
             continue;
         }
-        match read_text(&file, bytes_left) {
+        match read_text(&file, &limits_left) {
             Ok((text, bytes)) => {
-                bytes_left -= bytes;
+                limits_left.file_bytes -= bytes;
                 library.add(&file, &text);
             }
             Err(error) => warnings.warn_of("MTL files that can't be read", &error, "its materials are grey"),
