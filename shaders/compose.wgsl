@@ -3,15 +3,14 @@
 // kinds on one pair, and none is worth a second render.
 //
 // launch  one thread per pixel
-// reads   left_color, right_color  [height * width]      linear RGB in 0..1; the right one where it was traced
-// reads   right_source             [height * width]      where right pixels come from, by the reuse methods
 // writes  pictures                 [2 * height * width]  RGBA8, red in the low byte; left view, then right
+// reads   left_color               [height * width]      linear RGB in 0..1
+// reads   right_color              [height * width]      the same, where it was traced (right_*.wgsl)
+// reads   right_source             [height * width]      where right pixels come from, by the reuse methods (right_marked.wgsl)
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> left_color: array<vec4f>;
-@group(1) @binding(2) var<storage, read> right_color: array<vec4f>;
-@group(1) @binding(3) var<storage, read> right_source: array<u32>;
-@group(1) @binding(4) var<storage, read_write> pictures: array<u32>;
+@group(1) @binding(1) var<storage, read_write> pictures: array<u32>;
+@group(1) @binding(2) var<storage, read> left_color: array<vec4f>;
 
 fn srgb(linear: vec3f) -> vec3f {
     let high = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;

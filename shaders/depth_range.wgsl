@@ -1,6 +1,6 @@
 // The left view's nearest and farthest depth in each row, for a 3D buffer of Lemma 1's size (DESIGN, section 2).
 //
-// launch  one thread per row
+// launch  one thread per row of the rows at work
 // reads   hits      [2 * height * width]  left half
 // writes  counters  [height * COUNTERS]   NEAREST_DEPTH and FARTHEST_DEPTH, as bits of f32
 
@@ -10,8 +10,8 @@
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn depth_range(@builtin(global_invocation_id) id: vec3u) {
-    let row = id.y * WORKGROUP + id.x;
-    if id.x >= WORKGROUP || row >= frame.image_size.y { return; }
+    let row = frame.row_begin + id.y * WORKGROUP + id.x;
+    if id.x >= WORKGROUP || row >= frame.row_end { return; }
     var nearest = FAR;
     var farthest = 0.0;
     // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each width.

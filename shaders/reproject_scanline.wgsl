@@ -1,7 +1,7 @@
 // Pass 2 of 4 of `EsIsler`: each row from left to right as Adelson & Hodges 1993 do it, a thread a row (DESIGN, section 4). A
 // later sample overwrites: it is nearer. The columns that a gap opens between two neighbours nobody saw: they are cleared.
 //
-// launch  one thread per row
+// launch  one thread per row of the rows at work
 // reads   hits          [2 * height * width]  left half
 // writes  right_source  [height * width]      left column + 1, or EMPTY; cleared by the host
 
@@ -11,8 +11,8 @@
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
-    let row = id.y * WORKGROUP + id.x;
-    if id.x >= WORKGROUP || row >= frame.image_size.y { return; }
+    let row = frame.row_begin + id.y * WORKGROUP + id.x;
+    if id.x >= WORKGROUP || row >= frame.row_end { return; }
     // Pixel indices, not columns: a loop whose end is a uniform is compiled anew for each width by Mesa's software driver.
     let first = i32(row * frame.image_size.x);
     let end = first + i32(frame.image_size.x);

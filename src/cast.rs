@@ -7,13 +7,28 @@ use glam::Vec3;
 use crate::{
     Error, MISS, Renderer, UploadedScene,
     bvh::Texel,
+    frame::targets::Target,
     gpu::{Timestamps, bind_group, bind_group_at},
-    kernels::{
-        ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS, Kernel, STEPS_BINDING, Specialisation,
-    },
+    kernels::{Access::Write, Kernel, STEPS_BINDING, Touches},
+    lanes::{DISPATCHES, Lanes},
     layout::{self, LIST_WORKGROUP},
-    steps::{DISPATCHES, Lanes},
+    steps::COUNT,
+    variant::{Part, Variant, part},
 };
+
+const RAY_LIST: Part = part!("shared/ray_list.wgsl");
+
+pub(crate) const CLOSEST_HITS: Kernel = Kernel {
+    name: "closest_hits",
+    touches: Touches::RayList,
+    storage: &[(Target::Found, Write), (Target::Counters, Write)],
+    extra: &[COUNT, RAY_LIST],
+    main: part!("closest_hits.wgsl"),
+};
+pub(crate) const ANY_HITS: Kernel = Kernel { name: "any_hits", main: part!("any_hits.wgsl"), ..CLOSEST_HITS };
+/// The same, their threads going on in the next dispatch.
+pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel { name: "closest_hits_in_steps", ..CLOSEST_HITS };
+pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps", ..ANY_HITS };
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
 pub(crate) const BATCH: usize = 1 << 20;
@@ -128,7 +143,7 @@ impl Renderer {
 struct List<'a> {
     renderer: &'a Renderer,
     scene: &'a UploadedScene,
-    specialisation: Specialisation,
+    variant: Variant,
     count: u32,
     frame: wgpu::Buffer,
     table: wgpu::BindGroup,
@@ -146,16 +161,16 @@ impl<'a> List<'a> {
         answer_bytes: usize,
     ) -> Result<Self, Error> {
         let gpu = &renderer.gpu;
-        let fetch = scene.specialisation.traversal.fetch;
+        let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
         let frame = layout::Frame { left_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
         let upload = || {
             let table = gpu.upload("rays", &texels(rays), fetch)?;
-            let layout = &renderer.pipelines.layouts(fetch).table;
+            let layout = &renderer.kernels.layouts(fetch).table;
             Ok(Self {
                 renderer,
                 scene,
-                specialisation: Specialisation { close: scene.large.any_close_to(&[origin]), ..scene.specialisation },
+                variant: Variant { close: scene.large.any_close_to(&[origin]), ..scene.variant },
                 count,
                 frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
                 table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
@@ -168,14 +183,14 @@ impl<'a> List<'a> {
     }
 
     fn threads(&self) -> u32 {
-        self.count.div_ceil(self.specialisation.traversal.rays.block().pow(2))
+        self.count.div_ceil(self.variant.traversal.rays.block().pow(2))
     }
 
     /// So many dispatches of a kernel with these buffers. Returns in how many threads the adapter cut them short.
     async fn dispatch(&mut self, kernel: &Kernel, lanes: Option<&Lanes>, times: u32) -> Result<u32, Error> {
         let (renderer, gpu) = (self.renderer, &self.renderer.gpu);
         let launch = || {
-            let pipeline = renderer.pipelines.get(gpu, kernel, self.specialisation);
+            let pipeline = renderer.kernels.get(gpu, kernel, self.variant);
             let lanes = lanes.map(|lanes| (STEPS_BINDING, &lanes.buffer));
             let own = (0..).zip([&self.frame, &self.found, &self.counters]).chain(lanes);
             let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
@@ -201,7 +216,7 @@ impl<'a> List<'a> {
 
     async fn trace_in_steps(&mut self, kernel: &Kernel) -> Result<(), Error> {
         let gpu = &self.renderer.gpu;
-        let lanes = Lanes::new(gpu, &self.specialisation, self.threads()).await?;
+        let lanes = Lanes::new(gpu, &self.variant, self.threads()).await?;
         lanes.begin(gpu, self.threads(), self.renderer.steps.rounds).await?;
         loop {
             match self.dispatch(kernel, Some(&lanes), DISPATCHES).await? {

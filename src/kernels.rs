@@ -1,35 +1,15 @@
-//! The table of kernels: which WGSL parts each is made of, its bindings, and what it is specialised to.
-//!
-//! A kernel's text is its parts one after the other. What a scene does not have (spheres, vertex normals, lights, a
-//! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
+//! The table of kernels: what each touches, its bindings and the WGSL parts that are its own.
+
+use std::sync::Arc;
 
 use crate::{
-    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky,
-    bvh::PackedBvh,
     cast,
-    large::LARGE,
+    frame::targets::Target,
+    gpu::{Gpu, Pipeline, Pipelines, Program, entry, layout_of, storage_type, texture_type, uniform_type},
     layout,
-    method::Verify,
-    traversal::{Boxes, Fetch, RaysPerLane, Traversal},
+    traversal::Fetch,
+    variant::{Kept, Part, Variant},
 };
-
-/// A WGSL file: its name below `shaders/` and its text.
-#[derive(Clone, Copy)]
-pub(crate) struct Part {
-    #[cfg(test)]
-    pub(crate) file: &'static str,
-    pub(crate) text: &'static str,
-}
-
-macro_rules! part {
-    ($file:literal) => {
-        Part {
-            #[cfg(test)]
-            file: $file,
-            text: include_str!(concat!("../shaders/", $file)),
-        }
-    };
-}
 
 /// How a kernel uses a storage buffer of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,355 +41,21 @@ impl Touches {
     }
 }
 
-/// A compute kernel. Its one entry point has its file's name; group 1 has the frame at binding 0 and then `storage`.
+/// A compute kernel. Its text has one entry point; group 1 has the frame at binding 0 and then `storage`.
 pub(crate) struct Kernel {
+    /// Of its own: pipelines are told apart by it.
     pub(crate) name: &'static str,
     pub(crate) touches: Touches,
-    pub(crate) storage: &'static [Access],
-    extra: &'static [Part],
-    main: Part,
-}
-
-/// Which way shadow rays run, if there are any.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Shadows {
-    None,
-    FromLight,
-    FromSurface,
-}
-
-impl Shadows {
-    /// Shadow rays run from the light, but not from one farther off than this many times the scene's largest side: their
-    /// end would be off the surface by a visible part of it.
-    const FAR_LIGHT: f32 = 64.0;
-
-    fn of(scene: &Scene) -> Self {
-        let far = |(low, high): (glam::Vec3, glam::Vec3)| {
-            let reach = Self::FAR_LIGHT * (high - low).max_element();
-            scene.lights.iter().any(|light| light.position.clamp(low, high).distance(light.position) > reach)
-        };
-        match scene.bounds() {
-            _ if !scene.shadows => Self::None,
-            Some(bounds) if far(bounds) => Self::FromSurface,
-            _ => Self::FromLight,
-        }
-    }
-
-    fn part(self) -> Part {
-        match self {
-            Self::None => part!("shared/shadows_none.wgsl"),
-            Self::FromLight => part!("shared/shadows_from_light.wgsl"),
-            Self::FromSurface => part!("shared/shadows_from_surface.wgsl"),
-        }
-    }
-}
-
-/// How a sky is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum SkyKind {
-    Constant,
-    Gradient,
-    Map,
-}
-
-impl SkyKind {
-    fn of(sky: &Sky) -> Self {
-        match sky {
-            Sky::Constant(_) => Self::Constant,
-            Sky::Gradient { .. } => Self::Gradient,
-            Sky::Map(_) => Self::Map,
-        }
-    }
-}
-
-/// What kernels keep of each pixel besides its colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Kept {
-    /// What `bracket` needs of a left sample.
-    Samples,
-    Ids,
-    Depth,
-    None,
-}
-
-impl Kept {
-    /// What a method's frame keeps on the device, at least what the user wants of it.
-    pub(crate) fn of(wanted: GBuffer, method: Method) -> Self {
-        match (wanted, method) {
-            (_, Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. }) => Self::Samples,
-            // Edges are told by objects.
-            (_, Method::Reuse { verify: Verify::Edges, .. }) | (GBuffer::Ids, _) => Self::Ids,
-            (_, Method::Reuse { .. }) | (GBuffer::Depth, _) => Self::Depth,
-            (GBuffer::None, _) => Self::None,
-        }
-    }
-
-    /// Bytes of a `PixelHit`.
-    pub(crate) fn bytes(self) -> u64 {
-        match self {
-            Self::Samples | Self::Ids => size_of::<layout::PixelHit>() as u64,
-            Self::Depth => 4,
-            Self::None => 0,
-        }
-    }
-}
-
-/// Where the right view's pixels are when it is composed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum RightView {
-    Traced,
-    Left,
-    Marked,
-}
-
-impl RightView {
-    pub(crate) fn of(method: Method) -> Self {
-        match method {
-            Method::Auto | Method::Naive | Method::Reuse { overlap: Overlap::Bracket(_), .. } => Self::Traced,
-            Method::Ideal => Self::Left,
-            Method::Reuse { .. } => Self::Marked,
-        }
-    }
-}
-
-/// What a pipeline is specialised to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Specialisation {
-    pub(crate) traversal: Traversal,
-    pub(crate) triangles: bool,
-    pub(crate) spheres: bool,
-    pub(crate) normals: bool,
-    pub(crate) lights: bool,
-    pub(crate) shadows: Shadows,
-    pub(crate) sky: SkyKind,
-    /// Boxes are widened each by its own distance, for scenes far larger than their detail.
-    pub(crate) world_boxes: bool,
-    /// An eye or a light is close to a large primitive.
-    pub(crate) close: bool,
-    pub(crate) hits: Kept,
-    /// Words of a traversal's stack.
-    pub(crate) stack_size: u32,
-    pub(crate) verify: Verify,
-    /// Which shadow bits are taken over.
-    pub(crate) bits: ShadowReuse,
-    /// Where right pixels come from, for compose.
-    pub(crate) right: RightView,
-    /// Count nodes and primitive tests.
-    pub(crate) count: bool,
-    /// Count them for each pixel.
-    pub(crate) cost_map: bool,
-}
-
-impl Specialisation {
-    /// What a kernel that doesn't touch the scene is specialised to: nothing.
-    pub(crate) const PIXELS: Self = Self {
-        traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
-        triangles: false,
-        spheres: false,
-        normals: false,
-        lights: false,
-        shadows: Shadows::None,
-        sky: SkyKind::Constant,
-        world_boxes: false,
-        close: false,
-        hits: Kept::Ids,
-        stack_size: 0,
-        verify: Verify::None,
-        bits: ShadowReuse::Rays,
-        right: RightView::Traced,
-        count: false,
-        cost_map: false,
-    };
-
-    /// What a scene needs; verification and counting are the frame's to choose.
-    pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
-        Self {
-            traversal,
-            triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
-            spheres: !scene.spheres().is_empty(),
-            normals: scene.has_normals(),
-            lights: !scene.lights.is_empty(),
-            shadows: Shadows::of(scene),
-            sky: SkyKind::of(&scene.sky),
-            world_boxes: packed.world_boxes,
-            close: false,
-            hits: Kept::Ids,
-            stack_size: packed.stack_size,
-            verify: Verify::All,
-            bits: ShadowReuse::Rays,
-            right: RightView::Traced,
-            count: false,
-            cost_map: false,
-        }
-    }
-
-    /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
-    /// do not depend on it.
-    pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
-        let count = count || cost_map;
-        let rays = if count { RaysPerLane::One } else { self.traversal.rays };
-        Self { count, cost_map, traversal: Traversal { rays, ..self.traversal }, ..self }
-    }
+    pub(crate) storage: &'static [(Target, Access)],
+    pub(crate) extra: &'static [Part],
+    pub(crate) main: Part,
 }
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound what threads keep from step to step (`src/steps.rs`), and the texture of left samples.
+/// Where in group 1 is bound what threads keep from step to step (`src/lanes.rs`), and the texture of left samples.
 pub(crate) const STEPS_BINDING: u32 = 14;
 pub(crate) const SAMPLES_BINDING: u32 = 15;
-
-const COUNT: Part = part!("shared/count.wgsl");
-const LIGHT_TRACED: Part = part!("shared/light_traced.wgsl");
-const LIGHT_TAKEN: Part = part!("shared/light_taken.wgsl");
-const LIGHT_TAKEN_OR_TRACED: Part = part!("shared/light_taken_or_traced.wgsl");
-const TAKEN_BITS: Part = part!("shared/taken_bits.wgsl");
-const APPEND: Part = part!("shared/append.wgsl");
-const LISTED_PIXELS: Part = part!("shared/listed_pixels.wgsl");
-const LISTED_TILE: Part = part!("shared/listed_tile.wgsl");
-const RIGHT_HITS: Part = part!("shared/right_hits.wgsl");
-const TILES: Part = part!("shared/tiles.wgsl");
-const TILE: Part = part!("shared/tile.wgsl");
-const KEEP_PIXELS: Part = part!("shared/keep_pixels.wgsl");
-const RAY_LIST: Part = part!("shared/ray_list.wgsl");
-const PARALLAX: Part = part!("shared/parallax.wgsl");
-const MARKS: Part = part!("shared/marks.wgsl");
-const LISTS: Part = part!("shared/lists.wgsl");
-
-pub(crate) const TRACE_LEFT: Kernel = Kernel {
-    name: "trace_left",
-    touches: Touches::Shading,
-    storage: &[Write, Write, Write],
-    extra: &[COUNT, LIGHT_TRACED, KEEP_PIXELS],
-    main: part!("trace_left.wgsl"),
-};
-pub(crate) const REPROJECT: Kernel = Kernel {
-    name: "reproject",
-    touches: Touches::Pixels,
-    storage: &[Read, Write],
-    extra: &[PARALLAX],
-    main: part!("reproject.wgsl"),
-};
-pub(crate) const REPROJECT_SLOTS: Kernel = Kernel {
-    name: "reproject_slots",
-    touches: Touches::Pixels,
-    storage: &[Read, Write, Write],
-    extra: &[PARALLAX],
-    main: part!("reproject_slots.wgsl"),
-};
-pub(crate) const REPROJECT_SCANLINE: Kernel = Kernel {
-    name: "reproject_scanline",
-    touches: Touches::Pixels,
-    storage: &[Read, Write],
-    extra: &[PARALLAX],
-    main: part!("reproject_scanline.wgsl"),
-};
-pub(crate) const MARK_EDGES: Kernel = Kernel {
-    name: "mark_edges",
-    touches: Touches::Objects,
-    storage: &[Read, Write],
-    extra: &[PARALLAX, MARKS],
-    main: part!("mark_edges.wgsl"),
-};
-pub(crate) const GATHER_SLOTS: Kernel = Kernel {
-    name: "gather_slots",
-    touches: Touches::Pixels,
-    storage: &[Read, Write],
-    extra: &[],
-    main: part!("gather_slots.wgsl"),
-};
-pub(crate) const DEPTH_RANGE: Kernel = Kernel {
-    name: "depth_range",
-    touches: Touches::Pixels,
-    storage: &[Read, Write],
-    extra: &[],
-    main: part!("depth_range.wgsl"),
-};
-pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
-    name: "resolve_right",
-    touches: Touches::Geometry,
-    storage: &[Read, Write, Write, Write],
-    extra: &[COUNT, MARKS, LISTS, APPEND],
-    main: part!("resolve_right.wgsl"),
-};
-pub(crate) const TRACE_LISTED: Kernel = Kernel {
-    name: "trace_listed",
-    touches: Touches::Shading,
-    storage: &[Write, Write, Write, Write],
-    extra: &[COUNT, LISTS, LISTED_PIXELS, LIGHT_TRACED],
-    main: part!("trace_listed.wgsl"),
-};
-pub(crate) const BOUND_TILES: Kernel = Kernel {
-    name: "bound_tiles",
-    touches: Touches::Pixels,
-    storage: &[Read, Write, Write],
-    extra: &[PARALLAX, TILES],
-    main: part!("bound_tiles.wgsl"),
-};
-pub(crate) const SEARCH_TILES: Kernel = Kernel {
-    name: "search_tiles",
-    touches: Touches::Geometry,
-    storage: &[Read, Write, Write, Write],
-    extra: &[COUNT, TILES, TILE, LISTS, APPEND],
-    main: part!("search_tiles.wgsl"),
-};
-pub(crate) const RESOLVE_TILES: Kernel = Kernel {
-    name: "resolve_tiles",
-    touches: Touches::Shading,
-    storage: &[Read, Write, Write, Write, Write],
-    extra: &[COUNT, TILES, MARKS, LISTS, APPEND, LISTED_PIXELS, LISTED_TILE, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
-    main: part!("resolve_tiles.wgsl"),
-};
-pub(crate) const SHADE_SKY: Kernel = Kernel {
-    name: "shade_sky",
-    touches: Touches::Shading,
-    storage: &[Write, Write, Write, Write],
-    extra: &[COUNT, TILES, LISTS, LISTED_PIXELS, LISTED_TILE, LIGHT_TRACED],
-    main: part!("shade_sky.wgsl"),
-};
-pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
-    name: "trace_bounded",
-    touches: Touches::Shading,
-    storage: &[Write, Write, Write, Write],
-    extra: &[COUNT, MARKS, LISTS, LISTED_PIXELS, PARALLAX, RIGHT_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
-    main: part!("trace_bounded.wgsl"),
-};
-pub(crate) const SHADE_LISTED: Kernel = Kernel {
-    name: "shade_listed",
-    touches: Touches::Shading,
-    storage: &[Write, Read, Write, Write],
-    extra: &[COUNT, LISTS, LISTED_PIXELS, PARALLAX, RIGHT_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
-    main: part!("shade_listed.wgsl"),
-};
-pub(crate) const CLOSEST_HITS: Kernel = Kernel {
-    name: "closest_hits",
-    touches: Touches::RayList,
-    storage: &[Write, Write],
-    extra: &[COUNT, RAY_LIST],
-    main: part!("closest_hits.wgsl"),
-};
-pub(crate) const ANY_HITS: Kernel = Kernel {
-    name: "any_hits",
-    touches: Touches::RayList,
-    storage: &[Write, Write],
-    extra: &[COUNT, RAY_LIST],
-    main: part!("any_hits.wgsl"),
-};
-pub(crate) const TRACE_IN_STEPS: Kernel = Kernel {
-    name: "trace_in_steps",
-    touches: Touches::Shading,
-    storage: &[Write, Write, Write],
-    extra: &[COUNT, LIGHT_TRACED, KEEP_PIXELS],
-    main: part!("trace_in_steps.wgsl"),
-};
-pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel { name: "closest_hits_in_steps", ..CLOSEST_HITS };
-pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps", ..ANY_HITS };
-pub(crate) const COMPOSE: Kernel = Kernel {
-    name: "compose",
-    touches: Touches::Pixels,
-    storage: &[Read, Read, Read, Write],
-    extra: &[MARKS],
-    main: part!("compose.wgsl"),
-};
 
 /// What kernels need of a device's limits; those that they don't ask for are taken from `others`.
 pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
@@ -429,14 +75,20 @@ pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
     }
 }
 
+impl std::fmt::Debug for Kernel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
 impl Kernel {
     /// Pixels of a thread's block in x and in y.
-    pub(crate) fn block(&self, with: &Specialisation) -> u32 {
+    pub(crate) fn block(&self, with: &Variant) -> u32 {
         if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
     }
 
     /// How a kernel uses the texture of left samples, at `SAMPLES_BINDING` of group 1.
-    pub(crate) fn samples(&self, with: &Specialisation) -> Option<Access> {
+    pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
             "trace_left" if with.hits == Kept::Samples => Some(Write),
             "resolve_tiles" | "trace_bounded" | "shade_listed" => Some(Read),
@@ -444,143 +96,90 @@ impl Kernel {
         }
     }
 
-    /// Whether its threads leave work to the next dispatch (`src/steps.rs`).
+    /// Whether its threads leave work to the next dispatch (`src/lanes.rs`).
     pub(crate) fn in_steps(&self) -> bool {
         matches!(self.name, "trace_in_steps" | "closest_hits_in_steps" | "any_hits_in_steps")
     }
+}
 
-    /// The files a kernel is made of, in order.
-    pub(crate) fn parts(&self, with: &Specialisation) -> Vec<Part> {
-        let hits = match with.hits {
-            Kept::Samples => part!("shared/hits_samples.wgsl"),
-            Kept::Ids => part!("shared/hits_ids.wgsl"),
-            Kept::Depth => part!("shared/hits_depth.wgsl"),
-            Kept::None => part!("shared/hits_none.wgsl"),
-        };
-        let mut parts = vec![part!("shared/types.wgsl"), hits];
-        if self.touches != Touches::Pixels {
-            parts.push(match with.traversal.fetch {
-                Fetch::Texture => part!("shared/table_texture.wgsl"),
-                Fetch::Buffer => part!("shared/table_buffer.wgsl"),
-            });
-        }
-        if self.touches.geometry() {
-            parts.push(match with.traversal.rays {
-                RaysPerLane::One => part!("shared/rays_1.wgsl"),
-                RaysPerLane::Four => part!("shared/rays_2x2.wgsl"),
-            });
-            parts.push(part!("shared/lane.wgsl"));
-            parts.push(match with.traversal.fetch {
-                Fetch::Texture => part!("shared/fetch_texture.wgsl"),
-                Fetch::Buffer => part!("shared/fetch_buffer.wgsl"),
-            });
-            parts.extend(geometry_parts(with));
-            parts.push(match self.in_steps() {
-                true => part!("shared/in_steps.wgsl"),
-                false => part!("shared/in_one_go.wgsl"),
-            });
-        }
-        if self.name == RESOLVE_RIGHT.name {
-            parts.push(match with.verify {
-                Verify::All => part!("shared/verify_all.wgsl"),
-                // Gaps are no candidates any more, and edges have been marked.
-                Verify::Gaps | Verify::Edges | Verify::None => part!("shared/verify_none.wgsl"),
-            });
-        }
-        if self.touches == Touches::Shading {
-            parts.push(match with.sky {
-                SkyKind::Constant => part!("shared/sky_constant.wgsl"),
-                SkyKind::Gradient => part!("shared/sky_gradient.wgsl"),
-                SkyKind::Map => part!("shared/sky_map.wgsl"),
-            });
-            match with.lights {
-                true => {
-                    let shadows = if with.triangles || with.spheres { with.shadows } else { Shadows::None };
-                    parts.extend([shadows.part(), part!("shared/lights.wgsl")]);
-                }
-                false => parts.extend([Shadows::None.part(), part!("shared/lights_none.wgsl")]),
-            }
-            if matches!(self.name, "resolve_tiles" | "trace_bounded" | "shade_listed") {
-                parts.push(match with.bits {
-                    ShadowReuse::Rays => part!("shared/bits_none.wgsl"),
-                    ShadowReuse::Two => part!("shared/bits_two.wgsl"),
-                    ShadowReuse::Block => part!("shared/bits_block.wgsl"),
-                });
-            }
-            parts.push(part!("shared/shade.wgsl"));
-        }
-        match self.samples(with) {
-            Some(Read) => parts.push(part!("shared/samples_read.wgsl")),
-            Some(Write) => parts.push(part!("shared/samples_written.wgsl")),
-            None if self.touches == Touches::Shading => parts.push(part!("shared/samples_none.wgsl")),
-            None => {}
-        }
-        parts.extend(self.extra);
-        if self.name == SEARCH_TILES.name {
-            parts.extend(bounds_parts(with));
-        }
-        parts.push(self.main);
-        if self.name == COMPOSE.name {
-            parts.push(match with.right {
-                RightView::Traced => part!("shared/right_traced.wgsl"),
-                RightView::Left => part!("shared/right_is_left.wgsl"),
-                RightView::Marked => part!("shared/right_marked.wgsl"),
-            });
-        }
-        parts
-    }
+/// Layouts of a scene's two bind groups, for one way to read it.
+#[derive(Debug)]
+pub(crate) struct SceneLayouts {
+    /// The BVH's uniform, nodes, primitives.
+    pub(crate) geometry: wgpu::BindGroupLayout,
+    /// The table that a kernel looks up by index.
+    pub(crate) table: wgpu::BindGroupLayout,
+}
 
-    /// The text that the driver gets.
-    pub(crate) fn text(&self, with: &Specialisation) -> String {
-        // Six samples are told apart by their normals, two have room for an occluder.
-        let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
-        let mut text = format!(
-            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n"
-        );
-        for part in self.parts(with) {
-            text += part.text;
+impl SceneLayouts {
+    fn new(gpu: &Gpu, texels: wgpu::BindingType) -> Self {
+        Self {
+            geometry: layout_of(gpu, "geometry", &[uniform_type(), texels, texels]),
+            table: layout_of(gpu, "table", &[texels]),
         }
-        text
     }
 }
 
-/// How primitives are projected onto a tile.
-fn bounds_parts(with: &Specialisation) -> Vec<Part> {
-    let (triangles, spheres) = (part!("shared/bounds_triangle.wgsl"), part!("shared/bounds_sphere.wgsl"));
-    match (with.triangles, with.spheres) {
-        (true, true) => vec![triangles, spheres, part!("shared/bounds_mixed.wgsl")],
-        (true, false) => vec![triangles, part!("shared/bounds_triangles.wgsl")],
-        (false, true) => vec![spheres, part!("shared/bounds_spheres.wgsl")],
-        (false, false) => vec![],
-    }
+/// The kernels that have been built, and the layouts that they share.
+#[derive(Debug)]
+pub(crate) struct Kernels {
+    textures: SceneLayouts,
+    buffers: SceneLayouts,
+    built: Pipelines<(&'static str, Variant)>,
 }
 
-fn geometry_parts(with: &Specialisation) -> Vec<Part> {
-    if !with.triangles && !with.spheres {
-        return vec![part!("shared/bvh_empty.wgsl")];
+impl Kernels {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        Self {
+            textures: SceneLayouts::new(gpu, texture_type(wgpu::StorageTextureAccess::ReadOnly)),
+            buffers: SceneLayouts::new(gpu, storage_type(true)),
+            built: Pipelines::default(),
+        }
     }
-    let boxes = match with.traversal.boxes {
-        Boxes::Grid16 => part!("shared/boxes_16bit.wgsl"),
-        Boxes::F32 if with.world_boxes => part!("shared/boxes_world.wgsl"),
-        Boxes::F32 => part!("shared/boxes_f32.wgsl"),
-    };
-    let mut parts = vec![part!("shared/bvh.wgsl"), boxes, part!("shared/double_float.wgsl")];
-    if with.triangles {
-        parts.push(part!("shared/triangle.wgsl"));
-        parts.push(match with.normals {
-            true => part!("shared/normal_smooth.wgsl"),
-            false => part!("shared/normal_flat.wgsl"),
-        });
+
+    /// The layouts of a scene that is read this way.
+    pub(crate) fn layouts(&self, fetch: Fetch) -> &SceneLayouts {
+        match fetch {
+            Fetch::Texture => &self.textures,
+            Fetch::Buffer => &self.buffers,
+        }
     }
-    if with.spheres {
-        parts.push(part!("shared/sphere.wgsl"));
+
+    /// The pipeline of a kernel, built if this is its first use.
+    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Arc<Pipeline> {
+        let with = with.of_kernel(kernel);
+        self.built.get(gpu, (kernel.name, with), || self.program(kernel, &with))
     }
-    parts.push(match (with.triangles, with.spheres) {
-        (true, true) => part!("shared/primitives_mixed.wgsl"),
-        (true, false) => part!("shared/primitives_triangles.wgsl"),
-        _ => part!("shared/primitives_spheres.wgsl"),
-    });
-    parts
+
+    fn program(&self, kernel: &Kernel, with: &Variant) -> Program<'_> {
+        let mut own = vec![entry(0, uniform_type())];
+        for (index, (_, access)) in kernel.storage.iter().enumerate() {
+            own.push(entry(index as u32 + 1, storage_type(*access == Read)));
+        }
+        if kernel.in_steps() {
+            own.push(entry(STEPS_BINDING, storage_type(false)));
+        }
+        own.extend(kernel.samples(with).map(|access| {
+            let access = match access {
+                Read => wgpu::StorageTextureAccess::ReadOnly,
+                Write => wgpu::StorageTextureAccess::WriteOnly,
+            };
+            entry(SAMPLES_BINDING, texture_type(access))
+        }));
+        let scene = self.layouts(with.traversal.fetch);
+        let counting =
+            [("COUNT", with.count), ("COST_MAP", with.cost_map)].map(|(name, on)| (name, f64::from(u8::from(on))));
+        Program {
+            label: kernel.name,
+            text: kernel.text(with),
+            own,
+            shared: [
+                kernel.touches.geometry().then_some(&scene.geometry),
+                kernel.touches.table().then_some(&scene.table),
+            ],
+            constants: if kernel.touches.geometry() { counting.to_vec() } else { Vec::new() },
+        }
+    }
 }
 
 #[cfg(test)]
@@ -590,9 +189,23 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     use super::*;
-    use crate::layout;
+    use crate::{
+        ShadowReuse,
+        cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+        steps::{
+            LISTS, MARKS,
+            bracket::{BOUND_TILES, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
+            compose::{COMPOSE, COMPOSE_LEFT, COMPOSE_MARKED},
+            edges::MARK_EDGES,
+            reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
+            resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TRACE_LISTED},
+            trace::{TRACE_IN_STEPS, TRACE_LEFT},
+        },
+        traversal::{Boxes, Traversal},
+        variant::{Shadows, SkyKind, part},
+    };
 
-    const ALL: [&Kernel; 21] = [
+    const ALL: [&Kernel; 24] = [
         &TRACE_IN_STEPS,
         &CLOSEST_HITS_IN_STEPS,
         &ANY_HITS_IN_STEPS,
@@ -612,8 +225,11 @@ mod tests {
         &GATHER_SLOTS,
         &DEPTH_RANGE,
         &RESOLVE_RIGHT,
+        &RESOLVE_TRUSTED,
         &TRACE_LISTED,
         &COMPOSE,
+        &COMPOSE_LEFT,
+        &COMPOSE_MARKED,
     ];
 
     /// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
@@ -640,16 +256,16 @@ mod tests {
     }
 
     /// Not all combinations, which are tens of thousands, but any two choices together.
-    fn specialisations() -> Vec<Specialisation> {
+    fn variants() -> Vec<Variant> {
         let traversals = Traversal::ALL.into_iter().flat_map(|traversal| [(traversal, false), (traversal, true)]);
         let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
         // Spheres, triangles, normals.
         let kinds = [[true, false, false], [false, true, false], [false, true, true], [true, true, false], [true; 3]];
         let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-        let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 3, 2, 2]);
-        let with = |&[traversal, kind, light, hits, sky, bits, right, counting, close, verify]: &[usize; 10]| {
+        let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2]);
+        let with = |&[traversal, kind, light, hits, sky, bits, counting, close]: &[usize; 8]| {
             let ((traversal, world_boxes), [spheres, triangles, normals]) = (traversals[traversal], kinds[kind]);
-            Specialisation {
+            Variant {
                 traversal,
                 triangles,
                 spheres,
@@ -661,22 +277,20 @@ mod tests {
                 close: close == 1,
                 hits: [Kept::Ids, Kept::Depth, Kept::None, Kept::Samples][hits],
                 stack_size: 40,
-                verify: [Verify::None, Verify::All][verify],
                 bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
-                right: [RightView::Traced, RightView::Left, RightView::Marked][right],
                 count: counting > 0,
                 cost_map: counting > 1,
             }
         };
         // What the scenes of spheres alone are paired with, a scene without primitives is paired with too.
         let spheres_alone = rows.iter().filter(|row| row[1] == 0);
-        let empty = spheres_alone.map(|row| Specialisation { spheres: false, ..with(row) });
+        let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
         rows.iter().map(with).chain(empty).collect()
     }
 
     /// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
-    fn specialisations_of(kernel: &Kernel) -> Vec<Specialisation> {
-        let mut all = specialisations();
+    fn variants_of(kernel: &Kernel) -> Vec<Variant> {
+        let mut all = variants();
         if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_LISTED]
             .iter()
             .any(|known| known.name == kernel.name)
@@ -690,17 +304,16 @@ mod tests {
         all
     }
 
-    fn parse(kernel: &Kernel, with: &Specialisation) -> naga::Module {
+    fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
         let text = kernel.text(with);
         naga::front::wgsl::parse_str(&text)
             .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)))
     }
 
-    /// Every distinct text, with its kernel and a specialisation that gives it.
-    fn modules() -> Vec<(&'static Kernel, Specialisation, String)> {
+    /// Every distinct text, with its kernel and a variant that gives it.
+    fn modules() -> Vec<(&'static Kernel, Variant, String)> {
         let mut seen = BTreeSet::new();
-        let all =
-            ALL.into_iter().flat_map(|kernel| specialisations_of(kernel).into_iter().map(move |with| (kernel, with)));
+        let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
         let all = all.map(|(kernel, with)| (kernel, with, kernel.text(&with)));
         all.filter(|(_, _, text)| seen.insert(text.clone())).collect()
     }
@@ -788,10 +401,10 @@ mod tests {
     fn every_specialised_kernel_makes_a_pipeline() {
         let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
         let make = || {
-            let pipelines = crate::gpu::Pipelines::new(&gpu);
+            let pipelines = Kernels::new(&gpu);
             let mut built = BTreeSet::new();
             for kernel in ALL {
-                for with in specialisations_of(kernel) {
+                for with in variants_of(kernel) {
                     if built.insert((kernel.text(&with), with.count, with.cost_map)) {
                         pipelines.get(&gpu, kernel, with);
                     }
@@ -805,7 +418,7 @@ mod tests {
     #[test]
     fn bindings_of_group_1_are_as_the_table_says() {
         for kernel in ALL {
-            let module = parse(kernel, &specialisations_of(kernel)[0]);
+            let module = parse(kernel, &variants_of(kernel)[0]);
             let mut found: Vec<_> = module
                 .global_variables
                 .iter()
@@ -819,7 +432,8 @@ mod tests {
                 })
                 .collect();
             found.sort_by_key(|(binding, _)| *binding);
-            let stated: Vec<_> = kernel.storage.iter().enumerate().map(|(i, access)| (i as u32 + 1, *access)).collect();
+            let stated: Vec<_> =
+                kernel.storage.iter().zip(1..).map(|((_, access), binding)| (binding, *access)).collect();
             assert_eq!(found, stated, "{}", kernel.name);
         }
     }
@@ -828,7 +442,7 @@ mod tests {
     fn every_wgsl_file_is_part_of_a_kernel() {
         let mut used = BTreeSet::new();
         for kernel in ALL {
-            for with in specialisations_of(kernel) {
+            for with in variants_of(kernel) {
                 used.extend(kernel.parts(&with).iter().map(|part| part.file.to_owned()));
             }
         }
@@ -867,7 +481,7 @@ mod tests {
 
     #[test]
     fn host_and_wgsl_structs_have_the_same_layout() {
-        let with = Specialisation { spheres: true, triangles: true, ..specialisations()[0] };
+        let with = Variant { spheres: true, triangles: true, ..variants()[0] };
         let module = &parse(&TRACE_LEFT, &with);
         assert_layout!(
             module,

@@ -25,9 +25,10 @@
 //! # Reading order
 //!
 //! 1. this page: the way of the data;
-//! 2. `stereo.rs`: [`Renderer`], and in it `Passes::frame`, the four passes of a frame, a line each;
-//! 3. `kernels.rs`: which WGSL files each kernel is made of;
-//! 4. the passes, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (and `trace_listed`, its second half),
+//! 2. `renderer.rs`: [`Renderer`], what it takes and what it gives;
+//! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
+//! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
+//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (and `trace_listed`, its second half),
 //!    `compose`.
 //!
 //! ```text
@@ -71,10 +72,12 @@ mod error;
 #[path = "../tests/common/folder.rs"]
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
+mod frame;
 pub mod gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 mod input;
 mod kernels;
+mod lanes;
 mod large;
 mod layout;
 mod message;
@@ -83,11 +86,13 @@ pub mod metrics;
 pub mod output;
 pub mod pair;
 mod random;
+pub mod renderer;
 pub mod scene;
 mod steps;
-pub mod stereo;
 pub mod traversal;
 mod tree;
+mod upload;
+mod variant;
 
 pub use auto::Choice;
 pub use bvh::BvhBuild;
@@ -99,7 +104,8 @@ pub use gpu::Gpu;
 pub use input::Limits;
 pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
+pub use renderer::{GBuffer, Options, Progress, Renderer, render_stereo};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
-pub use stereo::{GBuffer, Options, Progress, Renderer, UploadInfo, UploadedScene, render_stereo};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
+pub use upload::{UploadInfo, UploadedScene};

@@ -1,4 +1,7 @@
 // The reuse methods: traced where right_source is marked so, else the left pixel that it names.
+@group(1) @binding(3) var<storage, read> right_color: array<vec4f>;
+@group(1) @binding(4) var<storage, read> right_source: array<u32>;
+
 fn right_picture(pixel: vec2u, left: u32) -> u32 {
     let index = pixel_index(pixel);
     let mark = right_source[index];

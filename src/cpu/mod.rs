@@ -14,7 +14,7 @@ pub mod trace_left;
 
 use glam::Vec3;
 
-use crate::{Pose, layout, stereo::frame_uniform};
+use crate::{Pose, frame::uniform::frame_uniform, layout};
 
 /// The frame as kernels read it, with vectors.
 #[derive(Clone, Copy, Debug)]

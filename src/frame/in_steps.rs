@@ -1,107 +1,96 @@
 //! A frame that no bound on a thread's loops can end: both views traced in steps.
 
-use std::{ops::ControlFlow, sync::Arc};
+use std::ops::ControlFlow;
 
-use super::{Need, Options, Passes, Picture, Progress, Renderer, UploadedScene};
+use super::{
+    Traced,
+    driver::Driver,
+    plan::{Eye, Launch, Plan, RightView},
+};
 use crate::{
-    Error, Method, Pose, RaysPerLane, Statistics,
-    kernels::{self, Kept, RightView, Shadows},
+    Error, Method, Options, Pose, Progress, RaysPerLane, Renderer, UploadedScene,
+    lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    steps::{DISPATCHES, Lanes, Steps},
+    steps::{compose, trace::TRACE_IN_STEPS},
+    variant::Shadows,
 };
 
 impl Renderer {
-    /// A frame by `Naive` in steps; the picture's buffers then hold the pair.
+    /// A frame by `Naive` in steps; its buffers then hold the pair.
     pub(super) async fn trace_in_steps(
         &mut self,
         scene: &UploadedScene,
         pose: &Pose,
         options: &Options,
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
-    ) -> Result<(Statistics, Arc<Picture>), Error> {
-        let (size, kept) = (pose.size, Kept::of(options.g_buffer, Method::Naive));
-        let picture = self.picture_of(Need { size, kept, reuse: false, cost_map: options.cost_map }).await?;
+    ) -> Result<Traced, Error> {
+        let (shape, used) = (self.shape(scene, pose, options, Method::Naive), Plan::of(Method::Naive).targets());
+        let targets = self.targets(shape, &used, false).await?;
         let steps = self.steps;
-        let mut passes = self.passes(scene, pose, options, &picture, progress);
-        passes.rows_total = 3 * size[1];
-        if passes.specialisation.shadows == Shadows::FromSurface {
+        let mut driver = self.driver(scene, pose, options, &targets, progress);
+        driver.rows_total = (3 * pose.size[1]) as f32;
+        if driver.variant.shadows == Shadows::FromSurface {
             // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
-            passes.specialisation.traversal.rays = RaysPerLane::One;
+            driver.variant.traversal.rays = RaysPerLane::One;
         }
-        let lane_bytes = passes.frame_in_steps(steps).await?;
-        passes.finish().await?;
-        let statistics = self.statistics(&picture, Method::Naive).await?;
+        let lane_bytes = driver.run_in_steps(steps).await?;
+        driver.finish().await?;
+        let statistics = self.statistics(&targets, Method::Naive).await?;
         let mut statistics = statistics.map_err(|threads| Error::cut_short(threads, "threads"))?;
         statistics.in_steps = true;
-        statistics.intermediate_bytes += lane_bytes;
+        statistics.intermediate_bytes = targets.intermediate_bytes(&used) + lane_bytes;
         if let Some(timestamps) = &self.timestamps {
             statistics.times = timestamps.read(&self.gpu).await?;
         }
-        Ok((statistics, picture))
+        Ok(Traced { statistics, targets, right: RightView::Traced })
     }
 }
 
-impl Passes<'_> {
-    /// Its passes. Returns the bytes that threads keep from step to step.
-    async fn frame_in_steps(&mut self, steps: Steps) -> Result<u64, Error> {
-        let p = self.picture;
+impl Driver<'_> {
+    /// Both views, and the pair's pictures. Returns the bytes that threads keep from step to step.
+    async fn run_in_steps(&mut self, steps: Steps) -> Result<u64, Error> {
+        let [width, height] = self.pose.size;
         let compose_rows = self.rows;
-        let block = WORKGROUP * self.specialisation.traversal.rays.block();
-        let threads_across = WORKGROUP * p.size[0].div_ceil(block);
-        let workgroups = (steps.threads / WORKGROUP / threads_across).clamp(1, p.size[1].div_ceil(block));
+        let block = WORKGROUP * self.variant.traversal.rays.block();
+        let threads_across = WORKGROUP * width.div_ceil(block);
+        let workgroups = (steps.threads / WORKGROUP / threads_across).clamp(1, height.div_ceil(block));
         self.rows = workgroups * block;
-        let lanes = Lanes::new(self.gpu, &self.specialisation, workgroups * WORKGROUP * threads_across).await?;
+        let lanes = Lanes::new(self.gpu, &self.variant, workgroups * WORKGROUP * threads_across).await?;
         self.lanes = Some(lanes.buffer.clone());
-        self.clear(&[&p.counters]).await?;
-        for (eye, name, color) in [(0, "trace_left", &p.left_color), (1, "trace_right", &p.right_color)] {
-            self.frame.eye = eye;
-            self.view_in_steps(name, &lanes, color, steps).await?;
+        self.clear(&[super::Target::Counters]).await?;
+        for (eye, name) in [(Eye::Left, "trace_left"), (Eye::Right, "trace_right")] {
+            self.view_in_steps(name, eye, &lanes, steps).await?;
         }
         self.rows = compose_rows;
-        self.specialisation.right = RightView::Traced;
-        let compose: &[_] = &[&p.left_color, &p.right_color, &p.right_source, &p.pictures];
-        self.pass("compose", &kernels::COMPOSE, compose).await?;
+        self.bands(&compose::of(RightView::Traced)).await?;
         Ok(lanes.buffer.size())
     }
 
     /// One view, band by band, each in as many steps as it takes.
-    async fn view_in_steps(
-        &mut self,
-        name: &'static str,
-        lanes: &Lanes,
-        color: &wgpu::Buffer,
-        steps: Steps,
-    ) -> Result<(), Error> {
-        let (gpu, p) = (self.gpu, self.picture);
-        let [width, height] = p.size;
-        let block = self.specialisation.traversal.rays.block();
+    async fn view_in_steps(&mut self, name: &'static str, eye: Eye, lanes: &Lanes, steps: Steps) -> Result<(), Error> {
+        let gpu = self.gpu;
+        let [width, height] = self.pose.size;
+        let block = self.variant.traversal.rays.block();
         for begin in (0..height).step_by(self.rows as usize) {
-            (self.frame.row_begin, self.frame.row_end) = (begin, height.min(begin + self.rows));
-            gpu.queue.write_buffer(&p.frame, 0, bytemuck::bytes_of(&self.frame));
+            self.write_frames(begin, height.min(begin + self.rows));
             let rows = self.frame.row_end - begin;
             let threads = width.div_ceil(block) * rows.div_ceil(block);
             lanes.begin(gpu, threads, steps.rounds).await?;
             let mut unfinished = threads;
             while unfinished > 0 {
                 let submit = || {
-                    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                    let mut encoder = self.encoder();
                     for _ in 0..DISPATCHES {
-                        let buffers = [color, &p.hits, &p.counters];
-                        let kernel = &kernels::TRACE_IN_STEPS;
-                        self.dispatch_as(name, &mut encoder, kernel, &buffers, super::Launch::Pixels);
+                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, eye, Launch::Pixels);
                     }
                     gpu.queue.submit([encoder.finish()]);
                     Ok(())
                 };
                 gpu.checked(submit).await?;
                 unfinished = lanes.unfinished(gpu).await?;
-                let rows_done = self.rows_done as f32 + rows as f32 * (1.0 - unfinished as f32 / threads as f32);
-                let done = (rows_done / self.rows_total as f32).min(1.0);
-                if (self.progress)(Progress { pass: name, done }).is_break() {
-                    return Err(Error::Cancelled);
-                }
+                self.tell(name, rows as f32 * (1.0 - unfinished as f32 / threads as f32))?;
             }
-            self.rows_done += rows;
+            self.rows_done += rows as f32;
         }
         Ok(())
     }
@@ -113,10 +102,10 @@ mod tests {
     use crate::{
         BvhBuild, GBuffer, Gpu, PointLight, Ray, Scene, StereoCamera, StereoPair, Traversal,
         glam::Vec3,
-        kernels::Specialisation,
         random::Random,
         scene::builtin::Builtin,
         traversal::{Boxes, Fetch},
+        variant::Variant,
     };
 
     fn gpu() -> Gpu {
@@ -276,13 +265,13 @@ mod tests {
         let scene = Builtin::Hall.scene();
         for (traversal, stack_size) in Traversal::ALL.into_iter().flat_map(|t| [8, 40, 256].map(|size| (t, size))) {
             let packed = crate::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
-            let with = Specialisation { stack_size, ..Specialisation::of(&scene, traversal, &packed) };
-            let module = naga::front::wgsl::parse_str(&kernels::TRACE_IN_STEPS.text(&with)).unwrap();
+            let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
+            let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.text(&with)).unwrap();
             let lane = module.types.iter().find_map(|(_, kind)| match kind.inner {
                 naga::TypeInner::Struct { span, .. } if kind.name.as_deref() == Some("Lane") => Some(span),
                 _ => None,
             });
-            assert_eq!(lane.map(u64::from), Some(crate::steps::lane_bytes(&with)), "{traversal:?} {stack_size}");
+            assert_eq!(lane.map(u64::from), Some(crate::lanes::lane_bytes(&with)), "{traversal:?} {stack_size}");
         }
     }
 }

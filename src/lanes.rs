@@ -4,7 +4,7 @@
 use crate::{
     Error,
     gpu::{Gpu, check_bytes},
-    kernels::Specialisation,
+    variant::Variant,
 };
 
 /// How work in steps is done.
@@ -34,7 +34,7 @@ pub(crate) const DISPATCHES: u32 = 4;
 const HEAD_WORDS: u64 = 4;
 
 /// Bytes of a `Lane`.
-pub(crate) fn lane_bytes(with: &Specialisation) -> u64 {
+pub(crate) fn lane_bytes(with: &Variant) -> u64 {
     let rays = u64::from(with.traversal.rays.block().pow(2));
     // Nine numbers of each ray, three of the lane, and its stack.
     4 * (9 * rays + 3 + u64::from(with.stack_size)).next_multiple_of(rays)
@@ -51,7 +51,7 @@ impl Lanes {
     ///
     /// # Errors
     /// [`Error::Limit`] if they don't fit one binding.
-    pub(crate) async fn new(gpu: &Gpu, with: &Specialisation, threads: u32) -> Result<Self, Error> {
+    pub(crate) async fn new(gpu: &Gpu, with: &Variant, threads: u32) -> Result<Self, Error> {
         let bytes = 4 * HEAD_WORDS + lane_bytes(with) * u64::from(threads);
         check_bytes("tracing in steps", bytes, gpu.binding_limit(), "render a smaller picture")?;
         gpu.checked(|| Ok(Self { buffer: gpu.storage_buffer("lanes", bytes) })).await

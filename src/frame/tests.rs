@@ -1,0 +1,172 @@
+use glam::Vec3;
+
+use super::{plan::Stage, *};
+use crate::{BufferDepth, Gpu, Scene, StereoCamera, Traversal, Verify, layout, random::Random};
+
+#[test]
+fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
+    for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
+        let rows = band_rows(size, BAND_PIXELS);
+        assert_eq!(rows % WORKGROUP, 0);
+        assert!(2 * 8 * size[1].div_ceil(rows) <= wgpu::QUERY_SET_MAX_QUERIES, "{size:?} {rows}");
+    }
+    assert_eq!(band_rows([3840, 2160], BAND_PIXELS), 72);
+}
+
+fn renderer(band_pixels: u32) -> Renderer {
+    let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+    let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+    renderer.band_pixels = band_pixels;
+    renderer
+}
+
+#[test]
+fn bands_change_nothing_but_the_number_of_dispatches() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let camera = builtin.camera(130, 71);
+    let mut renderer = renderer(BAND_PIXELS);
+    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    // Counting traces one ray a lane; those of the tiles' search are to be seen as they ship.
+    let counted = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::BRACKET];
+    let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
+    let counted = counted.map(|method| Options::new(method).counting());
+    for options in counted.into_iter().chain(shipped.map(Options::new)) {
+        let method = options.method;
+        let [whole, banded] = [BAND_PIXELS, 130 * 16].map(|band_pixels| {
+            renderer.band_pixels = band_pixels;
+            renderer.cache.targets = None; // its lists are as long as a band
+            let mut calls = 0;
+            let mut count = |_| {
+                calls += 1;
+                ControlFlow::Continue(())
+            };
+            let mut pair = renderer.render_with(&uploaded, &camera, &options, &mut count).unwrap();
+            pair.statistics.times = None;
+            pair.statistics.intermediate_bytes = 0;
+            (pair, calls)
+        });
+        assert_eq!(whole.0, banded.0, "{method}");
+        assert!(banded.1 >= 4 * whole.1 - 4, "{method}: {} {}", whole.1, banded.1);
+    }
+}
+
+#[test]
+fn every_traversal_gives_the_same_pair() {
+    use crate::scene::builtin::Builtin;
+    let spheres_and_triangles = Builtin::Near;
+    for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
+        let camera = builtin.camera(65, 40);
+        let pairs = Traversal::ALL.map(|traversal| {
+            let mut renderer = Renderer::with_traversal(renderer(BAND_PIXELS).gpu, traversal);
+            let uploaded = renderer.upload(&builtin.scene()).unwrap();
+            let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+            // Which of several occluders is kept, and so how many rays it spares, is the traversal's.
+            pair.statistics = Statistics::default();
+            pair
+        });
+        for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
+            assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
+        }
+    }
+}
+
+/// Runs reprojection alone on given left depths.
+fn reproject(pose: &Pose, depths: &[f32], overlap: Overlap) -> (Vec<u32>, u64) {
+    let mut renderer = renderer(64 * 16);
+    let scene = renderer.upload(&Scene::new()).unwrap();
+    let run = async {
+        // Depths are given in place of the first step, the left view's.
+        let mut plan = Plan::of(Method::Reuse { overlap, verify: Verify::None });
+        let Stage::Bands(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
+        steps.remove(0);
+        let used = plan.targets();
+        let shape = Shape { size: pose.size, rows: 16, kept: Kept::Ids, cost_map: false };
+        let targets = renderer.targets(shape, &used, plan.has_a_thread_a_row()).await?;
+        let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
+        renderer.gpu.queue.write_buffer(targets.get(Target::Hits), 0, bytemuck::cast_slice(&hits));
+        let mut go_on = |_| ControlFlow::Continue(());
+        let options = Options::default();
+        let mut driver = renderer.driver(&scene, pose, &options, &targets, &mut go_on);
+        driver.run(&plan).await?;
+        let lost = renderer.statistics(&targets, Method::Naive).await?.unwrap().lost_candidates;
+        let source: Vec<u32> = renderer.gpu.read(targets.get(Target::RightSource), depths.len()).await?;
+        // What was missed has been marked since.
+        let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
+        Ok::<_, Error>((source.into_iter().map(empty).collect(), lost))
+    };
+    pollster::block_on(run).unwrap()
+}
+
+fn pose(size: [u32; 2], interaxial_px: f32) -> Pose {
+    let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
+    camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap()
+}
+
+#[test]
+fn the_index_buffer_equals_a_sequential_computation() {
+    let size = [131, 37];
+    let mut random = Random::new(9);
+    for interaxial_px in [0.5, 7.0, 40.0] {
+        let pose = pose(size, interaxial_px);
+        let depths: Vec<f32> = (0..size[0] * size[1])
+            .map(|index| match index % 7 {
+                0 => crate::FAR,
+                1 => pose.screen_distance,
+                2 => 0.5 * pose.screen_distance,
+                3 => 1e-6 * random.unit(),
+                _ => random.between(1.0, 10.0),
+            })
+            .collect();
+        let expected = crate::cpu::reproject::reproject(&crate::cpu::Frame::new(&pose), &depths);
+        assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
+        for overlap in [Overlap::Atomic, Overlap::Buffer(BufferDepth::Adaptive)] {
+            assert_eq!(reproject(&pose, &depths, overlap).0, expected, "{overlap:?} {interaxial_px}");
+        }
+    }
+}
+
+#[test]
+fn samples_land_where_the_closed_form_says_ties_included() {
+    // e_px = 8 and d = 4: parallax 8 (1 - 4/z).
+    let pose = pose([40, 1], 8.0);
+    let land = |column: usize, z: f32| {
+        let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
+        depths[column] = z;
+        let source = reproject(&pose, &depths, Overlap::Atomic).0;
+        source.iter().position(|&source| source == column as u32 + 1)
+    };
+    assert_eq!(land(20, 4.0), Some(20), "on the screen");
+    assert_eq!(land(20, 2.0), Some(12), "at d/2: e to the left");
+    assert_eq!(land(20, crate::FAR), Some(28), "sky: e to the right");
+    assert_eq!(land(20, 8.0), Some(24), "at 2d: half of e");
+    // 8 (1 - 4/z) = 0.5 exactly at z = 64/15, which f32 rounds up: X = 21.0 or just above lands in 21.
+    assert_eq!(land(20, 64.0 / 15.0), Some(21), "a tie goes to the right");
+    // Parallax -0.5 exactly: X = 20.0 stays in 20.
+    assert_eq!(land(20, 64.0 / 17.0), Some(20));
+    assert_eq!(land(35, crate::FAR), None, "past the right edge");
+    assert_eq!(land(7, 2.0), None, "past the left edge");
+    assert_eq!(land(8, 2.0), Some(0), "X = 0.5");
+    assert_eq!(land(8, 32.0 / 16.5), Some(0), "X = 0 exactly is inside");
+}
+
+#[test]
+fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
+    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e; columns 2e apart meet, and slot i mod 2e is the same.
+    let pose = pose([40, 1], 8.0);
+    let mut depths = vec![1e-9; 40];
+    (depths[10], depths[26]) = (crate::FAR, 2.0);
+    let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::TwiceInteraxial));
+    assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
+    // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
+    let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::Fixed(18)));
+    assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
+}
+
+#[test]
+fn renderer_and_scene_may_cross_threads() {
+    fn check<T: Send + Sync>() {}
+    check::<Renderer>();
+    check::<UploadedScene>();
+    check::<Gpu>();
+    check::<Error>();
+}

@@ -1,0 +1,120 @@
+//! Compute pipelines, each built when it is first used, and bind groups.
+
+use std::{
+    collections::HashMap,
+    hash::Hash,
+    sync::{Arc, Mutex},
+};
+
+use super::{Gpu, lock};
+
+/// What a pipeline is made of.
+pub(crate) struct Program<'a> {
+    pub(crate) label: &'static str,
+    /// WGSL with one entry point.
+    pub(crate) text: String,
+    /// The layout of group 1, which is the kernel's own.
+    pub(crate) own: Vec<wgpu::BindGroupLayoutEntry>,
+    /// The layouts of groups 0 and 2, which kernels share, where they are used.
+    pub(crate) shared: [Option<&'a wgpu::BindGroupLayout>; 2],
+    /// Values of `override` constants.
+    pub(crate) constants: Vec<(&'static str, f64)>,
+}
+
+/// A compute pipeline and the layout of its own bindings.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) own: wgpu::BindGroupLayout,
+}
+
+/// The pipelines built so far, by what they are made for.
+#[derive(Debug)]
+pub(crate) struct Pipelines<Key>(Mutex<HashMap<Key, Arc<Pipeline>>>);
+
+impl<Key> Default for Pipelines<Key> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<Key: Eq + Hash> Pipelines<Key> {
+    /// The pipeline made for this, built if this is its first use.
+    pub(crate) fn get<'a>(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program<'a>) -> Arc<Pipeline> {
+        lock(&self.0).entry(key).or_insert_with(|| Arc::new(build(gpu, program()))).clone()
+    }
+}
+
+fn build(gpu: &Gpu, program: Program<'_>) -> Pipeline {
+    let device = &gpu.device;
+    let label = Some(program.label);
+    let source = wgpu::ShaderSource::Wgsl(program.text.into());
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+    let own =
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: program.own.as_slice() });
+    let [before, behind] = program.shared;
+    let groups = [before, Some(&own), behind];
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &groups[..if behind.is_some() { 3 } else { 2 }],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label,
+        layout: Some(&layout),
+        module: &module,
+        entry_point: None, // the only one
+        compilation_options: wgpu::PipelineCompilationOptions { constants: &program.constants, ..Default::default() },
+        cache: None,
+    });
+    Pipeline { pipeline, own }
+}
+
+pub(crate) fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+}
+
+pub(crate) fn uniform_type() -> wgpu::BindingType {
+    buffer_type(wgpu::BufferBindingType::Uniform)
+}
+
+pub(crate) fn storage_type(read_only: bool) -> wgpu::BindingType {
+    buffer_type(wgpu::BufferBindingType::Storage { read_only })
+}
+
+fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+/// Of textures of texels ([`super::Texels`]).
+pub(crate) fn texture_type(access: wgpu::StorageTextureAccess) -> wgpu::BindingType {
+    let (format, view_dimension) = (wgpu::TextureFormat::Rgba32Uint, wgpu::TextureViewDimension::D2);
+    wgpu::BindingType::StorageTexture { access, format, view_dimension }
+}
+
+/// A layout of bindings from 0 on.
+pub(crate) fn layout_of(gpu: &Gpu, label: &'static str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A bind group of resources in the order of their bindings.
+pub(crate) fn bind_group<'a>(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    bind_group_at(gpu, label, layout, (0..).zip(resources))
+}
+
+/// A bind group of bindings and resources.
+pub(crate) fn bind_group_at<'a>(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = (u32, wgpu::BindingResource<'a>)>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}

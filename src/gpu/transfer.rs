@@ -1,0 +1,274 @@
+//! Buffers and textures, and what is brought to them and back.
+
+use std::{
+    future::Future,
+    sync::{Arc, Mutex},
+    task::{Poll, Waker},
+};
+
+use super::{Gpu, lock};
+use crate::{Error, bvh::Texel, traversal::Fetch};
+
+/// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
+pub(crate) const TEXTURE_WIDTH: u32 = 8192;
+
+/// Texels that are handed to the driver at a time: whole rows of those textures, 16 MiB.
+const PIECE: usize = 1 << 20;
+impl Gpu {
+    pub(crate) fn storage_buffer(&self, label: &str, bytes: u64) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(16),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Not mapped at creation: on a lost device that panics.
+    pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: contents.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
+    /// How many texels fit one texture or one binding.
+    pub(crate) fn texel_capacity(&self, fetch: Fetch) -> u64 {
+        match fetch {
+            Fetch::Texture => match self.limits.max_texture_dimension_2d {
+                side if side < TEXTURE_WIDTH => 0,
+                side => u64::from(TEXTURE_WIDTH) * u64::from(side),
+            },
+            Fetch::Buffer => self.binding_limit() / size_of::<Texel>() as u64,
+        }
+    }
+
+    /// How many texels a scene's shading table may have, read either way.
+    #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+    pub(crate) fn largest_table(&self) -> u64 {
+        self.texel_capacity(Fetch::Texture).max(self.texel_capacity(Fetch::Buffer))
+    }
+
+    /// Uploads texels as a texture or a storage buffer.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if they don't fit one texture or binding, and [`Error::DeviceLost`].
+    pub(crate) fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
+        self.upload_each(label, texels.len(), texels.iter().copied(), fetch)
+    }
+
+    /// Uploads so many texels as they come, without having them all at once.
+    ///
+    /// # Errors
+    /// As [`Gpu::upload`].
+    pub(crate) fn upload_each(
+        &self,
+        label: &'static str,
+        count: usize,
+        texels: impl Iterator<Item = Texel>,
+        fetch: Fetch,
+    ) -> Result<Texels, Error> {
+        match fetch {
+            Fetch::Texture => {
+                if count as u64 > self.texel_capacity(fetch) {
+                    return Err(Error::Limit {
+                        what: format!("the scene's {label} texture"),
+                        needed: format!("{count} texels in rows of {TEXTURE_WIDTH}"),
+                        limit: "max_texture_dimension_2d",
+                        allowed: self.limits.max_texture_dimension_2d.to_string(),
+                        remedy: "use fewer primitives",
+                    });
+                }
+                let texture = self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count);
+                self.in_pieces(texels, |first, texels| {
+                    self.write_rows(&texture, first / TEXTURE_WIDTH as usize, texels);
+                })?;
+                Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
+            }
+            Fetch::Buffer => {
+                let (what, bytes) = (format!("the scene's {label} buffer"), (count * size_of::<Texel>()) as u64);
+                check_bytes(&what, bytes, self.binding_limit(), "use fewer primitives")?;
+                let buffer = self.storage_buffer(label, bytes);
+                self.in_pieces(texels, |first, texels| {
+                    let offset = (first * size_of::<Texel>()) as u64;
+                    self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(texels));
+                })?;
+                Ok(Texels::Buffer(buffer))
+            }
+        }
+    }
+
+    /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
+    /// so one piece is waited for before the next is made.
+    fn in_pieces(&self, mut texels: impl Iterator<Item = Texel>, write: impl Fn(usize, &[Texel])) -> Result<(), Error> {
+        let mut piece = Vec::new();
+        for first in (0..).step_by(PIECE) {
+            piece.clear();
+            piece.extend(texels.by_ref().take(PIECE));
+            if !piece.is_empty() {
+                write(first, &piece);
+            }
+            if piece.len() < PIECE {
+                break;
+            }
+            self.wait(Some(self.queue.submit([])))?;
+        }
+        Ok(())
+    }
+
+    /// A texture of texels in rows, the last of which may be short.
+    pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
+        let texture = self.texture(label, width, texels.len());
+        self.write_rows(&texture, 0, texels);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    fn texture(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
+        let height = texels.div_ceil(width as usize).max(1) as u32;
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    }
+
+    /// Writes texels from a row on. The last row may be short.
+    fn write_rows(&self, texture: &wgpu::Texture, first_row: usize, texels: &[Texel]) {
+        let write = |row: usize, texels: &[Texel], width: u32, rows: usize| {
+            let target = wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: row as u32, z: 0 },
+                aspect: wgpu::TextureAspect::All,
+            };
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 16), rows_per_image: None };
+            let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
+            self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
+        };
+        let width = texture.width();
+        let full = texels.len() / width as usize;
+        let (whole, rest) = texels.split_at(full * width as usize);
+        if !whole.is_empty() {
+            write(first_row, whole, width, full);
+        }
+        if !rest.is_empty() {
+            write(first_row + full, rest, rest.len() as u32, 1);
+        }
+    }
+
+    /// Copies a buffer back to the host.
+    pub(crate) async fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, Error> {
+        let bytes = (count * size_of::<T>()) as u64;
+        let (sender, receiver) = oneshot();
+        let staging = self
+            .checked(|| {
+                let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("read-back"),
+                    size: bytes.max(4),
+                    usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                });
+                let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+                self.queue.submit([encoder.finish()]);
+                staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
+                Ok(staging)
+            })
+            .await?;
+        self.wait(None)?;
+        let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss_or(error.to_string()));
+        receiver.await.map_err(|error| lost(&error))?;
+        let range = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
+        Ok(bytemuck::pod_collect_to_vec(&range[..bytes as usize]))
+    }
+}
+
+/// [`Error::Limit`] if a binding of `bytes` is more than `allowed`.
+pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static str) -> Result<(), Error> {
+    if bytes <= allowed {
+        return Ok(());
+    }
+    let mib = |bytes: u64| format!("{} MiB", bytes.div_ceil(1 << 20));
+    Err(Error::Limit {
+        what: what.into(),
+        needed: mib(bytes),
+        limit: "max_storage_buffer_binding_size",
+        allowed: mib(allowed),
+        remedy,
+    })
+}
+
+/// A part of a scene on the device.
+#[derive(Debug)]
+pub(crate) enum Texels {
+    Texture(wgpu::TextureView),
+    Buffer(wgpu::Buffer),
+}
+
+impl Texels {
+    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Self::Texture(view) => wgpu::BindingResource::TextureView(view),
+            Self::Buffer(buffer) => buffer.as_entire_binding(),
+        }
+    }
+}
+/// One value that a callback hands to a future.
+#[derive(Debug)]
+struct Slot<T> {
+    value: Option<T>,
+    waker: Option<Waker>,
+}
+
+struct Sender<T>(Arc<Mutex<Slot<T>>>);
+
+impl<T> Sender<T> {
+    fn send(self, value: T) {
+        let mut slot = lock(&self.0);
+        slot.value = Some(value);
+        if let Some(waker) = slot.waker.take() {
+            waker.wake();
+        }
+    }
+}
+
+fn oneshot<T>() -> (Sender<T>, impl Future<Output = T>) {
+    let slot = Arc::new(Mutex::new(Slot { value: None, waker: None }));
+    let receiver = slot.clone();
+    let future = std::future::poll_fn(move |context| {
+        let mut slot = lock(&receiver);
+        match slot.value.take() {
+            Some(value) => Poll::Ready(value),
+            None => {
+                slot.waker = Some(context.waker().clone());
+                Poll::Pending
+            }
+        }
+    });
+    (Sender(slot), future)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_binding_over_the_limit_names_sizes_and_limit() {
+        assert!(check_bytes("the nodes", 128 << 20, 128 << 20, "shrink").is_ok());
+        let message = check_bytes("the nodes", (190 << 20) + 1, 128 << 20, "shrink").unwrap_err().to_string();
+        assert!(
+            message.starts_with("the nodes needs 191 MiB but this adapter's max_storage_buffer_binding_size is 128")
+        );
+    }
+}

@@ -1,0 +1,202 @@
+//! The renderer: scenes and cameras in, pairs out.
+
+use std::ops::ControlFlow;
+
+use crate::{
+    Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
+    kernels::Kernels, lanes::Steps, traversal::Traversal,
+};
+
+/// What to render with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Options {
+    /// How the right view is made.
+    pub method: Method,
+    /// Count BVH nodes and primitive tests (slower).
+    pub count: bool,
+    /// Keep what each pixel cost, as [`View::cost`](crate::View::cost); counts too.
+    pub cost_map: bool,
+    /// What is kept of each pixel besides its colour.
+    pub g_buffer: GBuffer,
+}
+
+/// What is kept of each pixel besides its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum GBuffer {
+    /// Depth and the ids of primitive and object.
+    #[default]
+    Ids,
+    /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
+    Depth,
+    /// Nothing: [`View::depth`](crate::View::depth) stays empty too. The reuse methods keep depth on the device all the same.
+    None,
+}
+
+impl Options {
+    /// The given method, nothing counted.
+    pub fn new(method: Method) -> Self {
+        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids }
+    }
+
+    /// Keeps no more of each pixel than said.
+    pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
+        self.g_buffer = g_buffer;
+        self
+    }
+
+    /// Keeps what each pixel cost.
+    pub fn mapping_costs(mut self) -> Self {
+        self.cost_map = true;
+        self
+    }
+
+    /// Counts BVH nodes and primitive tests too.
+    pub fn counting(mut self) -> Self {
+        self.count = true;
+        self
+    }
+}
+
+impl Default for Options {
+    /// [`Method::Auto`], nothing counted.
+    fn default() -> Self {
+        Self::new(Method::Auto)
+    }
+}
+
+/// How far a frame is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// The last step of the band of rows that was done.
+    pub pass: &'static str,
+    /// Share of the frame's rows done, 0 to 1. It begins anew where a frame is rendered again
+    /// ([`Statistics::in_steps`]).
+    pub done: f32,
+}
+
+/// Renders stereo pairs; keeps kernels and buffers from frame to frame.
+///
+/// ```no_run
+/// use stereotrace::{Gpu, Method, Options, Renderer, Scene, StereoCamera};
+///
+/// let scene = Scene::from_obj("bunny.obj")?;
+/// let camera = StereoCamera::fitting(scene.bounds().expect("the file has triangles"), 800, 600);
+/// let mut renderer = Renderer::new(Gpu::new()?);
+/// let uploaded = renderer.upload(&scene)?;
+/// for method in [Method::Naive, Method::ATOMIC] {
+///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).counting())?;
+///     println!("{method}: second eye {:.2} of the first", pair.statistics.second_eye());
+/// }
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Renderer {
+    pub(crate) gpu: Gpu,
+    pub(crate) traversal: Traversal,
+    pub(crate) kernels: Kernels,
+    /// Buffers of the last frame, for the next.
+    pub(crate) cache: frame::Cache,
+    pub(crate) timestamps: Option<Timestamps>,
+    pub(crate) band_pixels: u32,
+    pub(crate) steps: Steps,
+}
+
+impl Renderer {
+    /// A renderer on a device.
+    pub fn new(gpu: Gpu) -> Self {
+        let traversal = Traversal::of(&gpu);
+        Self::with_traversal(gpu, traversal)
+    }
+
+    /// A renderer whose rays go through scenes in a given way: for measurements, or where [`Traversal::of`] chose badly.
+    pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
+        Self {
+            traversal,
+            kernels: Kernels::new(&gpu),
+            cache: frame::Cache::default(),
+            timestamps: Timestamps::new(&gpu),
+            band_pixels: frame::BAND_PIXELS,
+            steps: Steps::default(),
+            gpu,
+        }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Renders a pair, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<StereoPair, Error> {
+        self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Renders a pair, blocking, with a callback for progress.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render_with(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<StereoPair, Error> {
+        pollster::block_on(self.render_async(scene, camera, options, progress))
+    }
+
+    /// Renders a pair; `progress` is called after every band of rows, and may stop the frame.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
+    /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    pub async fn render_async(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    ) -> Result<StereoPair, Error> {
+        let pose = camera.pose()?;
+        let traced = self.trace_async(scene, &pose, options, progress).await?;
+        self.read_pair(scene, pose, options, traced).await
+    }
+
+    /// Runs the passes of a frame without reading the pictures back: for benchmarks.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn trace(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<Statistics, Error> {
+        let pose = camera.pose()?;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let traced = self.trace_async(scene, &pose, options, &mut go_on);
+        pollster::block_on(traced).map(|traced| traced.statistics)
+    }
+}
+
+/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`]. For
+/// more than one picture keep a [`Renderer`].
+///
+/// # Errors
+/// As [`Gpu::new`], [`Renderer::upload`] and [`Renderer::render`].
+pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let uploaded = renderer.upload(scene)?;
+    renderer.render(&uploaded, camera, &Options::default())
+}
