@@ -502,9 +502,12 @@ mod tests {
                 row_end,
                 image_size,
                 longest,
-                _pad,
+                spread_8,
                 forward,
                 wider,
+                spread_16,
+                spread_64,
+                _pad,
             }
         );
         assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });

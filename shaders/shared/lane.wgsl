@@ -33,7 +33,9 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
 
 // The pixels of a thread of a launch over blocks.
 fn block_pixels(id: vec3u) -> Pixels {
-    let first = pixel_in_tile(id.xy) * BLOCK + vec2u(0u, frame.row_begin);
+    let stride = select(frame.spread_8, frame.spread_16, BLOCK.y > 1u);
+    let row = spread_rows(id.y, stride, WORKGROUP * BLOCK.y);
+    let first = pixel_in_tile(vec2u(id.x, row)) * BLOCK + vec2u(0u, frame.row_begin);
     return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
 }
 

@@ -13,6 +13,26 @@ fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
     assert_eq!(band_rows([3840, 2160], BAND_PIXELS), 72);
 }
 
+#[test]
+fn every_row_of_workgroups_comes_once_and_every_part_of_them_is_spread() {
+    let mut renderer = renderer(BAND_PIXELS);
+    let scene = renderer.upload(&Scene::new()).unwrap();
+    let pose = pose([8, 8], 1.0);
+    let shape = Shape { size: pose.size, rows: 8, kept: Kept::Ids, cost_map: false };
+    let targets = pollster::block_on(renderer.targets(shape, &BTreeSet::new(), false)).unwrap();
+    let (options, mut go_on) = (Options::default(), |_| ControlFlow::Continue(()));
+    let driver = renderer.driver(&scene, &pose, &options, &targets, &mut go_on);
+    for count in (1..200).chain([256, 1000, 2048]) {
+        let stride = driver.spread_rows(count);
+        let rows: Vec<u32> = (0..count).map(|row| row * stride % count).collect();
+        assert_eq!(rows.iter().collect::<BTreeSet<_>>().len(), count as usize, "{count} rows in strides of {stride}");
+        // Of the rows that the first of two threads gets, about half are in the picture's upper half: of 17 rows 6 of 8.
+        let upper = rows[..count as usize / 2].iter().filter(|&&row| 2 * row < count).count();
+        let off = upper.abs_diff(count as usize / 4) as f32 / count as f32;
+        assert!(stride == 1 || count < 8 || off <= 0.15, "{count} rows in strides of {stride}: {upper}");
+    }
+}
+
 fn renderer(band_pixels: u32) -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
     let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
