@@ -7,7 +7,7 @@ mod common;
 mod folder;
 #[path = "../benches/thesis/record.rs"]
 mod record;
-#[path = "../benches/thesis/report.rs"]
+#[path = "../benches/thesis/report/mod.rs"]
 mod report;
 
 use std::{error::Error, fs};

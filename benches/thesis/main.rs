@@ -8,7 +8,6 @@
 mod common;
 mod pictures;
 mod record;
-
 mod report;
 
 use std::{

@@ -2,7 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::{Names, OWN, Picture, count, escape, figure, last_of_each, nearest_width};
+use super::{
+    Picture,
+    accuracy::nearest_width,
+    gallery::figure,
+    names::{Names, OWN},
+    sections::last_of_each,
+    text::{count, escape},
+};
 use crate::{common::scenes, record::Record};
 
 pub(super) const SLUG: &str = "sources";

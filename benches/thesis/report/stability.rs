@@ -4,7 +4,11 @@ use std::{error::Error, fmt::Write as _, fs, io::ErrorKind, path::Path};
 
 use serde::Deserialize;
 
-use super::{count, distinct, escape, sources::percent};
+use super::{
+    names::distinct,
+    sources::percent,
+    text::{count, escape},
+};
 
 pub(super) const SLUG: &str = "stability";
 pub(super) const TITLE: &str = "Stability suite";

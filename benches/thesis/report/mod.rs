@@ -1,0 +1,68 @@
+//! The report: plots by question and scene, the pictures and a table of all records, in one page that stands alone.
+
+mod accuracy;
+mod axis;
+mod drawing;
+mod frame;
+mod gallery;
+mod line_plot;
+mod names;
+mod page;
+mod questions;
+mod scatter;
+mod sections;
+mod sources;
+mod stability;
+mod table;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+};
+
+use self::{names::Names, page::page, sections::sections};
+pub(crate) use self::{sources::Sources, stability::Stability};
+use crate::{common::files::save, record::Record};
+
+/// The thesis's stated ranges of the speed-up over naive: scene, or `*` for all of them, method, lowest and highest in
+/// percent. They are drawn behind the speed-up against the picture's width.
+///
+/// Its averages over the sizes, from the lowest scene on the one machine to the highest on the other (figures 27 and 35).
+const BANDS: &[(&str, &str, f64, f64)] =
+    &[("*", "ideal", 29.0, 92.0), ("*", "atomic", 14.0, 67.0), ("*", "buffer", 6.0, 58.0)];
+
+/// A picture to show beside the plots.
+pub(crate) struct Picture {
+    pub(crate) scene: String,
+    pub(crate) method: String,
+    /// What it shows of them: left, right, anaglyph, difference x8, re-trace map, cost left, cost right.
+    pub(crate) kind: String,
+    pub(crate) caption: String,
+    /// A PNG file.
+    pub(crate) png: Vec<u8>,
+}
+
+/// What the page is made of.
+#[derive(Default)]
+pub(crate) struct Content {
+    pub(crate) records: Vec<Record>,
+    pub(crate) pictures: Vec<Picture>,
+    pub(crate) sources: Vec<Sources>,
+    /// `None` if that benchmark has not run.
+    pub(crate) stability: Option<Stability>,
+}
+
+/// Writes report.html and its plots, an SVG file each, into `folder`, all or none, and returns their paths, the page's
+/// last. Of a configuration that was measured more than once the plots show the last record, the table all.
+pub(crate) fn write(content: &Content, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let names = Names::of(&content.records, &content.pictures);
+    let sections = sections(&content.records, &names, BANDS)?;
+    let page = page(content, &names, &sections);
+    let figures = sections.into_iter().flat_map(|section| section.groups).flat_map(|group| group.figures);
+    let mut files: Vec<(String, String)> = figures.map(|figure| (format!("{}.svg", figure.name), figure.svg)).collect();
+    files.push(("report.html".into(), page));
+    save(&files, folder)
+}

@@ -1,0 +1,186 @@
+//! What is plotted scene by scene: a question of each plot, with what varies along its axes.
+
+use super::{axis::Rule, text::count};
+use crate::record::Record;
+
+/// What a suite varies, and so a plot's x axis.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Swept {
+    Width,
+    Interaxial,
+    Lights,
+}
+
+impl Swept {
+    pub(super) fn of(self, record: &Record) -> f64 {
+        match self {
+            Self::Width => f64::from(record.width),
+            Self::Interaxial => f64::from(record.e_px),
+            Self::Lights => record.lights as f64,
+        }
+    }
+
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::Width => "picture width, pixels",
+            Self::Interaxial => "interaxial e, pixels",
+            Self::Lights => "lights",
+        }
+    }
+
+    /// What stays the same along the axis.
+    pub(super) fn fixed(self, record: &Record) -> String {
+        let size = format!("{}x{}", record.width, record.height);
+        let (e, lights) = (format!("e = {} px", record.e_px), count(record.lights, "light"));
+        match self {
+            Self::Width => format!("{e}, {lights}"),
+            Self::Interaxial => format!("{size}, {lights}"),
+            Self::Lights => format!("{size}, {e}"),
+        }
+    }
+}
+
+/// A figure of a record, in the unit that its plot names.
+pub(super) type Value = fn(&Record) -> Option<f64>;
+
+/// A question that is plotted scene by scene.
+pub(super) struct Question {
+    pub(super) suite: &'static str,
+    /// Begins the names of its files.
+    pub(super) slug: &'static str,
+    pub(super) title: &'static str,
+    /// What is seen along the axes.
+    pub(super) sentence: &'static str,
+    pub(super) swept: Swept,
+    pub(super) y_label: &'static str,
+    pub(super) rule: Rule,
+    pub(super) value: Value,
+    /// The same by counters in place of time.
+    pub(super) counted: Option<Value>,
+}
+
+pub(super) const SUITES: [(&str, &str); 5] = [
+    ("dimensions", "Picture size"),
+    ("interaxial", "Interaxial"),
+    ("lights", "Lights"),
+    ("mse-dimensions", "Error against picture size"),
+    ("mse-interaxial", "Error against interaxial"),
+];
+
+pub(super) const QUESTIONS: [Question; 9] = [
+    Question {
+        suite: "dimensions",
+        slug: "dimensions-speed-up",
+        title: "speed-up against picture width",
+        sentence: "Across: the picture's width in pixels. Up: naive's time for the pair over the method's, less 1, in \
+                   percent; 0 is naive.",
+        swept: Swept::Width,
+        y_label: "speed-up over naive, %",
+        rule: Rule::Even,
+        value: speed_up,
+        counted: None,
+    },
+    Question {
+        suite: "dimensions",
+        slug: "dimensions-fps",
+        title: "pairs a second against picture width",
+        sentence: "Across: the picture's width in pixels. Up: stereo pairs a second.",
+        swept: Swept::Width,
+        y_label: "pairs a second",
+        rule: Rule::Amount,
+        value: |record| Some(record.fps),
+        counted: None,
+    },
+    Question {
+        suite: "interaxial",
+        slug: "interaxial-pair-time",
+        title: "pair time against interaxial",
+        sentence: "Across: the interaxial e in pixels. Up: median time of the pair's passes in milliseconds.",
+        swept: Swept::Interaxial,
+        y_label: "pair time, ms",
+        rule: Rule::Amount,
+        value: |record| Some(record.pair_ms),
+        counted: None,
+    },
+    Question {
+        suite: "interaxial",
+        slug: "interaxial-speed-up",
+        title: "speed-up against interaxial",
+        sentence: "Across: the interaxial e in pixels. Up: naive's time for the pair over the method's, less 1, in \
+                   percent; 0 is naive.",
+        swept: Swept::Interaxial,
+        y_label: "speed-up over naive, %",
+        rule: Rule::Even,
+        value: speed_up,
+        counted: None,
+    },
+    Question {
+        suite: "interaxial",
+        slug: "interaxial-slot-time",
+        title: "time a slot against interaxial",
+        sentence: "Across: the interaxial e in pixels. Up: nanoseconds a slot and pixel that a buffer takes to be \
+                   stored and searched.",
+        swept: Swept::Interaxial,
+        y_label: "time a slot and pixel, ns",
+        rule: Rule::Amount,
+        value: |record| record.slot_ns,
+        counted: None,
+    },
+    Question {
+        suite: "interaxial",
+        slug: "interaxial-depth",
+        title: "buffer depth against interaxial",
+        sentence: "Across: the interaxial e in pixels. Up: a buffer's slots a right pixel.",
+        swept: Swept::Interaxial,
+        y_label: "slots a right pixel",
+        rule: Rule::Even,
+        value: |record| (record.buffer_depth > 0).then(|| f64::from(record.buffer_depth)),
+        counted: None,
+    },
+    Question {
+        suite: "lights",
+        slug: "lights-speed-up",
+        title: "speed-up against lights",
+        sentence: "Across: the number of lights. Up: speed-up of the pair over naive in percent, by time (solid, \
+                   filled markers) and by counters (dotted, hollow markers); 0 is naive.",
+        swept: Swept::Lights,
+        y_label: "speed-up over naive, %",
+        rule: Rule::Even,
+        value: speed_up,
+        counted: Some(|record| (record.method != "naive").then_some(100.0 * record.speed_up_counters)),
+    },
+    Question {
+        suite: "mse-dimensions",
+        slug: "mse-dimensions",
+        title: "MSE against picture width",
+        sentence: "Across: the picture's width in pixels. Up: mean squared difference of the right view from naive's, \
+                   a row a decade; in the row of zero the methods stand one above the other.",
+        swept: Swept::Width,
+        y_label: "MSE",
+        rule: Rule::Decades,
+        value: error,
+        counted: None,
+    },
+    Question {
+        suite: "mse-interaxial",
+        slug: "mse-interaxial",
+        title: "MSE against interaxial",
+        sentence: "Across: the interaxial e in pixels. Up: mean squared difference of the right view from naive's, a \
+                   row a decade; in the row of zero the methods stand one above the other.",
+        swept: Swept::Interaxial,
+        y_label: "MSE",
+        rule: Rule::Decades,
+        value: error,
+        counted: None,
+    },
+];
+
+/// In percent. Naive's own is 0 by definition.
+fn speed_up(record: &Record) -> Option<f64> {
+    (record.method != "naive").then_some(100.0 * record.speed_up)
+}
+
+/// Naive's own is 0 by definition.
+fn error(record: &Record) -> Option<f64> {
+    (record.method != "naive").then_some(record.mse)
+}
