@@ -1,0 +1,372 @@
+//! Every kernel in every variant against naga, the adapter, the table and the host's structs.
+
+use std::collections::BTreeSet;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::*;
+use crate::{
+    ShadowReuse,
+    cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+    steps::{
+        LISTS, MARKS,
+        bracket::{BOUND_TILES, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
+        compose::{COMPOSE, COMPOSE_LEFT, COMPOSE_MARKED},
+        edges::MARK_EDGES,
+        reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
+        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TRACE_LISTED},
+        trace::{TRACE_IN_STEPS, TRACE_LEFT},
+    },
+    traversal::{Boxes, Traversal},
+    variant::{Shadows, SkyKind, part},
+};
+
+const ALL: [&Kernel; 24] = [
+    &TRACE_IN_STEPS,
+    &CLOSEST_HITS_IN_STEPS,
+    &ANY_HITS_IN_STEPS,
+    &SHADE_SKY,
+    &BOUND_TILES,
+    &SEARCH_TILES,
+    &TRACE_BOUNDED,
+    &RESOLVE_TILES,
+    &SHADE_LISTED,
+    &REPROJECT_SCANLINE,
+    &MARK_EDGES,
+    &CLOSEST_HITS,
+    &ANY_HITS,
+    &TRACE_LEFT,
+    &REPROJECT,
+    &REPROJECT_SLOTS,
+    &GATHER_SLOTS,
+    &DEPTH_RANGE,
+    &RESOLVE_RIGHT,
+    &RESOLVE_TRUSTED,
+    &TRACE_LISTED,
+    &COMPOSE,
+    &COMPOSE_LEFT,
+    &COMPOSE_MARKED,
+];
+
+/// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
+fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
+    let choices = |option: usize| (0..counts[option]).map(move |choice| (option, choice));
+    let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
+    let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
+    let mut rows = Vec::new();
+    // A row begins with a pair that has not met yet. Its other choices are those that make most such pairs meet.
+    while let Some(&(first, second)) = open.first() {
+        let mut row = vec![first, second];
+        for option in (0..N).filter(|&option| option != first.0 && option != second.0) {
+            let meets = |new: (usize, usize)| {
+                row.iter().filter(|&&made| open.contains(&(made.min(new), made.max(new)))).count()
+            };
+            let best = choices(option).rev().max_by_key(|&new| meets(new)).unwrap();
+            row.push(best);
+        }
+        open.retain(|(a, b)| !(row.contains(a) && row.contains(b)));
+        row.sort_unstable();
+        rows.push(std::array::from_fn(|option| row[option].1));
+    }
+    rows
+}
+
+/// Not all combinations, which are tens of thousands, but any two choices together.
+fn variants() -> Vec<Variant> {
+    let traversals = Traversal::ALL.into_iter().flat_map(|traversal| [(traversal, false), (traversal, true)]);
+    let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
+    // Spheres, triangles, normals.
+    let kinds = [[true, false, false], [false, true, false], [false, true, true], [true, true, false], [true; 3]];
+    let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2]);
+    let with = |&[traversal, kind, light, hits, sky, bits, counting, close]: &[usize; 8]| {
+        let ((traversal, world_boxes), [spheres, triangles, normals]) = (traversals[traversal], kinds[kind]);
+        Variant {
+            traversal,
+            triangles,
+            spheres,
+            normals,
+            lights: light > 0,
+            shadows: shadows[light.saturating_sub(1)],
+            sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
+            world_boxes,
+            close: close == 1,
+            hits: [Kept::Ids, Kept::Depth, Kept::None, Kept::Samples][hits],
+            stack_size: 40,
+            bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
+            count: counting > 0,
+            cost_map: counting > 1,
+        }
+    };
+    // What the scenes of spheres alone are paired with, a scene without primitives is paired with too.
+    let spheres_alone = rows.iter().filter(|row| row[1] == 0);
+    let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
+    rows.iter().map(with).chain(empty).collect()
+}
+
+/// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
+fn variants_of(kernel: &Kernel) -> Vec<Variant> {
+    let mut all = variants();
+    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_LISTED]
+        .iter()
+        .any(|known| known.name == kernel.name)
+    {
+        all.retain(|with| with.triangles || with.spheres);
+        all.iter_mut().for_each(|with| with.hits = Kept::Samples);
+    }
+    if kernel.name == MARK_EDGES.name {
+        all.iter_mut().for_each(|with| with.hits = Kept::Ids);
+    }
+    all
+}
+
+fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
+    let text = kernel.text(with);
+    naga::front::wgsl::parse_str(&text)
+        .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)))
+}
+
+/// Every distinct text, with its kernel and a variant that gives it.
+fn modules() -> Vec<(&'static Kernel, Variant, String)> {
+    let mut seen = BTreeSet::new();
+    let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
+    let all = all.map(|(kernel, with)| (kernel, with, kernel.text(&with)));
+    all.filter(|(_, _, text)| seen.insert(text.clone())).collect()
+}
+
+#[test]
+fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buffers() {
+    let modules = modules();
+    assert!(modules.len() > 100, "{}", modules.len());
+    for (kernel, with, text) in modules {
+        let module = parse(kernel, &with);
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
+        assert_eq!(module.entry_points.len(), 1);
+        assert_eq!(format!("{}.wgsl", module.entry_points[0].name), kernel.main.file);
+        let used = module.global_variables.iter().filter(|(handle, variable)| {
+            !info.get_entry_point(0)[*handle].is_empty() && matches!(variable.space, naga::AddressSpace::Storage { .. })
+        });
+        assert!(used.count() <= 8, "{} {with:?}", kernel.name);
+    }
+}
+
+/// For `scripts/check_wgsl.sh`, which shows them to a stricter front end than naga. Above each part stands its file and the
+/// line before its first, so that an error in the whole text can be told by file and line.
+#[test]
+fn every_distinct_module_is_written_to_target_wgsl() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/wgsl");
+    let _ = std::fs::remove_dir_all(folder);
+    std::fs::create_dir_all(folder).unwrap();
+    let modules = modules();
+    for (number, (kernel, with, text)) in modules.iter().enumerate() {
+        let head = text.len() - kernel.parts(with).iter().map(|part| part.text.len()).sum::<usize>();
+        let mut marked = text[..head].to_owned();
+        for part in kernel.parts(with) {
+            marked += &format!("// file: shaders/{}\n{}", part.file, part.text);
+        }
+        std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), marked).unwrap();
+    }
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
+}
+
+#[test]
+fn the_limits_asked_for_are_those_that_some_kernel_needs() {
+    let mut needed = wgpu::Limits::downlevel_webgl2_defaults();
+    let asked = limits_over(needed.clone());
+    needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension; // a launch's, not a kernel's
+    needed.max_bind_groups = 0;
+    needed.max_bindings_per_bind_group = 0;
+    needed.max_uniform_buffers_per_shader_stage = 0;
+    needed.max_buffers_and_acceleration_structures_per_shader_stage = 0;
+    for (kernel, with, _) in modules() {
+        let module = parse(kernel, &with);
+        let [x, y, z] = module.entry_points[0].workgroup_size;
+        let mut raise = |limit: fn(&mut wgpu::Limits) -> &mut u32, to: u32| {
+            let limit = limit(&mut needed);
+            *limit = to.max(*limit);
+        };
+        raise(|limits| &mut limits.max_compute_workgroup_size_x, x);
+        raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
+        raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
+        raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
+        let mut count = [0; 3];
+        for (_, variable) in module.global_variables.iter() {
+            let Some(binding) = &variable.binding else { continue };
+            raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
+            raise(|limits| &mut limits.max_bindings_per_bind_group, binding.binding + 1);
+            count[match variable.space {
+                naga::AddressSpace::Uniform => 0,
+                naga::AddressSpace::Storage { .. } => 1,
+                _ => 2,
+            }] += 1;
+        }
+        let [uniforms, buffers, textures] = count;
+        raise(|limits| &mut limits.max_uniform_buffers_per_shader_stage, uniforms);
+        raise(|limits| &mut limits.max_storage_buffers_per_shader_stage, buffers);
+        raise(|limits| &mut limits.max_storage_textures_per_shader_stage, textures);
+        raise(|limits| &mut limits.max_buffers_and_acceleration_structures_per_shader_stage, uniforms + buffers);
+    }
+    assert_eq!(needed, asked);
+    assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
+}
+
+#[test]
+fn every_specialised_kernel_makes_a_pipeline() {
+    let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let make = || {
+        let pipelines = Kernels::new(&gpu);
+        let mut built = BTreeSet::new();
+        for kernel in ALL {
+            for with in variants_of(kernel) {
+                if built.insert((kernel.text(&with), with.count, with.cost_map)) {
+                    pipelines.get(&gpu, kernel, with);
+                }
+            }
+        }
+        Ok(())
+    };
+    pollster::block_on(gpu.checked(make)).unwrap();
+}
+
+#[test]
+fn bindings_of_group_1_are_as_the_table_says() {
+    for kernel in ALL {
+        let module = parse(kernel, &variants_of(kernel)[0]);
+        let mut found: Vec<_> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
+            .filter(|(binding, _)| binding.group == 1 && (1..STEPS_BINDING).contains(&binding.binding))
+            .map(|(binding, space)| match space {
+                naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
+                    (binding.binding, Write)
+                }
+                _ => (binding.binding, Read),
+            })
+            .collect();
+        found.sort_by_key(|(binding, _)| *binding);
+        let stated: Vec<_> = kernel.storage.iter().zip(1..).map(|((_, access), binding)| (binding, *access)).collect();
+        assert_eq!(found, stated, "{}", kernel.name);
+    }
+}
+
+#[test]
+fn every_wgsl_file_is_part_of_a_kernel() {
+    let mut used = BTreeSet::new();
+    for kernel in ALL {
+        for with in variants_of(kernel) {
+            used.extend(kernel.parts(&with).iter().map(|part| part.file.to_owned()));
+        }
+    }
+    let mut there = BTreeSet::new();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
+    for folder in ["", "shared/"] {
+        for entry in std::fs::read_dir(format!("{root}/{folder}")).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            if name.ends_with(".wgsl") {
+                there.insert(format!("{folder}{name}"));
+            }
+        }
+    }
+    assert_eq!(used, there);
+}
+
+macro_rules! assert_layout {
+    ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
+        let host = layout::$name::default();
+        let base = &raw const host as usize;
+        let stated = vec![$((stringify!($field), &raw const host.$field as usize - base)),*];
+        assert_struct($module, stringify!($name), &stated, size_of::<layout::$name>());
+    }};
+}
+
+fn assert_struct(module: &naga::Module, name: &str, stated: &[(&str, usize)], size: usize) {
+    let found = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, span } if kind.name.as_deref() == Some(name) => Some((members, span)),
+        _ => None,
+    });
+    let (members, span) = found.unwrap_or_else(|| panic!("WGSL has no struct {name}"));
+    let members: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+    assert_eq!(members, stated, "{name}");
+    assert_eq!(*span as usize, size, "size of {name}");
+}
+
+#[test]
+fn host_and_wgsl_structs_have_the_same_layout() {
+    let with = Variant { spheres: true, triangles: true, ..variants()[0] };
+    let module = &parse(&TRACE_LEFT, &with);
+    assert_layout!(
+        module,
+        Frame {
+            left_eye,
+            interaxial_px,
+            right_eye,
+            screen_distance,
+            left_corner,
+            interaxial,
+            right_corner,
+            eye,
+            step_x,
+            buffer_depth,
+            step_y,
+            row_begin,
+            right_axis,
+            row_end,
+            image_size,
+            longest,
+            spread_8,
+            forward,
+            wider,
+            spread_16,
+            spread_64,
+            _pad,
+        }
+    );
+    assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
+    assert_layout!(module, PixelHit { depth, primitive });
+    let listed = parse(&TRACE_LISTED, &with);
+    let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),
+        _ => None,
+    });
+    assert_eq!(header.map(u64::from), Some(layout::LISTS_HEADS));
+}
+
+#[test]
+fn counters_and_marks_have_the_same_numbers_in_both_languages() {
+    let types = [part!("shared/types.wgsl"), MARKS, TILES, LISTS].map(|part| part.text).concat();
+    for (name, value) in [
+        ("WORKGROUP", layout::WORKGROUP),
+        ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
+        ("COUNTERS", layout::COUNTERS as u32),
+        ("VIEW_WORDS", layout::VIEW_WORDS as u32),
+        ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
+        ("NODES_VISITED", layout::NODES_VISITED as u32),
+        ("PRIMITIVES_TESTED", layout::PRIMITIVES_TESTED as u32),
+        ("BAD_PIXELS", layout::BAD_PIXELS as u32),
+        ("MISSED_PIXELS", layout::MISSED_PIXELS as u32),
+        ("LOST_CANDIDATES", layout::LOST_CANDIDATES as u32),
+        ("NEAREST_DEPTH", layout::NEAREST_DEPTH as u32),
+        ("FARTHEST_DEPTH", layout::FARTHEST_DEPTH as u32),
+        ("CUT_SHORT", layout::CUT_SHORT as u32),
+        ("BAD", layout::BAD),
+        ("MISSED", layout::MISSED),
+        ("ASKED", layout::ASKED),
+        ("GAP_PIXELS", layout::GAP_PIXELS as u32),
+        ("TO_TRACE", layout::TO_TRACE),
+        ("TO_LIGHT", layout::TO_LIGHT),
+        ("TO_RESOLVE", layout::TO_RESOLVE),
+        ("SKY", layout::SKY),
+        ("TILE", layout::TILE),
+        ("TILE_BLOCKS", layout::TILE_BLOCKS),
+        ("LIST_WORDS", layout::LIST_WORDS),
+    ] {
+        let decimal = format!("const {name}: u32 = {value}u;");
+        let hex = format!("const {name}: u32 = {value:#010x}u;");
+        assert!(types.contains(&decimal) || types.contains(&hex), "{name}");
+    }
+    assert!(types.contains("const FAR: f32 = 3.4e38;") && crate::FAR == 3.4e38);
+    assert!(types.contains("const MISS: u32 = 0xffffffffu;") && crate::MISS == u32::MAX);
+}
