@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DEFAULT_AMBIENT, PointLight, Scene, check_light_count};
+use super::{DEFAULT_AMBIENT, PointLight, Scene, checks::check_light_count};
 use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;

@@ -1,8 +1,10 @@
 //! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
 
 pub mod builtin;
+mod checks;
 pub(crate) mod components;
 mod lights;
+mod mesh;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
@@ -10,13 +12,15 @@ pub mod suite;
 #[cfg(feature = "obj")]
 mod warnings;
 
+pub use mesh::{Mesh, Triangle};
 pub use sky::SkyMap;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
+use self::{checks::check_coordinate, mesh::Object};
+use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
-use crate::{Error, message::tidy};
 
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
@@ -84,54 +88,6 @@ pub struct Sphere {
     pub material: MaterialId,
 }
 
-/// Indexed triangles that make one object.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// The object's name, or empty.
-    pub name: String,
-    /// World positions.
-    pub positions: Vec<Vec3>,
-    /// Corners of each triangle, indices into `positions`.
-    pub triangles: Vec<[u32; 3]>,
-    /// One material a triangle, or a single one for all.
-    pub materials: Vec<MaterialId>,
-    /// Three unit normals a triangle for smooth shading, or empty: the triangles are flat.
-    /// A triangle with a zero among its normals is flat too.
-    pub normals: Vec<[Vec3; 3]>,
-}
-
-/// A primitive's place in its scene: which object it belongs to, and where objects begin.
-#[derive(Clone, Debug)]
-pub(crate) struct Object {
-    pub(crate) name: String,
-    pub(crate) first_primitive: u32,
-}
-
-/// A triangle with everything a renderer asks of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Triangle {
-    /// Corners in world space.
-    pub corners: [Vec3; 3],
-    /// Shading normals at the corners; a zero among them makes the triangle flat.
-    pub normals: [Vec3; 3],
-    /// Its material.
-    pub material: MaterialId,
-}
-
-impl Triangle {
-    /// All three corners have normals.
-    pub fn is_smooth(&self) -> bool {
-        self.normals.iter().all(|normal| *normal != Vec3::ZERO)
-    }
-
-    /// No area (exactly, in f64), or a corner that is no number: it can't be hit.
-    pub fn is_degenerate(&self) -> bool {
-        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
-        let normal: DVec3 = (b - a).cross(c - a);
-        normal == DVec3::ZERO || !normal.is_finite()
-    }
-}
-
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
 /// their number), then spheres.
 ///
@@ -194,72 +150,6 @@ impl Scene {
     pub fn add_material(&mut self, name: impl Into<String>, albedo: Vec3) -> MaterialId {
         self.materials.push(Material { name: name.into(), albedo });
         MaterialId(self.materials.len() as u32 - 1)
-    }
-
-    /// Adds a mesh as one object. That triangles without area are dropped is logged as a warning.
-    ///
-    /// # Errors
-    /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
-    /// larger than [`MAX_COORDINATE`], lists whose lengths don't fit, or a material that is not there.
-    pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
-        let (triangles, dropped) = (self.triangles.len(), self.dropped);
-        self.push_mesh(mesh)?;
-        if self.dropped > dropped {
-            self.dropping_meshes += 1;
-            let text = match self.dropping_meshes {
-                0..=PRINTED_WARNINGS => dropped_text(self.dropped - dropped, &self.triangles[triangles..]),
-                next if next == PRINTED_WARNINGS + 1 => {
-                    "more meshes with triangles without area follow; they are counted".into()
-                }
-                _ => return Ok(()),
-            };
-            log::warn!("{}", tidy(&format!("mesh '{}': {text}", mesh.name)));
-        }
-        Ok(())
-    }
-
-    /// [`Scene::add_mesh`] without a word about dropped triangles.
-    fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
-        let fault = |element: String, reason: String| Error::Scene {
-            element: format!("mesh '{}', {element}", mesh.name),
-            reason,
-        };
-        for (index, &position) in mesh.positions.iter().enumerate() {
-            check_coordinate(position).map_err(|reason| fault(format!("vertex {index}"), reason))?;
-        }
-        let count = mesh.triangles.len();
-        if mesh.materials.len() != 1 && mesh.materials.len() != count {
-            let reason = format!("{} for {count} triangles; give one for all or one each", mesh.materials.len());
-            return Err(fault("materials".into(), reason));
-        }
-        if !mesh.normals.is_empty() && mesh.normals.len() != count {
-            let reason = format!("{} for {count} triangles; give none or three each", mesh.normals.len());
-            return Err(fault("normals".into(), reason));
-        }
-        let mut triangles = Vec::with_capacity(count);
-        for (index, corners) in mesh.triangles.iter().enumerate() {
-            let at = || format!("triangle {index}");
-            if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
-                let reason = format!("corner {corner} of {} vertices", mesh.positions.len());
-                return Err(fault(at(), reason));
-            }
-            let material = mesh.materials[if mesh.materials.len() == 1 { 0 } else { index }];
-            self.check_material(material).map_err(|reason| fault(at(), reason))?;
-            let normals = mesh.normals.get(index).copied().unwrap_or_default();
-            if normals.iter().any(|normal| !normal.is_finite()) {
-                return Err(fault(at(), "a normal is not a finite number".into()));
-            }
-            let corners = corners.map(|corner| mesh.positions[corner as usize]);
-            triangles.push(Triangle { corners, normals, material });
-        }
-        self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: self.triangles.len() as u32 });
-        for triangle in &triangles {
-            let degenerate = triangle.is_degenerate();
-            self.dropped += usize::from(degenerate);
-            self.has_normals |= !degenerate && triangle.is_smooth();
-        }
-        self.triangles.extend(triangles);
-        Ok(())
     }
 
     /// Adds a sphere as an object of its own.
@@ -370,86 +260,5 @@ impl Scene {
     /// The name of an object: its mesh's, empty for spheres and for numbers out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
-    }
-
-    fn check_material(&self, material: MaterialId) -> Result<(), String> {
-        if (material.0 as usize) < self.materials.len() {
-            return Ok(());
-        }
-        Err(format!("material {} of {}", material.0, self.materials.len()))
-    }
-
-    /// The public fields hold any value until a scene is uploaded; here they are checked.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let check =
-            |element: String, check: Result<(), String>| check.map_err(|reason| Error::Scene { element, reason });
-        check("ambient".into(), check_color("it", self.rendered_ambient()))?;
-        match &self.sky {
-            Sky::Constant(color) => check("sky".into(), check_color("it", *color))?,
-            Sky::Gradient { nadir, zenith } => {
-                check("sky".into(), check_color("nadir", *nadir))?;
-                check("sky".into(), check_color("zenith", *zenith))?;
-            }
-            Sky::Map(_) => {} // checked when it was made
-        }
-        for (index, material) in self.materials.iter().enumerate() {
-            check(format!("material {index} '{}'", material.name), check_color("albedo", material.albedo))?;
-        }
-        check_light_count(self.lights.len())?;
-        for (index, light) in self.lights.iter().enumerate() {
-            check(format!("light {index}"), check_color("intensity", light.intensity))?;
-            check(format!("light {index}"), check_coordinate(light.position))?;
-        }
-        check("geometry".into(), self.check_extent())
-    }
-
-    /// Far from the origin a sphere can be less than a step of f32 across, and its box nothing.
-    fn check_extent(&self) -> Result<(), String> {
-        let Some((low, high)) = self.bounds() else { return Ok(()) };
-        let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
-        let extent = across.fold((high - low).max_element(), f32::max);
-        match extent >= MIN_EXTENT {
-            true => Ok(()),
-            false => {
-                Err(format!("its longest side is {extent:?}; it must be at least {MIN_EXTENT:?}: scale the scene up"))
-            }
-        }
-    }
-}
-
-fn check_light_count(count: usize) -> Result<(), Error> {
-    if count <= MAX_LIGHTS {
-        return Ok(());
-    }
-    Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
-}
-
-/// Light and reflectance are finite and not negative.
-fn check_color(what: &str, color: Vec3) -> Result<(), String> {
-    match color.is_finite() && color.min_element() >= 0.0 {
-        true => Ok(()),
-        false => Err(format!("{what} is {color}; it must be finite and not negative")),
-    }
-}
-
-/// What to say of dropped triangles: how many of these, and whether they were lost to the rounding of coordinates.
-fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
-    let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
-    let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
-    let largest = low.abs().max(high.abs()).max_element();
-    let step = largest.next_up() - largest;
-    let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
-    // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
-    if largest > 0.0 && step > (high - low).max_element() * 1e-5 {
-        text += &format!("; coordinates near {largest:e} are rounded to steps of {step}: move it nearer to the origin");
-    }
-    text
-}
-
-fn check_coordinate(point: Vec3) -> Result<(), String> {
-    match point.to_array().into_iter().find(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
-        None => Ok(()),
-        Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),
-        Some(value) => Err(format!("coordinate {value} is not a finite number")),
     }
 }

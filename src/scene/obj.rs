@@ -4,13 +4,19 @@
 //! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
 //! it checks every index and leaves only lines that tobj reads as they are meant.
 
+mod checks;
+mod models;
 mod mtl;
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
 use glam::Vec3;
 
-use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, dropped_text, warnings::Warnings};
+use self::{
+    checks::{check_face, find_bad_number, find_mixed_color},
+    models::join_models,
+};
+use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, mesh::dropped_text, warnings::Warnings};
 use crate::{Error, Limits, input};
 
 /// Diffuse reflectance of a material whose file gives none.
@@ -257,158 +263,4 @@ fn note_left_out(keyword: &str, line: usize, warnings: &mut Warnings) {
         comment if comment.starts_with('#') => {}
         _ => warnings.left_out("unknown statements", line),
     }
-}
-
-/// Checks the corners of a face against the vertices and normals so far, and tells whether all corners have normals.
-fn check_face(corners: &str, vertices: usize, normals: usize) -> Result<bool, String> {
-    if corners.is_empty() {
-        return Err("a face without corners".into());
-    }
-    let mut has_normals = true;
-    for corner in corners.split_whitespace() {
-        let mut parts = corner.split('/');
-        let mut next = || parts.next().filter(|part| !part.is_empty());
-        let (vertex, texture, normal) = (next(), next(), next());
-        let fault = |reason: String| format!("face corner '{corner}': {reason}");
-        if parts.next().is_some() {
-            return Err(fault("more than vertex/texture/normal".into()));
-        }
-        let vertex = vertex.ok_or_else(|| fault("no vertex index".into()))?;
-        check_index("vertex", vertex, vertices).map_err(fault)?;
-        if let Some(texture) = texture {
-            parse_index("texture", texture).map_err(fault)?;
-        }
-        match normal {
-            Some(normal) => check_index("normal", normal, normals).map_err(fault)?,
-            None => has_normals = false,
-        }
-    }
-    Ok(has_normals)
-}
-
-fn parse_index(what: &str, word: &str) -> Result<isize, String> {
-    word.parse().map_err(|_| format!("{what} index '{word}' is not a whole number"))
-}
-
-/// Indices count from 1, or from -1 backwards.
-fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
-    match parse_index(what, word)? {
-        0 => Err(format!("{what} index 0; the first is 1")),
-        index if index.unsigned_abs() > count => {
-            Err(format!("{what} index {index} is out of range: there are {count} before this line"))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// The first `v` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
-fn find_bad_number(text: &str) -> Option<Fault> {
-    lines(text).find_map(|(number, line)| {
-        let (keyword, rest) = split_keyword(&line);
-        let fault = match keyword {
-            "v" => check_numbers("vertex", rest, MAX_COORDINATE),
-            // tobj reads three numbers and leaves alone what follows them.
-            "vn" => {
-                let words: Vec<&str> = rest.split_whitespace().take(3).collect();
-                check_numbers("normal", &words.join(" "), f32::MAX)
-            }
-            _ => return None,
-        };
-        fault.err().map(|reason| (number, reason))
-    })
-}
-
-fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
-    let mut values = Vec::new();
-    for word in words.split_whitespace() {
-        values.push(word.parse::<f32>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
-    }
-    let count = values.len();
-    let (coordinates, more) = values.split_at_checked(3).ok_or_else(|| format!("{what}: {count} numbers of 3"))?;
-    let scale = match *more {
-        [] | [_, _, _] => 1.0,
-        [0.0] => return Err(format!("{what}: the weight w is 0")),
-        [w] => w,
-        _ => return Err(format!("{what}: {count} numbers; give x y z, x y z w, or x y z r g b")),
-    };
-    match coordinates.iter().map(|value| value / scale).find(|value| value.is_nan() || value.abs() > largest) {
-        None => Ok(()),
-        Some(value) if value.is_finite() => {
-            Err(format!("{what}: {value} is beyond ±{largest:e}; scale the scene down"))
-        }
-        Some(value) => Err(format!("{what}: {value} is not a finite number")),
-    }
-}
-
-/// The first vertex that has a colour where the first vertex has none, or the other way round.
-fn find_mixed_color(text: &str) -> Option<Fault> {
-    let mut first = None;
-    lines(text).find_map(|(number, line)| {
-        let ("v", rest) = split_keyword(&line) else { return None };
-        let colored = rest.split_whitespace().count() == 6;
-        let (first_line, first_colored) = *first.get_or_insert((number, colored));
-        let (has, had) = if colored { ("a", "none") } else { ("no", "one") };
-        let reason = format!(
-            "this vertex has {has} colour and the first, on line {first_line}, has {had}; give all vertices x y z r g b, \
-             or none (colours are not used)"
-        );
-        (colored != first_colored).then_some((number, reason))
-    })
-}
-
-/// Makes one mesh of each object out of tobj's models, which end at each change of material and section.
-fn join_models(models: &[tobj::Model], prepared: &Prepared) -> Vec<Mesh> {
-    let Prepared { sections, names, .. } = prepared;
-    let has_objects = sections.iter().any(|section| section.object > 0);
-    let mut meshes: Vec<Mesh> = Vec::new();
-    let mut last: Option<&Section> = None;
-    // The last model has no faces if nothing follows the last section's name.
-    for model in models.iter().filter(|model| !model.mesh.indices.is_empty()) {
-        let section =
-            model.name.parse().ok().and_then(|index: usize| sections.get(index)).expect("prepare names every model");
-        let continues = last.is_some_and(|last| match has_objects {
-            true => last.object == section.object,
-            false => names[last.group_name] == names[section.group_name],
-        });
-        last = Some(section);
-        if !continues {
-            let name = if has_objects { section.object_name } else { section.group_name };
-            meshes.push(Mesh { name: names[name].clone(), ..Mesh::default() });
-        }
-        if let Some(mesh) = meshes.last_mut() {
-            add_model(mesh, &model.mesh);
-        }
-    }
-    for mesh in &mut meshes {
-        if !mesh.normals.is_empty() {
-            mesh.normals.resize(mesh.triangles.len(), [Vec3::ZERO; 3]);
-        }
-    }
-    meshes
-}
-
-fn add_model(mesh: &mut Mesh, model: &tobj::Mesh) {
-    let first_vertex = mesh.positions.len() as u32;
-    let first_triangle = mesh.triangles.len();
-    let (positions, _) = model.positions.as_chunks::<3>();
-    let (triangles, _) = model.indices.as_chunks::<3>();
-    mesh.positions.extend(positions.iter().copied().map(Vec3::from_array));
-    mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first_vertex + corner)));
-    let material = model.material_id.map_or(MaterialId(0), |index| MaterialId(index as u32 + 1));
-    mesh.materials.resize(mesh.triangles.len(), material);
-    // Fewer normals than positions: some corner has none, and the list no longer says which.
-    if model.normals.len() == model.positions.len() {
-        // Normals that tobj left out for a flat model before this one.
-        mesh.normals.resize(first_triangle, [Vec3::ZERO; 3]);
-        let (normals, _) = model.normals.as_chunks::<3>();
-        mesh.normals.extend(triangles.iter().map(|corners| {
-            let normals = corners.map(|corner| unit(Vec3::from_array(normals[corner as usize])));
-            if normals.contains(&Vec3::ZERO) { [Vec3::ZERO; 3] } else { normals }
-        }));
-    }
-}
-
-/// Zero has no direction and stays zero; f64, so that tiny and huge normals keep theirs.
-fn unit(normal: Vec3) -> Vec3 {
-    normal.as_dvec3().normalize_or_zero().as_vec3()
 }

@@ -1,5 +1,8 @@
 //! Skies from pictures.
 
+#[cfg(feature = "sky")]
+mod picture;
+
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -95,8 +98,8 @@ impl SkyMap {
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.raised_by[0])?;
-        let (width, height, pixels) =
-            decode(file, limits).map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
+        let (width, height, pixels) = picture::decode(file, limits)
+            .map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
         Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
     }
 
@@ -113,111 +116,6 @@ impl SkyMap {
 /// Whether a picture of this size can be a map: its halves are equal, so that a column has an opposite one.
 fn is_map(width: u32, height: u32) -> bool {
     width > 0 && height > 0 && width.is_multiple_of(2)
-}
-
-/// Bytes of an HDR file, as the image crate asks for them.
-#[cfg(feature = "sky")]
-struct HdrBytes<R> {
-    inner: R,
-    /// Marks in a row.
-    marks: u32,
-}
-
-#[cfg(feature = "sky")]
-impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        self.inner.read(bytes)
-    }
-
-    /// Runs of pixels may be told by marks that stand in the place of pixels. The crate multiplies by 256 for each mark
-    /// that follows another, and panics where a `usize` overflows: at the eighth, with 32 bits at the fourth.
-    fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
-        self.inner.read_exact(bytes)?;
-        self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
-        match self.marks {
-            0..=3 => Ok(()),
-            _ => Err(std::io::Error::other("a run of pixels has over three marks, which stand for 16 million pixels")),
-        }
-    }
-}
-
-/// Reads a picture into linear colours.
-#[cfg(feature = "sky")]
-fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), String> {
-    let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
-        .with_guessed_format()
-        .map_err(|error| error.to_string())?;
-    if reader.format() == Some(image::ImageFormat::Hdr) {
-        let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
-        return colors(image::codecs::hdr::HdrDecoder::new(bytes), limits);
-    }
-    let mut format_limits = image::Limits::default();
-    format_limits.max_alloc = Some(limits.sky_pixels.saturating_mul(size_of::<Vec3>() as u64));
-    reader.limits(format_limits);
-    colors(reader.into_decoder(), limits)
-}
-
-/// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of
-/// colours itself and spread out there.
-#[cfg(feature = "sky")]
-fn colors(
-    decoder: image::ImageResult<impl image::ImageDecoder>,
-    limits: &Limits,
-) -> Result<(u32, u32, Vec<Vec3>), String> {
-    let said = |error: image::ImageError| error.to_string();
-    let decoder = decoder.map_err(said)?;
-    let (width, height) = decoder.dimensions();
-    let count = u64::from(width) * u64::from(height);
-    if !is_map(width, height) {
-        return Err(format!("{width}x{height} pixels make no map, which has an even width"));
-    }
-    if count > limits.sky_pixels {
-        let (limit, [_, raised_by]) = (limits.sky_pixels, limits.raised_by);
-        return Err(format!(
-            "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by {raised_by}, up to what the adapter holds"
-        ));
-    }
-    let kind = decoder.color_type();
-    let sample = usize::from(kind.bytes_per_pixel());
-    if sample > size_of::<Vec3>() {
-        return Err(format!("pixels of {sample} bytes"));
-    }
-    // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
-    let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
-    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels);
-    decoder.read_image(&mut bytes[..count as usize * sample]).map_err(said)?;
-    // From the last pixel on, whose place no sample but its own reaches into that is still to be read.
-    for index in (0..pixels.len()).rev() {
-        let bytes: &[u8] = bytemuck::cast_slice(&pixels);
-        pixels[index] = linear_color(kind, &bytes[index * sample..][..sample])?;
-    }
-    Ok((width, height, pixels))
-}
-
-/// A pixel as the format has it, as a linear colour. Alpha is left out.
-#[cfg(feature = "sky")]
-fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
-    use image::ColorType;
-
-    let byte = |channel: usize| linear(f32::from(pixel[channel]) / 255.0);
-    let word = |channel: usize| {
-        let word = u16::from_ne_bytes([pixel[2 * channel], pixel[2 * channel + 1]]);
-        linear(f32::from(word) / 65535.0)
-    };
-    Ok(match kind {
-        ColorType::L8 | ColorType::La8 => Vec3::splat(byte(0)),
-        ColorType::Rgb8 | ColorType::Rgba8 => Vec3::new(byte(0), byte(1), byte(2)),
-        ColorType::L16 | ColorType::La16 => Vec3::splat(word(0)),
-        ColorType::Rgb16 | ColorType::Rgba16 => Vec3::new(word(0), word(1), word(2)),
-        ColorType::Rgb32F => bytemuck::pod_read_unaligned(pixel),
-        other => return Err(format!("pixels of the kind {other:?}")),
-    })
-}
-
-/// The light of an sRGB value (IEC 61966-2-1).
-#[cfg(feature = "sky")]
-fn linear(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The direction of a pixel's centre.
@@ -294,119 +192,5 @@ mod tests {
             let message = SkyMap::procedural(width).unwrap_err().to_string();
             assert!(message.contains("sky") && message.contains(&width.to_string()), "{message}");
         }
-    }
-
-    #[cfg(feature = "sky")]
-    #[test]
-    fn a_sky_is_read_from_png_and_a_broken_file_is_named() {
-        let folder = crate::folder::Folder::new("sky");
-        let path = folder.file("sky.png");
-        let mut picture = image::RgbImage::new(4, 2);
-        picture.put_pixel(1, 0, image::Rgb([255, 188, 0]));
-        picture.save(&path).unwrap();
-        let sky = SkyMap::open(&path).unwrap();
-        assert_eq!(sky.size(), [4, 2]);
-        assert!((sky.pixels()[1] - Vec3::new(1.0, 0.5029, 0.0)).abs().max_element() < 1e-3, "{}", sky.pixels()[1]);
-        let odd = image::RgbImage::new(3, 2);
-        odd.save(&path).unwrap();
-        let odd = SkyMap::open(&path).unwrap_err().to_string();
-        std::fs::write(&path, b"no picture at all").unwrap();
-        let broken = SkyMap::open(&path).unwrap_err().to_string();
-        std::fs::remove_file(&path).unwrap();
-        let missing = SkyMap::open(&path).unwrap_err().to_string();
-        assert!(
-            [&odd, &broken, &missing].iter().all(|message| message.contains("sky.png")),
-            "{odd} {broken} {missing}"
-        );
-        assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
-    }
-
-    /// Bytes (1, 1, 1, n) stand for n more of the pixel before them, those behind them for 256 n more, and so on.
-    #[cfg(feature = "sky")]
-    #[test]
-    fn runs_of_an_hdr_file_are_read_up_to_those_that_no_number_can_hold() {
-        let folder = crate::folder::Folder::new("runs");
-        let path = folder.file("runs.hdr");
-        let read = |width: usize, marks: &[u8]| {
-            let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X {width}\n").into_bytes();
-            bytes.extend([128, 64, 32, 129]);
-            marks.iter().for_each(|&count| bytes.extend([1, 1, 1, count]));
-            std::fs::write(&path, bytes).unwrap();
-            SkyMap::open(&path)
-        };
-        let sky = read(66_052, &[3, 2, 1]).unwrap();
-        assert!(sky.pixels().iter().all(|&color| color == Vec3::new(1.0, 0.5, 0.25)));
-        for marks in [4, 9, 20] {
-            let message = read(8, &vec![0; marks]).unwrap_err().to_string();
-            assert!(message.contains("runs.hdr: no picture of a sky: a run of pixels has over three"), "{message}");
-        }
-    }
-
-    /// Writes a picture, reads it as a sky, and takes it away again.
-    #[cfg(feature = "sky")]
-    fn through_file(name: &str, picture: &image::DynamicImage, limits: &Limits) -> Result<SkyMap, Error> {
-        let path = std::env::temp_dir().join(format!("stereotrace_{}_{name}", std::process::id()));
-        picture.save(&path).unwrap();
-        let sky = SkyMap::open_within(&path, limits);
-        std::fs::remove_file(&path).unwrap();
-        sky
-    }
-
-    #[cfg(feature = "sky")]
-    #[test]
-    fn every_kind_of_pixel_is_read_as_the_image_crate_converts_it() {
-        use image::{ColorType, DynamicImage};
-        let kinds = [
-            ("l8.png", ColorType::L8),
-            ("la8.png", ColorType::La8),
-            ("rgb8.png", ColorType::Rgb8),
-            ("rgba8.png", ColorType::Rgba8),
-            ("l16.png", ColorType::L16),
-            ("la16.png", ColorType::La16),
-            ("rgb16.png", ColorType::Rgb16),
-            ("rgba16.png", ColorType::Rgba16),
-            ("rgb32f.hdr", ColorType::Rgb32F),
-        ];
-        for (name, kind) in kinds {
-            let mut picture = DynamicImage::new(6, 3, kind);
-            // Bytes without order, so that a sample that is overwritten before it is read shows.
-            let mut noise = (0..).map(|index: u32| (index.wrapping_mul(2_654_435_761) >> 24) as u8);
-            match &mut picture {
-                DynamicImage::ImageLuma8(p) => p.fill_with(|| noise.next().unwrap()),
-                DynamicImage::ImageLumaA8(p) => p.fill_with(|| noise.next().unwrap()),
-                DynamicImage::ImageRgb8(p) => p.fill_with(|| noise.next().unwrap()),
-                DynamicImage::ImageRgba8(p) => p.fill_with(|| noise.next().unwrap()),
-                DynamicImage::ImageLuma16(p) => p.fill_with(|| 257 * u16::from(noise.next().unwrap()) + 1),
-                DynamicImage::ImageLumaA16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
-                DynamicImage::ImageRgb16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
-                DynamicImage::ImageRgba16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
-                // Of one exponent, a power of two: what HDR keeps exactly.
-                DynamicImage::ImageRgb32F(p) => p.fill_with(|| 0.5 + f32::from(noise.next().unwrap() >> 1) / 256.0),
-                _ => unreachable!(),
-            }
-            let sky = through_file(name, &picture, &Limits::default()).unwrap();
-            let reference = picture.into_rgb32f();
-            for (index, (found, expected)) in sky.pixels().iter().zip(reference.pixels()).enumerate() {
-                let expected = Vec3::from_array(expected.0);
-                let expected = if kind == ColorType::Rgb32F { expected } else { expected.map(linear) };
-                assert!((*found - expected).abs().max_element() < 1e-6, "{name} {index}: {found} {expected}");
-            }
-        }
-    }
-
-    #[cfg(feature = "sky")]
-    #[test]
-    fn a_sky_over_the_limit_is_refused_before_it_is_decoded() {
-        let picture = image::DynamicImage::new(64, 32, image::ColorType::L8);
-        let read = |pixels| through_file("limit.png", &picture, &Limits::default().sky_pixels(pixels));
-        assert_eq!(read(2048).unwrap().size(), [64, 32]);
-        let message = read(2047).unwrap_err().to_string();
-        assert!(message.contains("64x32 pixels, 2048 in all and over the limit of 2047"), "{message}");
-        // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
-        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(&wanted).unwrap();
-        let most = Limits::default().sky_pixels(u64::MAX).within(&gpu).sky_pixels;
-        assert!(most < u64::MAX && most >= Limits::default().sky_pixels, "{most}");
-        assert_eq!(Limits::default().sky_pixels(9).within(&gpu).sky_pixels, 9);
     }
 }

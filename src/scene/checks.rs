@@ -1,0 +1,75 @@
+//! What a scene may hold: coordinates, colours, lights and its extent in bounds.
+
+use glam::Vec3;
+
+use super::{MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, MaterialId, Scene, Sky};
+use crate::Error;
+
+impl Scene {
+    pub(super) fn check_material(&self, material: MaterialId) -> Result<(), String> {
+        if (material.0 as usize) < self.materials.len() {
+            return Ok(());
+        }
+        Err(format!("material {} of {}", material.0, self.materials.len()))
+    }
+
+    /// The public fields hold any value until a scene is uploaded; here they are checked.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let check =
+            |element: String, check: Result<(), String>| check.map_err(|reason| Error::Scene { element, reason });
+        check("ambient".into(), check_color("it", self.rendered_ambient()))?;
+        match &self.sky {
+            Sky::Constant(color) => check("sky".into(), check_color("it", *color))?,
+            Sky::Gradient { nadir, zenith } => {
+                check("sky".into(), check_color("nadir", *nadir))?;
+                check("sky".into(), check_color("zenith", *zenith))?;
+            }
+            Sky::Map(_) => {} // checked when it was made
+        }
+        for (index, material) in self.materials.iter().enumerate() {
+            check(format!("material {index} '{}'", material.name), check_color("albedo", material.albedo))?;
+        }
+        check_light_count(self.lights.len())?;
+        for (index, light) in self.lights.iter().enumerate() {
+            check(format!("light {index}"), check_color("intensity", light.intensity))?;
+            check(format!("light {index}"), check_coordinate(light.position))?;
+        }
+        check("geometry".into(), self.check_extent())
+    }
+
+    /// Far from the origin a sphere can be less than a step of f32 across, and its box nothing.
+    fn check_extent(&self) -> Result<(), String> {
+        let Some((low, high)) = self.bounds() else { return Ok(()) };
+        let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
+        let extent = across.fold((high - low).max_element(), f32::max);
+        match extent >= MIN_EXTENT {
+            true => Ok(()),
+            false => {
+                Err(format!("its longest side is {extent:?}; it must be at least {MIN_EXTENT:?}: scale the scene up"))
+            }
+        }
+    }
+}
+
+pub(super) fn check_light_count(count: usize) -> Result<(), Error> {
+    if count <= MAX_LIGHTS {
+        return Ok(());
+    }
+    Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
+}
+
+/// Light and reflectance are finite and not negative.
+fn check_color(what: &str, color: Vec3) -> Result<(), String> {
+    match color.is_finite() && color.min_element() >= 0.0 {
+        true => Ok(()),
+        false => Err(format!("{what} is {color}; it must be finite and not negative")),
+    }
+}
+
+pub(super) fn check_coordinate(point: Vec3) -> Result<(), String> {
+    match point.to_array().into_iter().find(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
+        None => Ok(()),
+        Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),
+        Some(value) => Err(format!("coordinate {value} is not a finite number")),
+    }
+}

@@ -1,0 +1,100 @@
+//! Numbers and indices of an OBJ file, checked before tobj reads them: it names no line.
+
+use super::{Fault, MAX_COORDINATE, lines, split_keyword};
+
+/// Checks the corners of a face against the vertices and normals so far, and tells whether all corners have normals.
+pub(super) fn check_face(corners: &str, vertices: usize, normals: usize) -> Result<bool, String> {
+    if corners.is_empty() {
+        return Err("a face without corners".into());
+    }
+    let mut has_normals = true;
+    for corner in corners.split_whitespace() {
+        let mut parts = corner.split('/');
+        let mut next = || parts.next().filter(|part| !part.is_empty());
+        let (vertex, texture, normal) = (next(), next(), next());
+        let fault = |reason: String| format!("face corner '{corner}': {reason}");
+        if parts.next().is_some() {
+            return Err(fault("more than vertex/texture/normal".into()));
+        }
+        let vertex = vertex.ok_or_else(|| fault("no vertex index".into()))?;
+        check_index("vertex", vertex, vertices).map_err(fault)?;
+        if let Some(texture) = texture {
+            parse_index("texture", texture).map_err(fault)?;
+        }
+        match normal {
+            Some(normal) => check_index("normal", normal, normals).map_err(fault)?,
+            None => has_normals = false,
+        }
+    }
+    Ok(has_normals)
+}
+
+fn parse_index(what: &str, word: &str) -> Result<isize, String> {
+    word.parse().map_err(|_| format!("{what} index '{word}' is not a whole number"))
+}
+
+/// Indices count from 1, or from -1 backwards.
+fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
+    match parse_index(what, word)? {
+        0 => Err(format!("{what} index 0; the first is 1")),
+        index if index.unsigned_abs() > count => {
+            Err(format!("{what} index {index} is out of range: there are {count} before this line"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The first `v` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
+pub(super) fn find_bad_number(text: &str) -> Option<Fault> {
+    lines(text).find_map(|(number, line)| {
+        let (keyword, rest) = split_keyword(&line);
+        let fault = match keyword {
+            "v" => check_numbers("vertex", rest, MAX_COORDINATE),
+            // tobj reads three numbers and leaves alone what follows them.
+            "vn" => {
+                let words: Vec<&str> = rest.split_whitespace().take(3).collect();
+                check_numbers("normal", &words.join(" "), f32::MAX)
+            }
+            _ => return None,
+        };
+        fault.err().map(|reason| (number, reason))
+    })
+}
+
+fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
+    let mut values = Vec::new();
+    for word in words.split_whitespace() {
+        values.push(word.parse::<f32>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
+    }
+    let count = values.len();
+    let (coordinates, more) = values.split_at_checked(3).ok_or_else(|| format!("{what}: {count} numbers of 3"))?;
+    let scale = match *more {
+        [] | [_, _, _] => 1.0,
+        [0.0] => return Err(format!("{what}: the weight w is 0")),
+        [w] => w,
+        _ => return Err(format!("{what}: {count} numbers; give x y z, x y z w, or x y z r g b")),
+    };
+    match coordinates.iter().map(|value| value / scale).find(|value| value.is_nan() || value.abs() > largest) {
+        None => Ok(()),
+        Some(value) if value.is_finite() => {
+            Err(format!("{what}: {value} is beyond ±{largest:e}; scale the scene down"))
+        }
+        Some(value) => Err(format!("{what}: {value} is not a finite number")),
+    }
+}
+
+/// The first vertex that has a colour where the first vertex has none, or the other way round.
+pub(super) fn find_mixed_color(text: &str) -> Option<Fault> {
+    let mut first = None;
+    lines(text).find_map(|(number, line)| {
+        let ("v", rest) = split_keyword(&line) else { return None };
+        let colored = rest.split_whitespace().count() == 6;
+        let (first_line, first_colored) = *first.get_or_insert((number, colored));
+        let (has, had) = if colored { ("a", "none") } else { ("no", "one") };
+        let reason = format!(
+            "this vertex has {has} colour and the first, on line {first_line}, has {had}; give all vertices x y z r g b, \
+             or none (colours are not used)"
+        );
+        (colored != first_colored).then_some((number, reason))
+    })
+}
