@@ -1,0 +1,140 @@
+//! Files that can't be read: the error names the line.
+
+use std::path::Path;
+
+use stereotrace::{Error, Scene};
+
+use crate::{Folder, SIX, common::random::Random};
+
+#[test]
+fn numbers_that_are_none_are_errors_on_their_line() {
+    let folder = Folder::new("numbers");
+    let cases = [
+        ("v 1 x 0", "vertex: 'x' is not a number"),
+        ("v 1 2", "vertex: 2 numbers of 3"),
+        ("v", "vertex: 0 numbers of 3"),
+        ("v 1 nan 0", "vertex: NaN is not a finite number"),
+        ("v -inf 0 0", "vertex: -inf is not a finite number"),
+        ("v 1e39 0 0", "vertex: inf is not a finite number"),
+        ("v 0 2e8 0", "is beyond ±1e8"),
+        ("v 1 2 3 0", "vertex: the weight w is 0"),
+        ("v 1 2 3 1e-9", "is beyond ±1e8"),
+        ("v 1 2 3 4 5", "vertex: 5 numbers"),
+        ("v 1 2 3 4 5 6 7", "vertex: 7 numbers"),
+        ("vn 0 0", "normal: 2 numbers of 3"),
+        ("vn 0 up 0", "normal: 'up' is not a number"),
+        ("vn 0 nan 0", "normal: NaN is not a finite number"),
+        ("vn 0 inf 0 x", "normal: inf is not a finite number"),
+    ];
+    for (line, expected) in cases {
+        // Used by a face whichever it is, and behind a folded line, which counts as two.
+        let face = if line.starts_with("vn") { "f 1//-1 2//-1 3//-1" } else { "f 1 2 -1" };
+        folder.fails_on_line(9, expected, format!("{SIX}f 1 2 \\\n 3\n{line}\n{face}\n"));
+    }
+}
+
+#[test]
+fn indices_out_of_range_are_errors_on_their_line() {
+    let folder = Folder::new("indices");
+    let cases = [
+        ("f 1 2 7", "face corner '7': vertex index 7 is out of range: there are 6"),
+        ("f 1 2 -7", "vertex index -7 is out of range"),
+        ("f 0 1 2", "face corner '0': vertex index 0; the first is 1"),
+        ("f 1 2 9223372036854775807", "is out of range"),
+        ("f 1 2 -9223372036854775808", "is out of range"),
+        ("f 1 2 9223372036854775808", "is not a whole number"),
+        ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there are 1"),
+        // Offsets that would wrap to small ones if they were multiplied by three unchecked.
+        ("f 1//1 2//1 3//-2", "normal index -2 is out of range"),
+        ("f 1//1 2//1 3//-5", "normal index -5 is out of range"),
+        ("f 1//1 2//1 3//6148914691236517207", "is out of range"),
+        ("f 1//0 2//1 3//1", "normal index 0; the first is 1"),
+        ("f 1/x 2/1 3/1", "texture index 'x' is not a whole number"),
+        ("f 1 2 3.0", "vertex index '3.0' is not a whole number"),
+        ("f 1 2 /1/1", "no vertex index"),
+        ("f 1/1/1/1 2 3", "more than vertex/texture/normal"),
+        ("f", "a face without corners"),
+        ("f # 1 2 3", "a face without corners"),
+    ];
+    for (line, expected) in cases {
+        folder.fails_on_line(9, expected, format!("{SIX}vn 0 0 1\nf 1 2 3\n{line}\nf 1 2 99\n"));
+    }
+    folder.fails_on_line(3, "vertex index 3 is out of range: there are 2", "v 1 0 0\nv 2 0 1\nf 1 2 3\nv 3 1 0\n");
+    folder.fails_on_line(7, "normal index 1 is out of range: there are 0", format!("{SIX}f 1//1 2//1 3//1\n"));
+}
+
+#[test]
+fn of_two_faults_the_first_in_the_file_is_named() {
+    let folder = Folder::new("first_fault");
+    folder.fails_on_line(2, "'x' is not a number", "v 1 0 0\nv x 0 0\nv 1 1 1\nf 1 2 9\n");
+    folder.fails_on_line(4, "vertex index 9", "v 1 0 0\nv 2 0 0\nv 1 1 1\nf 1 2 9\nv x 0 0\n");
+    folder.fails_on_line(3, "NaN", "v 1 0 0\nv 2 0 0\nv nan 1 1\nf 1 2 3\nv x 0 0\n");
+}
+
+#[test]
+fn vertices_with_and_without_colours_are_an_error_with_a_remedy() {
+    let folder = Folder::new("colours");
+    let faces = "f 1 2 3\n";
+    folder.fails_on_line(
+        3,
+        "this vertex has no colour and the first, on line 1, has one; give all vertices x y z r g b, or none",
+        format!("v 1 0 0 1 1 1\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"),
+    );
+    folder.fails_on_line(3, "this vertex has a colour", format!("# c\nv 1 0 0\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"));
+    folder.fails_on_line(2, "'red' is not a number", format!("v 1 0 0 1 1 1\nv 2 1 0 1 red 1\nv 3 0 1 1 1 1\n{faces}"));
+}
+
+#[test]
+fn a_file_without_faces_is_an_error_that_says_so() {
+    let folder = Folder::new("no_faces");
+    for (content, vertices) in
+        [("", 0), ("\n\n", 0), ("# nothing\n", 0), (SIX, 6), ("v 1 2 3\nl 1 1 1\nf 1 1\no x\n", 1)]
+    {
+        let (line, reason) = folder.error(content);
+        assert_eq!(line, None);
+        assert!(reason.starts_with(&format!("no faces and {vertices} vertices")), "{reason}");
+    }
+    let picture = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff\xfe\0".as_slice();
+    assert!(folder.error(picture).1.starts_with("no faces"));
+}
+
+#[test]
+fn a_missing_file_is_an_error_with_its_path() {
+    let error = Scene::from_obj(Path::new("no/such/scene.obj")).unwrap_err();
+    assert!(matches!(error, Error::Io { .. }) && error.to_string().contains("scene.obj"), "{error}");
+}
+
+/// Bytes of a valid file are replaced, doubled and cut at random: any result will do, a panic will not.
+#[test]
+fn no_damaged_file_panics() {
+    let folder = Folder::new("damaged");
+    let mtl = "newmtl red\nKd 0.5 0.25 1\nKa 1 1 1\nNs 3\nmap_Kd a.png\nnewmtl green\nKd 0 1 0\n";
+    let obj = format!(
+        "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nl 1 2 3\ng b\n\
+         usemtl green\nf 4 5 6 1\n"
+    );
+    let mut random = Random::new(1);
+    let mut damage = |text: &str| {
+        let mut bytes = text.as_bytes().to_vec();
+        for _ in 0..=random.below(4) {
+            if bytes.len() < 2 {
+                break;
+            }
+            let (at, other) = (random.below(bytes.len()), random.below(bytes.len()));
+            match random.below(5) {
+                0 => bytes[at] = b"0123456789-./ \t\r\n\\#fvnlog\xff\0"[random.below(27)],
+                1 => bytes.insert(at, bytes[other]),
+                2 => drop(bytes.remove(at)),
+                3 => bytes.truncate(at.max(1)),
+                _ => bytes.extend_from_within(at.min(other)..at.max(other)),
+            }
+        }
+        bytes
+    };
+    let mut read = [0, 0];
+    for _ in 0..1000 {
+        folder.write("m.mtl", damage(mtl));
+        read[usize::from(folder.read(damage(&obj)).is_ok())] += 1;
+    }
+    assert!(read[0] > 100 && read[1] > 100, "the damage is one-sided: {read:?}");
+}

@@ -1,0 +1,111 @@
+//! Odd OBJ and MTL files: what `Scene::from_obj` makes of them, and what it says where it can't.
+#![cfg(feature = "obj")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod faces;
+mod faults;
+mod materials;
+mod warnings;
+
+use std::{
+    path::PathBuf,
+    sync::{Mutex, Once},
+};
+
+use stereotrace::{Error, MaterialId, Scene};
+
+/// Every warning of this process; tests look for those that name their own folder.
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+struct Collector;
+
+impl log::Log for Collector {
+    fn enabled(&self, _: &log::Metadata) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record) {
+        if record.level() == log::Level::Warn {
+            WARNINGS.lock().unwrap().push(record.args().to_string());
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// A folder of one test, whose OBJ files are read.
+pub(crate) struct Folder(common::folder::Folder);
+
+impl Folder {
+    pub(crate) fn new(test: &str) -> Self {
+        static LOGGER: Once = Once::new();
+        LOGGER.call_once(|| {
+            log::set_logger(&Collector).unwrap();
+            log::set_max_level(log::LevelFilter::Warn);
+        });
+        Self(common::folder::Folder::new(test))
+    }
+
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.0.file(name)
+    }
+
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
+        self.0.write(name, content);
+        self
+    }
+
+    /// Writes `content` to an OBJ file and reads it.
+    pub(crate) fn read(&self, content: impl AsRef<[u8]>) -> Result<Scene, Error> {
+        self.write("scene.obj", content);
+        Scene::from_obj(self.file("scene.obj"))
+    }
+
+    pub(crate) fn scene(&self, content: impl AsRef<[u8]>) -> Scene {
+        self.read(content).unwrap()
+    }
+
+    /// The line and the reason of the error that `content` gives.
+    pub(crate) fn error(&self, content: impl AsRef<[u8]>) -> (Option<usize>, String) {
+        match self.read(content) {
+            Err(Error::File { path, line, reason }) => {
+                assert_eq!(path, self.file("scene.obj"));
+                (line, reason)
+            }
+            other => panic!("not a file error: {other:?}"),
+        }
+    }
+
+    #[track_caller]
+    pub(crate) fn fails_on_line(&self, line: usize, expected: &str, content: impl AsRef<[u8]>) {
+        let (found, reason) = self.error(content);
+        assert!(found == Some(line) && reason.contains(expected), "line {found:?} and not {line}: {reason}");
+    }
+
+    /// The warnings that name a file of this folder, from the file's name on.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let prefix = format!("{}{}", self.0.path().display(), std::path::MAIN_SEPARATOR);
+        let warnings = WARNINGS.lock().unwrap();
+        warnings.iter().filter_map(|warning| warning.strip_prefix(&prefix)).map(str::to_owned).collect()
+    }
+}
+
+/// Six vertices at x = 1 to 6, so that a corner's x tells which vertex it is.
+pub(crate) const SIX: &str = "v 1 0 0\nv 2 1 0\nv 3 0 1\nv 4 2 0\nv 5 0 2\nv 6 3 1\n";
+
+/// The corners of each triangle as numbers of vertices of [`SIX`].
+pub(crate) fn corners(scene: &Scene) -> Vec<[u32; 3]> {
+    scene.triangles().iter().map(|triangle| triangle.corners.map(|corner| corner.x as u32)).collect()
+}
+
+pub(crate) fn materials(scene: &Scene) -> Vec<&str> {
+    let name = |MaterialId(id)| scene.materials()[id as usize].name.as_str();
+    scene.triangles().iter().map(|triangle| name(triangle.material)).collect()
+}
+
+/// Name and first primitive of each object.
+pub(crate) fn objects(scene: &Scene) -> Vec<(&str, u32)> {
+    let first = |object| (0..scene.primitive_count() as u32).find(|&id| scene.object_of(id) == object).unwrap();
+    (0..scene.object_count() as u32).map(|object| (scene.object_name(object), first(object))).collect()
+}

@@ -1,0 +1,103 @@
+//! Devices: lost ones, those of the caller, and those whose limits a scene or a picture goes over.
+
+use stereotrace::{
+    Error, Fetch, Gpu, Method, Options, RaysPerLane, Renderer, Scene, Traversal, scene::builtin::Builtin, wgpu,
+};
+
+use crate::{
+    SIZE,
+    common::{gpu, gpu_with_limits, renderer},
+    render_builtin,
+};
+
+#[test]
+fn a_destroyed_device_is_an_error_and_no_panic() {
+    let mut renderer = Renderer::new(gpu());
+    let scene = Builtin::Spheres.scene();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let camera = Builtin::Spheres.camera(32, 32);
+    renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+    renderer.gpu().device().destroy();
+    let error = renderer.render(&uploaded, &camera, &Options::default()).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost(_)), "{error}");
+    let error = renderer.upload(&scene).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost(_)), "{error}");
+}
+
+#[test]
+fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
+    let mut theirs = Renderer::new(gpu_with_limits(wgpu::Limits::default()));
+    let scene = Builtin::Hall.scene();
+    let uploaded = theirs.upload(&scene).unwrap();
+    let camera = Builtin::Hall.camera(SIZE.0, SIZE.1);
+    let pair = theirs.render(&uploaded, &camera, &Options::new(Method::BUFFER)).unwrap();
+    assert!(pair.statistics.times.is_none(), "timestamps were not asked for");
+    assert_eq!(pair.right, render_builtin(Builtin::Hall, Method::BUFFER).right);
+    theirs.gpu().device().destroy();
+    let error = theirs.render(&uploaded, &camera, &Options::default()).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost(_)), "{error}");
+    let error = Renderer::new(theirs.gpu().clone()).upload(&scene).unwrap_err();
+    assert!(matches!(error, Error::DeviceLost(_)), "{error}");
+}
+
+#[test]
+fn a_picture_over_the_device_s_limits_is_an_error_that_names_the_limit() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&Scene::new()).unwrap();
+    let camera = Builtin::Hall.camera(60_000, 60_000);
+    let message = renderer.render(&uploaded, &camera, &Options::default()).unwrap_err().to_string();
+    assert!(message.starts_with("a 60000x60000 picture needs "), "{message}");
+    assert!(message.contains("max_storage_buffer_binding_size"), "{message}");
+}
+
+#[test]
+fn a_scene_uploaded_to_another_device_is_refused() {
+    let other = Renderer::new(gpu());
+    let theirs = other.upload(&Builtin::Spheres.scene()).unwrap();
+    let camera = Builtin::Spheres.camera(32, 32);
+    let message = renderer().render(&theirs, &camera, &Options::default()).unwrap_err().to_string();
+    assert!(message.contains("uploaded by another Gpu"), "{message}");
+}
+
+/// A device of the tests' adapter with lower limits.
+fn limited(bytes: u64, side: u32) -> Gpu {
+    let mut limits = gpu().device().limits();
+    limits.max_storage_buffer_binding_size = bytes;
+    limits.max_texture_dimension_2d = side;
+    limits.max_texture_dimension_1d = limits.max_texture_dimension_1d.min(side);
+    gpu_with_limits(limits)
+}
+
+#[test]
+fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_count_that_fits() {
+    // The hall's primitives take 12 MiB.
+    let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(33, 20));
+    let buffers = Traversal { fetch: Fetch::Buffer, rays: RaysPerLane::One, ..Traversal::of(&gpu()) };
+    let whole = {
+        let mut renderer = Renderer::with_traversal(gpu(), buffers);
+        let uploaded = renderer.upload(&scene).unwrap();
+        assert_eq!(uploaded.info().traversal, buffers);
+        renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap()
+    };
+    let mut small = Renderer::with_traversal(limited(1 << 20, 8192), buffers);
+    let uploaded = small.upload(&scene).unwrap();
+    assert_eq!(uploaded.info().traversal.fetch, Fetch::Texture);
+    let pair = small.render(&uploaded, &camera, &Options::new(Method::ATOMIC)).unwrap();
+    assert_eq!(pair.right.primitive, whole.right.primitive);
+
+    let tiny = Renderer::with_traversal(limited(1 << 20, 2048), buffers);
+    let error = tiny.upload(&scene).unwrap_err();
+    let message = error.to_string();
+    assert!(matches!(error, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{message}");
+    // 1 MiB holds 65,536 texels, four a primitive with normals: a little less for its degenerate triangles, if any.
+    assert!(message.starts_with(&format!("a scene of {} primitives needs ", scene.primitive_count())), "{message}");
+    assert!(message.contains("enough for 65536, about 16384 primitives"), "{message}");
+
+    // A sky of 2 MiB.
+    let mut scene = Builtin::Near.scene();
+    scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
+    assert_eq!(small.upload(&scene).unwrap().info().traversal.fetch, Fetch::Texture);
+    let message = tiny.upload(&scene).unwrap_err().to_string();
+    assert!(message.starts_with("the scene's table of lights, materials and sky needs 131"), "{message}");
+    assert!(message.ends_with("enough for 65536; use a smaller sky"), "{message}");
+}
