@@ -271,6 +271,17 @@ fn banner(name: String, corner: Vec3, across: Vec3, drop: f32, cloth: MaterialId
 /// A carpet that leads to steps and a round window at the far end, and urns beside it.
 fn furniture(scene: &mut Scene, stone: &Stone) {
     let far = row_z(BAYS);
+    add(scene, carpet(stone, far));
+    add(scene, steps(stone, far));
+    add(scene, round_window(stone, far));
+    for line in [2, 4, 6, 8] {
+        for side in [-1.0, 1.0] {
+            add(scene, urn(stone, line, side));
+        }
+    }
+}
+
+fn carpet(stone: &Stone, far: f32) -> Shape {
     let mut carpet = Shape::new("carpet", Vec3::new(0.0, 0.015, 0.0));
     let length = far + 5.5;
     carpet.sheet(
@@ -288,8 +299,10 @@ fn furniture(scene: &mut Scene, stone: &Stone) {
             }
         },
     );
-    add(scene, carpet);
+    carpet
+}
 
+fn steps(stone: &Stone, far: f32) -> Shape {
     let mut steps = Shape::new("steps", Vec3::new(0.0, 0.0, far));
     for step in 0..4 {
         let half = 2.6 - 0.3 * step as f32;
@@ -298,8 +311,10 @@ fn furniture(scene: &mut Scene, stone: &Stone) {
         let hidden = -0.1 - 0.02 * step as f32;
         steps.cuboid(Vec3::new(-half, hidden, hidden), Vec3::new(half, height, front), material);
     }
-    add(scene, steps);
+    steps
+}
 
+fn round_window(stone: &Stone, far: f32) -> Shape {
     let mut window = Shape::new("round window", Vec3::new(0.0, 4.75, far + 0.06));
     window.sheet(
         [72, 10],
@@ -320,19 +335,17 @@ fn furniture(scene: &mut Scene, stone: &Stone) {
             }
         },
     );
-    add(scene, window);
+    window
+}
 
-    for line in [2, 4, 6, 8] {
-        for side in [-1.0, 1.0] {
-            let at = Vec3::new(side * 2.0, 0.0, row_z(line) - 0.5 * BAY);
-            let mut urn = Shape::new(format!("urn {line} {}", if side < 0.0 { "left" } else { "right" }), at);
-            urn.cuboid(Vec3::new(-0.28, -0.1, -0.28), Vec3::new(0.28, 0.55, 0.28), stone.trim);
-            urn.cuboid(Vec3::new(-0.33, 0.54, -0.33), Vec3::new(0.33, 0.63, 0.33), stone.trim);
-            // From the foot over the belly to the neck and the lip.
-            let profile =
-                |t: f32| Vec2::new(0.12 + 0.17 * (PI * t.powf(0.8)).sin().powi(2) + 0.1 * t.powi(6), 0.62 + 0.75 * t);
-            urn.lathe([32, 20], profile, |_, row| if row == 9 || row == 15 { stone.gold } else { stone.bronze });
-            add(scene, urn);
-        }
-    }
+/// An urn on its pedestal, left or right of the carpet, between a line of columns and the one before it.
+fn urn(stone: &Stone, line: usize, side: f32) -> Shape {
+    let at = Vec3::new(side * 2.0, 0.0, row_z(line) - 0.5 * BAY);
+    let mut urn = Shape::new(format!("urn {line} {}", if side < 0.0 { "left" } else { "right" }), at);
+    urn.cuboid(Vec3::new(-0.28, -0.1, -0.28), Vec3::new(0.28, 0.55, 0.28), stone.trim);
+    urn.cuboid(Vec3::new(-0.33, 0.54, -0.33), Vec3::new(0.33, 0.63, 0.33), stone.trim);
+    // From the foot over the belly to the neck and the lip.
+    let profile = |t: f32| Vec2::new(0.12 + 0.17 * (PI * t.powf(0.8)).sin().powi(2) + 0.1 * t.powi(6), 0.62 + 0.75 * t);
+    urn.lathe([32, 20], profile, |_, row| if row == 9 || row == 15 { stone.gold } else { stone.bronze });
+    urn
 }
