@@ -45,44 +45,11 @@ impl Display for Report<'_> {
         if let Some(choice) = statistics.choice {
             line(f, "chose", choice)?;
         }
-
-        match &statistics.times {
-            None => line(f, "passes", "no timestamps")?,
-            Some(times) => {
-                let total = [("together", times.total())];
-                for (index, (pass, time)) in times.0.iter().chain(&total).enumerate() {
-                    let heading = if index == 0 { "passes" } else { "" };
-                    line(f, heading, format!("{pass:<16}{:>10.2} ms", milliseconds(*time)))?;
-                }
-            }
-        }
-        let WallTimes { read, build, render } = self.wall;
-        let [read, build, render] = [read, build, render].map(|time| time.as_secs_f64());
-        line(f, "clock", format!("read {read:.2} s, build and upload {build:.2} s, render {render:.2} s"))?;
-
-        line(f, "rays", format!("{:<6}{:>12}{:>14}{:>12}{:>12}", "", "primary", "verification", "shadow", "all"))?;
-        let eyes = [("left", &statistics.left), ("right", &statistics.right)];
-        for (eye, work) in eyes {
-            let (rays, all) = (work.rays, work.rays.total());
-            let counts = format!("{:>12}{:>14}{:>12}{all:>12}", rays.primary, rays.verification, rays.shadow);
-            line(f, "", format!("{eye:<6}{counts}"))?;
-        }
-        if self.arguments.count {
-            for (index, (eye, work)) in eyes.into_iter().enumerate() {
-                let heading = if index == 0 { "work" } else { "" };
-                let (nodes, tests) = (work.nodes, work.primitive_tests);
-                line(f, heading, format!("{eye:<6}{nodes:>12} nodes{tests:>12} primitive tests"))?;
-            }
-            line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
-        }
+        self.time_lines(f)?;
+        self.work_lines(f)?;
         line(f, "re-traced", retraced(statistics))?;
         if let Some(difference) = &self.difference {
-            let (identical, wrong) = (difference.identical_percent, difference.wrong_surface_percent);
-            let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
-            line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
-            let (identical, wrong) = (difference.identical_of_surfaces_percent, difference.wrong_of_surfaces_percent);
-            let text = format!("{identical:.2}% identical of surfaces, {wrong:.3}% wrong of surfaces");
-            line(f, "", format!("{text}, which {:.2}% of the pixels show", difference.surface_percent))?;
+            difference_lines(f, difference)?;
         }
         if self.pair.left.primitive.iter().all(|id| *id == MISS) {
             line(f, "warning", "the left eye sees nothing but sky: see --eye and --target")?;
@@ -99,6 +66,42 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
+    fn time_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match &self.pair.statistics.times {
+            None => line(f, "passes", "no timestamps")?,
+            Some(times) => {
+                let total = [("together", times.total())];
+                for (index, (pass, time)) in times.0.iter().chain(&total).enumerate() {
+                    let heading = if index == 0 { "passes" } else { "" };
+                    line(f, heading, format!("{pass:<16}{:>10.2} ms", milliseconds(*time)))?;
+                }
+            }
+        }
+        let WallTimes { read, build, render } = self.wall;
+        let [read, build, render] = [read, build, render].map(|time| time.as_secs_f64());
+        line(f, "clock", format!("read {read:.2} s, build and upload {build:.2} s, render {render:.2} s"))
+    }
+
+    fn work_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let statistics = &self.pair.statistics;
+        line(f, "rays", format!("{:<6}{:>12}{:>14}{:>12}{:>12}", "", "primary", "verification", "shadow", "all"))?;
+        let eyes = [("left", &statistics.left), ("right", &statistics.right)];
+        for (eye, work) in eyes {
+            let (rays, all) = (work.rays, work.rays.total());
+            let counts = format!("{:>12}{:>14}{:>12}{all:>12}", rays.primary, rays.verification, rays.shadow);
+            line(f, "", format!("{eye:<6}{counts}"))?;
+        }
+        if self.arguments.count {
+            for (index, (eye, work)) in eyes.into_iter().enumerate() {
+                let heading = if index == 0 { "work" } else { "" };
+                let (nodes, tests) = (work.nodes, work.primitive_tests);
+                line(f, heading, format!("{eye:<6}{nodes:>12} nodes{tests:>12} primitive tests"))?;
+            }
+            line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
+        }
+        Ok(())
+    }
+
     fn scene_line(&self) -> String {
         let (triangles, spheres) = (self.scene.triangles().len(), self.scene.spheres().len());
         let dropped = match self.scene.degenerate_count() {
@@ -134,6 +137,15 @@ impl Report<'_> {
 
 fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
     writeln!(f, "{heading:<11}{text}")
+}
+
+fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {
+    let (identical, wrong) = (difference.identical_percent, difference.wrong_surface_percent);
+    let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
+    line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
+    let (identical, wrong) = (difference.identical_of_surfaces_percent, difference.wrong_of_surfaces_percent);
+    let text = format!("{identical:.2}% identical of surfaces, {wrong:.3}% wrong of surfaces");
+    line(f, "", format!("{text}, which {:.2}% of the pixels show", difference.surface_percent))
 }
 
 fn milliseconds(time: Duration) -> f64 {
