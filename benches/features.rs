@@ -42,6 +42,10 @@ struct Variant {
     options: Options,
 }
 
+fn of(name: &'static str, scene: Scene, camera: &StereoCamera, options: &Options) -> Variant {
+    Variant { name, scene, camera: *camera, options: options.clone() }
+}
+
 /// A terrain of 180,000 triangles that all look upwards, so that a light below it reaches none.
 fn terrain(smooth: u32) -> Scene {
     let side = TERRAIN + 1;
@@ -89,21 +93,15 @@ fn with_sky(mut scene: Scene) -> Scene {
     scene
 }
 
-fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Error>> {
-    let [width, height] = size;
+/// Each feature with its states, the first of which is off.
+fn states([width, height]: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
     // A third of the picture is sky; downwards there is none.
     let ahead = StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height);
     let down = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(width, height);
     let plain = Options::new(Method::Naive).keeping(GBuffer::None);
-    let of = |name, scene, camera: &StereoCamera, options: &Options| Variant {
-        name,
-        scene,
-        camera: *camera,
-        options: options.clone(),
-    };
     let plainly = |name, scene| of(name, scene, &ahead, &plain);
     let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().keeping(kept));
-    let features = [
+    [
         (
             "spheres",
             vec![
@@ -149,37 +147,18 @@ fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Erro
             "counters",
             vec![plainly("off", terrain(0)), of("on: one ray a lane", terrain(0), &ahead, &plain.clone().counting())],
         ),
-    ];
+    ]
+}
+
+fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Error>> {
+    let [width, height] = size;
     println!("\n{width}x{height}, a terrain of {} triangles, {rounds} rounds\n", terrain(0).primitive_count());
     println!("| feature | state | left view ms | min..max | of off | scene MiB | bytes a pixel | compile ms |");
     println!("|---|---|---|---|---|---|---|---|");
-    for (feature, variants) in &features {
-        let mut figures = Vec::new();
-        for variant in variants {
-            let mut renderer = Renderer::new(gpu.clone());
-            let scene = renderer.upload(&variant.scene)?;
-            let first = wall_ms(&mut renderer, &scene, variant)?;
-            figures.push((renderer, scene, first, Vec::new(), 0));
-        }
-        let mut wall = vec![f64::INFINITY; variants.len()];
-        for round in 0..rounds {
-            for turn in order(round, variants.len()) {
-                let (renderer, scene, _, times, bytes) = &mut figures[turn];
-                let start = Instant::now();
-                let statistics = renderer.trace(scene, &variants[turn].camera, &variants[turn].options)?;
-                let elapsed = start.elapsed().as_secs_f64() * 1e3;
-                wall[turn] = wall[turn].min(elapsed);
-                // Naive traces two eyes alike.
-                let pass =
-                    statistics.times.and_then(|times| times.0.into_iter().find(|(pass, _)| *pass == "trace_left"));
-                times.push(pass.map_or(0.5 * elapsed, |(_, time)| time.as_secs_f64() * 1e3));
-                *bytes = statistics.intermediate_bytes;
-            }
-        }
-        let off = Spread::of(figures[0].3.iter().copied()).median;
-        for (((_, scene, first, times, bytes), variant), wall) in figures.iter().zip(variants).zip(&wall) {
-            let time = Spread::of(times.iter().copied());
-            let info = scene.info();
+    for (feature, variants) in &states(size) {
+        let figures = measure(gpu, variants, rounds)?;
+        let off = figures[0].time.median;
+        for (Figures { first_ms, least_ms, time, scene_bytes, pixel_bytes }, variant) in figures.iter().zip(variants) {
             println!(
                 "| {feature} | {} | {:.1} | {:.1}..{:.1} | {:.2} | {:.1} | {:.1} | {:.0} |",
                 variant.name,
@@ -187,13 +166,54 @@ fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Erro
                 time.min,
                 time.max,
                 time.median / off,
-                (info.node_bytes + info.primitive_bytes) as f64 / f64::from(1 << 20),
-                *bytes as f64 / f64::from(width * height),
-                first - wall,
+                *scene_bytes as f64 / f64::from(1 << 20),
+                *pixel_bytes as f64 / f64::from(width * height),
+                first_ms - least_ms,
             );
         }
     }
     Ok(())
+}
+
+/// What was measured of a variant.
+struct Figures {
+    /// The host's time of the first frame, in which kernels are compiled, and of the quickest later one.
+    first_ms: f64,
+    least_ms: f64,
+    /// The left view's, in milliseconds.
+    time: Spread,
+    scene_bytes: u64,
+    /// Of all intermediate buffers.
+    pixel_bytes: u64,
+}
+
+fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures>, Box<dyn Error>> {
+    let mut measured = Vec::new();
+    for variant in variants {
+        let mut renderer = Renderer::new(gpu.clone());
+        let scene = renderer.upload(&variant.scene)?;
+        let first_ms = wall_ms(&mut renderer, &scene, variant)?;
+        measured.push((renderer, scene, first_ms, f64::INFINITY, Vec::new(), 0));
+    }
+    for round in 0..rounds {
+        for turn in order(round, variants.len()) {
+            let (renderer, scene, _, least_ms, times, bytes) = &mut measured[turn];
+            let start = Instant::now();
+            let statistics = renderer.trace(scene, &variants[turn].camera, &variants[turn].options)?;
+            let elapsed = start.elapsed().as_secs_f64() * 1e3;
+            *least_ms = least_ms.min(elapsed);
+            // Naive traces two eyes alike.
+            let pass = statistics.times.and_then(|times| times.0.into_iter().find(|(pass, _)| *pass == "trace_left"));
+            times.push(pass.map_or(0.5 * elapsed, |(_, time)| time.as_secs_f64() * 1e3));
+            *bytes = statistics.intermediate_bytes;
+        }
+    }
+    let figures = measured.into_iter().map(|(_, scene, first_ms, least_ms, times, pixel_bytes)| {
+        let info = scene.info();
+        let scene_bytes = info.node_bytes + info.primitive_bytes;
+        Figures { first_ms, least_ms, time: Spread::of(times), scene_bytes, pixel_bytes }
+    });
+    Ok(figures.collect())
 }
 
 /// The host's time of a frame without read-back.

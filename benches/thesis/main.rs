@@ -102,14 +102,37 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let provenance = Provenance::of(renderer.gpu());
     let results = folder.join(RESULTS);
     let mut records = if arguments.fresh || smoke { Vec::new() } else { earlier(&results, &provenance)? };
-    let rounds = if smoke {
-        1
-    } else if arguments.full {
-        7
-    } else {
-        5
+    let (steps, rounds) = match (smoke, arguments.full) {
+        (true, _) => (smoke_steps(), 1),
+        (_, true) => (steps(true), 7),
+        _ => (steps(false), 5),
     };
-    let steps = if smoke { smoke_steps() } else { steps(arguments.full) };
+    measure_steps(&mut renderer, &steps, rounds, &provenance, &mut records, &folder)?;
+    save(&[("results.csv".into(), csv(&records)?)], &folder)?;
+    let side = if smoke { 64 } else { 400 };
+    let names: Vec<&str> =
+        SCENES.into_iter().filter(|name| records.iter().any(|record| record.scene == *name)).collect();
+    let pictures = pictures::of(&mut renderer, &names, side, E_PX * side as f32 / SIZE as f32)?;
+    let shrink = if smoke { 5 } else { 1 };
+    let size = SHOWN_SIZE.map(|side| side / shrink);
+    let sources = pictures::sources(&mut renderer, &SHOWN, size, SHOWN_E_PX / shrink as f32)?;
+    println!("wrote {}", results.display());
+    records.extend(errors(&records));
+    for path in report::write(&Content { records, pictures, sources, stability }, &folder)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+/// Measures the steps that are not among the records yet, and saves them all after each.
+fn measure_steps(
+    renderer: &mut Renderer,
+    steps: &[Step],
+    rounds: usize,
+    provenance: &Provenance,
+    records: &mut Vec<Record>,
+    folder: &Path,
+) -> Result<(), Box<dyn Error>> {
     let mut missing = Vec::new();
     for (index, step) in steps.iter().enumerate() {
         let done = |method: &Method| records.iter().any(|record| is_of(record, step, *method));
@@ -139,23 +162,10 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             warm_ups: 1,
             rounds,
         };
-        let measured = measure::measure(&mut renderer, &scene, &plan)?;
+        let measured = measure::measure(renderer, &scene, &plan)?;
         records.retain(|record| !step.methods.iter().any(|method| is_of(record, step, *method)));
-        records.extend(measured.methods.iter().map(|figures| record(step, &measured, figures, &plan, &provenance)));
-        save(&[(RESULTS.into(), serde_json::to_string_pretty(&records)?)], &folder)?;
-    }
-    save(&[("results.csv".into(), csv(&records)?)], &folder)?;
-    let side = if smoke { 64 } else { 400 };
-    let names: Vec<&str> =
-        SCENES.into_iter().filter(|name| records.iter().any(|record| record.scene == *name)).collect();
-    let pictures = pictures::of(&mut renderer, &names, side, E_PX * side as f32 / SIZE as f32)?;
-    let shrink = if smoke { 5 } else { 1 };
-    let size = SHOWN_SIZE.map(|side| side / shrink);
-    let sources = pictures::sources(&mut renderer, &SHOWN, size, SHOWN_E_PX / shrink as f32)?;
-    println!("wrote {}", results.display());
-    records.extend(errors(&records));
-    for path in report::write(&Content { records, pictures, sources, stability }, &folder)? {
-        println!("wrote {}", path.display());
+        records.extend(measured.methods.iter().map(|figures| record(step, &measured, figures, &plan, provenance)));
+        save(&[(RESULTS.into(), serde_json::to_string_pretty(&records)?)], folder)?;
     }
     Ok(())
 }
