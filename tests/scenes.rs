@@ -5,9 +5,14 @@ mod common;
 use std::{io::Write, path::PathBuf};
 
 use common::{is_exact, renderer};
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::builder::build_bvh2, ray::Ray, ray::RayHit};
+use obvhs::{
+    BvhBuildParams,
+    aabb::Aabb,
+    bvh2::{Bvh2, builder::build_bvh2},
+    ray::{Ray, RayHit},
+};
 use stereotrace::{
-    FAR, MISS, Method, Options, Scene, StereoCamera,
+    FAR, MISS, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Triangle, UploadedScene,
     cpu::{Eye, Frame, intersect::intersect_triangle},
     glam::Vec3,
 };
@@ -28,6 +33,38 @@ fn find(name: &str) -> Option<PathBuf> {
     None
 }
 
+/// obvhs's tree and traversal, with our triangle test as its closure. Its box test has no margin, so now and then it
+/// loses a hit at a box's very edge.
+struct Theirs<'a> {
+    scene: &'a Scene,
+    tree: Bvh2,
+}
+
+impl<'a> Theirs<'a> {
+    fn of(scene: &'a Scene) -> Self {
+        let around = |t: &Triangle| {
+            let [a, b, c] = t.corners;
+            Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into())
+        };
+        let boxes: Vec<Aabb> = scene.triangles().iter().map(around).collect();
+        let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut std::time::Duration::default());
+        Self { scene, tree }
+    }
+
+    /// Where the ray's nearest hit lies, `t_max` or infinite without one.
+    fn closest(&self, origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> f32 {
+        let intersect = |index: usize| {
+            let triangle = &self.scene.triangles()[self.tree.primitive_indices[index] as usize];
+            let t = (!triangle.is_degenerate()).then(|| intersect_triangle(origin, direction, triangle.corners));
+            t.flatten().filter(|t| *t >= t_min).unwrap_or(f32::INFINITY)
+        };
+        let ray = Ray::new(origin.into(), direction.into(), t_min, t_max);
+        let mut hit = RayHit::none();
+        self.tree.ray_traverse(ray, &mut hit, |_, index| intersect(index));
+        hit.t.min(t_max) // infinite where the ray misses the whole tree, else its t_max
+    }
+}
+
 fn check(name: &str, triangles: usize) {
     let Some(folder) = find(name) else { return };
     let scene = Scene::from_obj(folder.join(name).join(format!("{name}.obj"))).unwrap();
@@ -44,30 +81,18 @@ fn check(name: &str, triangles: usize) {
     let searched = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET_RAYS)).unwrap();
     assert!(searched.right == pair.right, "the tiles' search loses something");
 
-    // obvhs's tree and traversal, with our triangle test as its closure. Its box test has no margin, so now and then it
-    // loses a hit at a box's very edge.
-    let boxes: Vec<Aabb> = scene
-        .triangles()
-        .iter()
-        .map(|t| {
-            Aabb::new(
-                t.corners[0].min(t.corners[1]).min(t.corners[2]).into(),
-                t.corners[0].max(t.corners[1]).max(t.corners[2]).into(),
-            )
-        })
-        .collect();
-    let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut std::time::Duration::default());
-    let intersect = |origin: Vec3, direction: Vec3, t_min: f32, index: usize| {
-        let triangle = &scene.triangles()[tree.primitive_indices[index] as usize];
-        let t = (!triangle.is_degenerate()).then(|| intersect_triangle(origin, direction, triangle.corners));
-        t.flatten().filter(|t| *t >= t_min).unwrap_or(f32::INFINITY)
-    };
-    let closest = |origin: Vec3, direction: Vec3, t_min: f32, t_max: f32| {
-        let ray = Ray::new(origin.into(), direction.into(), t_min, t_max);
-        let mut hit = RayHit::none();
-        tree.ray_traverse(ray, &mut hit, |_, index| intersect(origin, direction, t_min, index));
-        hit.t.min(t_max) // infinite where the ray misses the whole tree, else its t_max
-    };
+    let theirs = Theirs::of(&scene);
+    check_views(&theirs, &pair);
+    check_intervals(&mut renderer, &uploaded, &theirs, &pair);
+    let mut lit = scene.clone();
+    lit.place_lights(2, &camera).unwrap();
+    for light in &lit.lights {
+        check_shadows(&mut renderer, &uploaded, &theirs, &pair, light.position);
+    }
+}
+
+/// Every pixel of both views.
+fn check_views(theirs: &Theirs<'_>, pair: &StereoPair) {
     let frame = Frame::new(&pair.pose);
     let [width, height] = frame.size();
     let (mut lost, mut hits) = (0, 0);
@@ -75,7 +100,7 @@ fn check(name: &str, triangles: usize) {
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
             let (origin, direction) = (frame.eye(eye), frame.direction(eye, column, row));
             let found = view.depth[row * width + column].min(FAR);
-            let theirs = closest(origin, direction, 0.0, FAR);
+            let theirs = theirs.closest(origin, direction, 0.0, FAR);
             assert!(found <= theirs, "({column}, {row}): obvhs hits at {theirs}, the kernel at {found}");
             lost += usize::from(found < theirs);
             hits += usize::from(found < FAR);
@@ -84,40 +109,55 @@ fn check(name: &str, triangles: usize) {
     // Measured 0 of 60,702 rays on sponza_4x and dragon.
     assert!(lost <= 6, "{lost} of {} rays differ from obvhs's", 2 * width * height);
     assert!(hits > width * height / 2, "{hits}");
+}
 
-    // Intervals around the left eye's hits seen from the right one, and shadow rays from two lights to them.
-    let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
-    let pixels = || (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).step_by(3);
-    let seen = || pixels().map(|(column, row)| pair.left.depth[row * width + column].min(1e5));
-    let mut lit = scene.clone();
-    lit.place_lights(2, &camera).unwrap();
-    let interval = |((column, row), z): ((usize, usize), f32)| stereotrace::Ray {
+/// Every third pixel of the left view: column, row and depth.
+fn samples(pair: &StereoPair) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
+    let [width, height] = pair.pose.size.map(|side| side as usize);
+    let pixels = (0..height).flat_map(move |row| (0..width).map(move |column| (column, row))).step_by(3);
+    pixels.map(move |(column, row)| (column, row, pair.left.depth[row * width + column].min(1e5)))
+}
+
+/// Intervals around the left eye's hits, seen from the right one.
+fn check_intervals(renderer: &mut Renderer, uploaded: &UploadedScene, theirs: &Theirs<'_>, pair: &StereoPair) {
+    let frame = Frame::new(&pair.pose);
+    let right = frame.eye(Eye::Right);
+    let interval = |(column, row, z): (usize, usize, f32)| stereotrace::Ray {
         direction: frame.direction(Eye::Right, column, row),
         t_min: 0.9 * z,
         t_max: 1.1 * z,
     };
-    let intervals: Vec<_> = pixels().zip(seen()).map(interval).collect();
-    let found = renderer.closest_hits(&uploaded, right, &intervals).unwrap().hits;
+    let intervals: Vec<_> = samples(pair).map(interval).collect();
+    let found = renderer.closest_hits(uploaded, right, &intervals).unwrap().hits;
     let differs = |(hit, ray): &(&stereotrace::RayHit, &stereotrace::Ray)| {
         let t = if hit.primitive == MISS { ray.t_max } else { hit.t };
-        t != closest(right, ray.direction, ray.t_min, ray.t_max)
+        t != theirs.closest(right, ray.direction, ray.t_min, ray.t_max)
     };
     let differing = found.iter().zip(&intervals).filter(differs).count();
     // Measured 0 of 10,117 on both.
     assert!(differing <= 1, "{differing} of {} interval rays differ from obvhs's", found.len());
-    for light in &lit.lights {
-        let origin = light.position;
-        let point = |((column, row), z): ((usize, usize), f32)| left + frame.direction(Eye::Left, column, row) * z;
-        let towards = |point: Vec3| stereotrace::Ray { direction: point - origin, t_min: 0.0, t_max: 0.9999 };
-        let rays: Vec<_> = pixels().zip(seen()).map(point).map(towards).collect();
-        let found = renderer.any_hits(&uploaded, origin, &rays).unwrap().hits;
-        let occluded = |ray: &stereotrace::Ray| closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
-        let differing = found.iter().zip(&rays).filter(|(found, ray)| **found != occluded(ray)).count();
-        let dark = found.iter().filter(|occluded| **occluded).count();
-        // Measured 0 of 10,117 on both, for both lights.
-        assert!(differing <= 1, "{differing} of {} shadow rays differ from obvhs's", found.len());
-        assert!(dark > 100 && dark < found.len(), "{dark}");
-    }
+}
+
+/// Shadow rays from a light to the left eye's hits.
+fn check_shadows(
+    renderer: &mut Renderer,
+    uploaded: &UploadedScene,
+    theirs: &Theirs<'_>,
+    pair: &StereoPair,
+    origin: Vec3,
+) {
+    let frame = Frame::new(&pair.pose);
+    let left = frame.eye(Eye::Left);
+    let point = |(column, row, z): (usize, usize, f32)| left + frame.direction(Eye::Left, column, row) * z;
+    let towards = |point: Vec3| stereotrace::Ray { direction: point - origin, t_min: 0.0, t_max: 0.9999 };
+    let rays: Vec<_> = samples(pair).map(point).map(towards).collect();
+    let found = renderer.any_hits(uploaded, origin, &rays).unwrap().hits;
+    let occluded = |ray: &stereotrace::Ray| theirs.closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
+    let differing = found.iter().zip(&rays).filter(|(found, ray)| **found != occluded(ray)).count();
+    let dark = found.iter().filter(|occluded| **occluded).count();
+    // Measured 0 of 10,117 on both, for both lights.
+    assert!(differing <= 1, "{differing} of {} shadow rays differ from obvhs's", found.len());
+    assert!(dark > 100 && dark < found.len(), "{dark}");
 }
 
 #[test]
