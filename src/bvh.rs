@@ -307,11 +307,13 @@ impl Packer<'_> {
         let mut normals = [0; 4];
         match scene.triangles().get(id as usize) {
             Some(triangle) => {
-                let [a, b, c] = triangle.corners.map(words);
+                let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
                 let material = triangle.material.0 | reach_bits(triangle.corners);
                 self.primitives.extend([texel(a, id), texel(b, component), texel(c, material)]);
                 if triangle.is_smooth() {
-                    normals = texel(triangle.normals.map(pack_normal), 1);
+                    let mut packed = triangle.normals.map(pack_normal);
+                    packed.rotate_left(shortest_edge(triangle.corners));
+                    normals = texel(packed, 1);
                 }
             }
             None => {
@@ -329,6 +331,21 @@ impl Packer<'_> {
             self.primitives.push(normals);
         }
     }
+}
+
+/// The place of the first corner of a triangle's shortest edge.
+fn shortest_edge(corners: [Vec3; 3]) -> usize {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+    (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
+}
+
+/// A triangle's corners, turned so that the edge from the first to the second is the shortest. (Seldom is any other side's product
+/// with it as exact a normal.)
+pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
+    let first = shortest_edge(corners);
+    corners.rotate_left(first);
+    corners
 }
 
 /// At least the length of a triangle's longest edge: the upper half of an f32, the lower half being the material's.

@@ -6,7 +6,7 @@
 // sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not to
 // its distance. Normals belong to the origin, so that a lane's rays share them.
 
-// A primitive's place in `primitives` in texels: corners (xyz) with id, component and material in w; normals, if the
+// A primitive's place in `primitives` in texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
 // scene has any, are a fourth (normal_smooth.wgsl).
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
@@ -39,9 +39,10 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     // Above 0 on the inner side of all edges, whichever way the triangle is wound.
     let inside = larger(least, -most);
     let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
-    // A mean of the corners' t, which lies between them whatever the weights' rounding.
-    let sum = weights.x * along(direction, a) + weights.y * along(direction, b) + weights.z * along(direction, c);
-    let t = sum * scales.per_length_squared / (weights.x + weights.y + weights.z);
+    // On the triangle's plane. The edge from a to b is the shortest, so that the normal of a long thin triangle is exact too. All
+    // weights are over their bound: the plane is not so nearly along the ray that t could leave the triangle.
+    let normal = cross(b - a, c - a);
+    let t = F(dot(normal, a)) / along(direction, normal);
     let hit = inside > bound;
     let doubtful = abs(inside) <= bound;
     if CLOSE {
@@ -68,18 +69,20 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     let more = (forth.hi > back.hi) | (same & (forth.lo > back.lo));
     let less = (forth.hi < back.hi) | (same & (forth.lo < back.lo));
     let hit = any(more) != any(less);
-    let weights = abs(opaque3(opaque3(forth.hi - back.hi) + opaque3(forth.lo - back.lo)));
-    let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
-    var t = dot(weights, t_corner) / (weights.x + weights.y + weights.z);
+    let normal = cross(b - a, c - a);
+    let across = dot(normal, direction);
+    var t = dot(normal, a) / select(across, 1.0, across == 0.0);
     if CLOSE && is_close(a, b, c, primitive.reach) {
-        let near = min(t_corner.x, min(t_corner.y, t_corner.z));
-        let far = max(t_corner.x, max(t_corner.y, t_corner.z));
-        t = clamp(plane_t(origin, direction, primitive.a, primitive.b, primitive.c), near, far);
+        t = plane_t(origin, direction, primitive.a, primitive.b, primitive.c);
     }
-    return select(-1.0, t, hit);
+    // Of a triangle that the ray runs along, the plane says little.
+    let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
+    let near = min(t_corner.x, min(t_corner.y, t_corner.z));
+    let far = max(t_corner.x, max(t_corner.y, t_corner.z));
+    return select(-1.0, clamp(t, near, far), hit);
 }
 
-// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that a mean of the corners' t is too coarse.
+// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that f32 is too coarse for t on it.
 fn is_close(a: vec3f, b: vec3f, c: vec3f, reach: f32) -> bool {
     let normal = cross(b - a, c - a);
     let beside = dot(a, a) < 4.0 * reach * reach;

@@ -3,7 +3,11 @@
 use glam::Vec3;
 
 use super::double_float::{Two, Two3, dot, plane_t};
-use crate::{MISS, Scene, bvh::reach_bits, large::LARGE};
+use crate::{
+    MISS, Scene,
+    bvh::{reach_bits, shortest_edge_first},
+    large::LARGE,
+};
 
 /// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
@@ -11,6 +15,7 @@ const DOUBT: f32 = 22.0 / 16_777_216.0;
 /// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, and where rounding might decide products of the
 /// projected corners, see shaders/shared/triangle.wgsl.
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
+    let corners = shortest_edge_first(corners);
     let [a, b, c] = corners.map(|corner| corner - origin);
     let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
     let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
@@ -21,8 +26,8 @@ pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> 
     if inside.abs() <= bound {
         return look_again_triangle(origin, direction, corners);
     }
-    let sum = u * direction.dot(a) + v * direction.dot(b) + w * direction.dot(c);
-    let t = sum * (1.0 / length_squared) / (u + v + w);
+    let normal = (b - a).cross(c - a);
+    let t = normal.dot(a) / direction.dot(normal);
     match inside > bound {
         true if is_close(origin, corners) => look_again_triangle(origin, direction, corners),
         true => Some(t),
@@ -40,16 +45,15 @@ fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Opt
     if pairs.iter().any(more) == pairs.iter().any(less) {
         return None;
     }
-    let weights = Vec3::from(pairs.map(|(forth, back)| ((forth.hi - back.hi) + (forth.lo - back.lo)).abs()));
+    let [a, b, c] = relative;
+    let normal = (b - a).cross(c - a);
+    let across = normal.dot(direction);
+    let t = match is_close(origin, corners) {
+        true => plane_t(origin, direction, corners),
+        false => normal.dot(a) / if across == 0.0 { 1.0 } else { across },
+    };
     let t_corner = Vec3::from(relative.map(|corner| direction.dot(corner))) / direction.dot(direction);
-    let t = weights.dot(t_corner) / (weights.x + weights.y + weights.z);
-    match is_close(origin, corners) {
-        true => {
-            let exact = plane_t(origin, direction, corners);
-            Some(exact.max(t_corner.min_element()).min(t_corner.max_element()))
-        }
-        false => Some(t),
-    }
+    Some(t.max(t_corner.min_element()).min(t_corner.max_element()))
 }
 
 /// Whether t must be computed twice as exactly.
