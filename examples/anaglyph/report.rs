@@ -140,10 +140,12 @@ fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result
 }
 
 fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {
-    let (identical, wrong) = (difference.identical_percent, difference.wrong_surface_percent);
+    // Rounded down: 100.00% are all of them.
+    let down = |percent: f64| (100.0 * percent).floor() / 100.0;
+    let (identical, wrong) = (down(difference.identical_percent), difference.wrong_surface_percent);
     let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
     line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
-    let (identical, wrong) = (difference.identical_of_surfaces_percent, difference.wrong_of_surfaces_percent);
+    let (identical, wrong) = (down(difference.identical_of_surfaces_percent), difference.wrong_of_surfaces_percent);
     let text = format!("{identical:.2}% identical of surfaces, {wrong:.3}% wrong of surfaces");
     line(f, "", format!("{text}, which {:.2}% of the pixels show", difference.surface_percent))
 }
