@@ -340,8 +340,8 @@ fn shortest_edge(corners: [Vec3; 3]) -> usize {
     (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
 }
 
-/// A triangle's corners, turned so that the edge from the first to the second is the shortest. (Seldom is any other side's product
-/// with it as exact a normal.)
+/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another edge is the
+/// normal that rounds least.
 pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
     let first = shortest_edge(corners);
     corners.rotate_left(first);

@@ -185,16 +185,15 @@ impl Variant {
 
     /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
-        let with = self;
         match kernel.touches {
-            Touches::Pixels => Self { hits: with.hits, ..Self::PIXELS },
-            Touches::Objects => Self { hits: with.hits, traversal: with.traversal, ..Self::PIXELS },
+            Touches::Pixels => Self { hits: self.hits, ..Self::PIXELS },
+            Touches::Objects => Self { hits: self.hits, traversal: self.traversal, ..Self::PIXELS },
             Touches::Geometry => {
-                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, bits: ShadowReuse::Rays, ..with }
+                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, bits: ShadowReuse::Rays, ..self }
             }
-            Touches::Shading => with,
+            Touches::Shading => self,
             Touches::RayList => {
-                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, hits: Kept::None, ..with }
+                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, hits: Kept::None, ..self }
             }
         }
     }

@@ -22,8 +22,8 @@ pub(crate) struct Driver<'a> {
     pub(crate) pose: &'a Pose,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
-    /// The 3D buffer, once it has been sized.
-    pub(crate) slots: Option<Arc<wgpu::Buffer>>,
+    /// The 3D buffer, once it has been sized; before, the last frame's.
+    pub(crate) slots: &'a mut Option<Arc<wgpu::Buffer>>,
     /// Bytes of it that a band uses.
     pub(crate) slot_bytes: u64,
     /// Rows of a band.
@@ -147,11 +147,11 @@ impl Driver<'_> {
     }
 
     fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {
-        let lists = |this: &Self| this.targets.get(Target::Lists).clone();
+        let targets = self.targets;
         match step {
             Step::EmptyLists => {
-                let empty = &self.targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, &lists(self), 0, Some(empty.size()));
+                let empty = &targets.empty_lists;
+                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists), 0, Some(empty.size()));
             }
             Step::EmptySlots => {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
@@ -160,8 +160,8 @@ impl Driver<'_> {
             Step::Run { name, kernel, eye, launch } => {
                 if let Launch::Listed(list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let indirect = &self.targets.indirect;
-                    encoder.copy_buffer_to_buffer(&lists(self), head, indirect, 0, Some(indirect.size()));
+                    let (lists, indirect) = (targets.get(Target::Lists), &targets.indirect);
+                    encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
                 self.dispatch(encoder, name, kernel, eye, launch);
             }

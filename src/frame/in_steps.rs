@@ -25,7 +25,7 @@ impl Renderer {
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<Traced, Error> {
         let (shape, used) = (self.shape(scene, pose, options, Method::Naive), Plan::of(Method::Naive).targets());
-        let targets = self.targets(shape, &used, false).await?;
+        let targets = self.targets(shape, &used).await?;
         let steps = self.steps;
         let mut driver = self.driver(scene, pose, options, &targets, progress);
         driver.rows_total = (3 * pose.size[1]) as f32;
@@ -39,9 +39,6 @@ impl Renderer {
         let mut statistics = statistics.map_err(|threads| Error::cut_short(threads, "threads"))?;
         statistics.in_steps = true;
         statistics.intermediate_bytes = targets.intermediate_bytes(&used) + lane_bytes;
-        if let Some(timestamps) = &self.timestamps {
-            statistics.times = timestamps.read(&self.gpu).await?;
-        }
         Ok(Traced { statistics, targets, right: RightView::Traced })
     }
 }

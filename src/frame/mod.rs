@@ -27,6 +27,7 @@ use targets::{Shape, Target, Targets};
 pub(crate) const BAND_PIXELS: u32 = 1 << 18;
 /// Bands of a picture at most: eight dispatches each, the most that a method has, fit one query set.
 const MAX_BANDS: u32 = 256;
+
 /// A frame that has been traced: its buffers hold the pair.
 pub(crate) struct Traced {
     pub(crate) statistics: Statistics,
@@ -74,14 +75,13 @@ impl Renderer {
         let plan = Plan::of(method);
         let shape = self.shape(scene, pose, options, method);
         let used = plan.targets();
-        let targets = self.targets(shape, &used, plan.has_a_thread_a_row()).await?;
+        let targets = self.targets(shape, &used).await?;
         let mut driver = self.driver(scene, pose, options, &targets, progress);
         driver.rows_total = (pose.size[1] * plan.sweeps()) as f32;
         driver.run(&plan).await?;
         driver.finish().await?;
-        let (slots, slot_bytes, host) = (driver.slots.take(), driver.slot_bytes, driver.host);
+        let (slot_bytes, host) = (driver.slot_bytes, driver.host);
         let (choice, right, buffer_depth) = (driver.choice, driver.right, driver.frame.buffer_depth);
-        self.cache.slots = slots;
         let method = choice.map_or(method, |choice| choice.method);
         let mut statistics = match self.statistics(&targets, method).await? {
             Ok(statistics) => statistics,
@@ -95,9 +95,6 @@ impl Renderer {
         statistics.choice = choice.or(early);
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
-        if let Some(timestamps) = &self.timestamps {
-            statistics.times = timestamps.read(&self.gpu).await?;
-        }
         if let Some(times) = statistics.times.as_mut().filter(|_| !host.is_zero()) {
             times.0.insert(1, ("reproject_on_the_host", host));
         }
@@ -110,17 +107,12 @@ impl Renderer {
         Shape { size: pose.size, rows, kept: Kept::of(options.g_buffer, method), cost_map: options.cost_map }
     }
 
-    async fn targets(
-        &mut self,
-        shape: Shape,
-        used: &BTreeSet<Target>,
-        a_thread_a_row: bool,
-    ) -> Result<Arc<Targets>, Error> {
+    async fn targets(&mut self, shape: Shape, used: &BTreeSet<Target>) -> Result<Arc<Targets>, Error> {
         if let Some(targets) = self.cache.targets.as_ref().filter(|targets| targets.fit(shape, used)) {
             return Ok(targets.clone());
         }
         self.cache.targets = None; // the old ones' memory first
-        let make = || Targets::new(&self.gpu, shape, used, a_thread_a_row);
+        let make = || Targets::new(&self.gpu, shape, used);
         let targets = Arc::new(self.gpu.checked(make).await?);
         self.cache.targets = Some(targets.clone());
         Ok(targets)
@@ -147,7 +139,7 @@ impl Renderer {
             pose,
             variant: Variant { hits: targets.shape.kept, close, ..counting },
             targets,
-            slots: self.cache.slots.take(),
+            slots: &mut self.cache.slots,
             slot_bytes: 0,
             rows: targets.shape.rows,
             frame: uniform::frame_uniform(pose),

@@ -7,7 +7,7 @@ use crate::{
     Error, Method, Overlap, ShadowReuse,
     kernels::{Kernel, Touches},
     method::{BufferDepth, Verify},
-    steps::{bracket, compose, edges, host, reproject, resolve, trace},
+    steps::{bracket, compose, host, reproject, resolve, trace},
 };
 
 /// A view of the pair.
@@ -135,35 +135,28 @@ impl Plan {
             Method::Naive => vec![Stage::Bands(join([left, trace::view(Eye::Right), compose::of(right)]))],
             Method::Ideal => vec![Stage::Bands(join([left, compose::of(right)]))],
             Method::Auto => vec![Stage::Bands(join([left, bracket::bound()])), Stage::Host(Host::Choose)],
-            // A block of left samples reaches into the rows above and below.
-            Method::Reuse { overlap: Overlap::Bracket(ShadowReuse::Block), .. } => {
-                let rest = join([bracket::resolve(), compose::of(right)]);
-                vec![Stage::Bands(join([left, bracket::bound()])), Stage::Bands(rest)]
-            }
-            Method::Reuse { overlap: Overlap::Bracket(_), .. } => {
-                vec![Stage::Bands(join([left, bracket::bound(), bracket::resolve(), compose::of(right)]))]
-            }
             Method::Reuse { overlap, verify } => {
-                let mut rest = resolve::of(verify);
-                rest.extend(compose::of(right));
-                let mut stages = match overlap {
-                    Overlap::Atomic => vec![Stage::Bands(join([left, reproject::atomic()]))],
-                    Overlap::Scanline => vec![Stage::Bands(join([left, reproject::scanline()]))],
-                    Overlap::Sequential => vec![Stage::Bands(left), Stage::Host(Host::Sweep)],
+                let (mut stages, carried) = match overlap {
+                    Overlap::Atomic => (Vec::new(), join([left, reproject::atomic()])),
+                    Overlap::Scanline => (Vec::new(), join([left, reproject::scanline()])),
+                    Overlap::Sequential => (vec![Stage::Bands(left), Stage::Host(Host::Sweep)], Vec::new()),
                     Overlap::Buffer(depth) => {
                         let range = if depth == BufferDepth::Adaptive { reproject::depth_range() } else { Vec::new() };
-                        let size = Stage::Host(Host::SizeSlots(depth));
-                        vec![Stage::Bands(join([left, range])), size, Stage::Bands(reproject::slots())]
+                        let sized = vec![Stage::Bands(join([left, range])), Stage::Host(Host::SizeSlots(depth))];
+                        (sized, reproject::slots())
                     }
-                    Overlap::Bracket(_) => unreachable!("has its own plan"),
+                    Overlap::Bracket(_) => (Vec::new(), join([left, bracket::bound()])),
                 };
-                match verify {
-                    // An edge is told by the rows above and below too.
-                    Verify::Edges => stages.push(Stage::Bands(join([edges::mark(), rest]))),
-                    _ => match stages.last_mut() {
-                        Some(Stage::Bands(steps)) => steps.extend(rest),
-                        _ => stages.push(Stage::Bands(rest)),
-                    },
+                let resolved = match overlap {
+                    Overlap::Bracket(_) => bracket::resolve(),
+                    _ => resolve::of(verify),
+                };
+                let rest = join([resolved, compose::of(right)]);
+                // An edge, and a block of left samples, reach into the rows above and below: these must be there.
+                if verify == Verify::Edges || overlap == Overlap::Bracket(ShadowReuse::Block) {
+                    stages.extend([Stage::Bands(carried), Stage::Bands(rest)]);
+                } else {
+                    stages.push(Stage::Bands(join([carried, rest])));
                 }
                 stages
             }
@@ -194,11 +187,6 @@ impl Plan {
         targets
     }
 
-    /// Whether a step has a thread a row.
-    pub(crate) fn has_a_thread_a_row(&self) -> bool {
-        self.steps().any(|step| matches!(step, Step::Run { launch: Launch::Rows, .. }))
-    }
-
     /// Whether a step reads the table of objects.
     pub(crate) fn touches_objects(&self) -> bool {
         self.steps().any(|step| matches!(step, Step::Run { kernel, .. } if kernel.touches == Touches::Objects))
@@ -211,12 +199,12 @@ impl Plan {
     }
 }
 
-/// How `Auto` goes on.
+/// How `Auto` goes on where it chooses `Naive`.
 pub(crate) fn by_naive() -> Vec<Step> {
     join([trace::view(Eye::Right), compose::of(RightView::Traced)])
 }
 
-/// How `Auto` goes on.
+/// How `Auto` goes on where it chooses `bracket`.
 pub(crate) fn by_bracket() -> Vec<Step> {
     join([bracket::resolve(), compose::of(RightView::Traced)])
 }

@@ -26,6 +26,10 @@ impl Renderer {
             nodes: sum(eye * layout::VIEW_WORDS + layout::NODES_VISITED),
             primitive_tests: sum(eye * layout::VIEW_WORDS + layout::PRIMITIVES_TESTED),
         };
+        let times = match &self.timestamps {
+            Some(timestamps) => timestamps.read(&self.gpu).await?,
+            None => None,
+        };
         let (bad, missed) = (sum(layout::BAD_PIXELS), sum(layout::MISSED_PIXELS));
         let (primary, verification, reused) = match method {
             Method::Naive | Method::Auto => (pixels, 0, 0),
@@ -44,6 +48,7 @@ impl Renderer {
             bad,
             missed,
             lost_candidates: sum(layout::LOST_CANDIDATES),
+            times,
             ..Statistics::default()
         }))
     }

@@ -92,7 +92,7 @@ impl Shape {
 
     /// # Errors
     /// [`Error::Limit`], naming the limit that a picture of this size does not keep.
-    fn check(&self, gpu: &Gpu, targets: &BTreeSet<Target>, a_thread_a_row: bool) -> Result<(), Error> {
+    fn check(&self, gpu: &Gpu, targets: &BTreeSet<Target>) -> Result<(), Error> {
         let [width, height] = self.size;
         let what = format!("a {width}x{height} picture");
         let largest = targets.iter().map(|target| self.bytes(*target)).max().unwrap_or(0);
@@ -105,8 +105,7 @@ impl Shape {
             let (what, needed) = (format!("{what} by bracket"), format!("a texture of {width}x{height}"));
             return limit(what, needed, "max_texture_dimension_2d", side, "render a smaller one, or by another method");
         }
-        let by_rows = if a_thread_a_row { self.rows.div_ceil(WORKGROUP * WORKGROUP) } else { 0 };
-        let workgroups = width.max(self.rows).div_ceil(WORKGROUP).max(by_rows);
+        let workgroups = width.max(self.rows).div_ceil(WORKGROUP);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
         if workgroups > allowed {
             let needed = format!("{workgroups} workgroups in a row or column");
@@ -137,8 +136,8 @@ pub(crate) const FRAME_STRIDE: u64 = 256;
 impl Targets {
     /// # Errors
     /// [`Error::Limit`] for a picture that the adapter can't bind.
-    pub(crate) fn new(gpu: &Gpu, shape: Shape, wanted: &BTreeSet<Target>, a_thread_a_row: bool) -> Result<Self, Error> {
-        shape.check(gpu, wanted, a_thread_a_row)?;
+    pub(crate) fn new(gpu: &Gpu, shape: Shape, wanted: &BTreeSet<Target>) -> Result<Self, Error> {
+        shape.check(gpu, wanted)?;
         let buffer = |target: &Target| (*target, gpu.storage_buffer(&format!("{target:?}"), shape.bytes(*target)));
         let plain = |label, size, usage| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };

@@ -19,7 +19,7 @@ fn every_row_of_workgroups_comes_once_and_every_part_of_them_is_spread() {
     let scene = renderer.upload(&Scene::new()).unwrap();
     let pose = pose([8, 8], 1.0);
     let shape = Shape { size: pose.size, rows: 8, kept: Kept::Ids, cost_map: false };
-    let targets = pollster::block_on(renderer.targets(shape, &BTreeSet::new(), false)).unwrap();
+    let targets = pollster::block_on(renderer.targets(shape, &BTreeSet::new())).unwrap();
     let (options, mut go_on) = (Options::default(), |_| ControlFlow::Continue(()));
     let driver = renderer.driver(&scene, &pose, &options, &targets, &mut go_on);
     for count in (1..200).chain([256, 1000, 2048]) {
@@ -101,7 +101,7 @@ fn reproject(pose: &Pose, depths: &[f32], overlap: Overlap) -> (Vec<u32>, u64) {
         steps.remove(0);
         let used = plan.targets();
         let shape = Shape { size: pose.size, rows: 16, kept: Kept::Ids, cost_map: false };
-        let targets = renderer.targets(shape, &used, plan.has_a_thread_a_row()).await?;
+        let targets = renderer.targets(shape, &used).await?;
         let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
         renderer.gpu.queue.write_buffer(targets.get(Target::Hits), 0, bytemuck::cast_slice(&hits));
         let mut go_on = |_| ControlFlow::Continue(());

@@ -49,7 +49,7 @@ pub(crate) async fn size_slots(driver: &mut Driver<'_>, depth: BufferDepth) -> R
         Some(slots) => slots,
         None => driver.gpu.checked(|| Ok(Arc::new(driver.gpu.storage_buffer("slots", bytes)))).await?,
     };
-    driver.slots = Some(slots);
+    *driver.slots = Some(slots);
     (driver.slot_bytes, driver.rows, driver.frame.buffer_depth) = (bytes, rows, depth);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, right};
+use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, edges, right};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -37,9 +37,11 @@ pub(crate) const TRACE_LISTED: Kernel = Kernel {
 };
 
 pub(crate) fn of(verify: Verify) -> Vec<Step> {
+    let mut steps = if verify == Verify::Edges { edges::mark() } else { Vec::new() };
     let check = match verify {
         Verify::All => right(&RESOLVE_RIGHT, Launch::Pixels),
         Verify::Gaps | Verify::Edges | Verify::None => right(&RESOLVE_TRUSTED, Launch::Pixels),
     };
-    vec![Step::EmptyLists, check.named(RESOLVE_RIGHT.name), right(&TRACE_LISTED, Launch::Listed(TO_TRACE))]
+    steps.extend([Step::EmptyLists, check.named(RESOLVE_RIGHT.name), right(&TRACE_LISTED, Launch::Listed(TO_TRACE))]);
+    steps
 }
