@@ -17,7 +17,7 @@ const NO_TILE: u32 = 0xffffffffu;
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     let width = frame.image_size.x;
-    let row = id.y + frame.row_begin;
+    let row = launched_row(id) + frame.row_begin;
     let begin = id.x * TILE;
     if begin >= width || row >= frame.row_end { return; }
     let end = min(begin + TILE, width);

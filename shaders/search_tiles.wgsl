@@ -34,8 +34,7 @@ var<private> listed: array<u32, TILE_BLOCKS>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let row = spread_rows(id.y, frame.spread_64, WORKGROUP * TILE);
-    let corner = pixel_in_tile(vec2u(id.x, row)) * TILE + vec2u(0u, frame.row_begin);
+    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
     if outside(corner) { return; }
     let tile = Tile(corner, min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner));
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);

@@ -14,7 +14,7 @@
 // The lane of a thread: threads of a launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {
     let workgroups = (frame.image_size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
-    return id.y * workgroups * WORKGROUP + id.x;
+    return launched_row(id) * workgroups * WORKGROUP + id.x;
 }
 
 fn seen_by(rays: Rays, wanted: B) -> Hits {

@@ -22,12 +22,9 @@ pub(crate) struct Frame {
     pub(crate) row_end: u32,
     pub(crate) image_size: [u32; 2],
     pub(crate) longest: f32,
-    pub(crate) spread_8: u32,
+    pub(crate) runs: u32,
     pub(crate) forward: [f32; 3],
     pub(crate) wider: f32,
-    pub(crate) spread_16: u32,
-    pub(crate) spread_64: u32,
-    pub(crate) _pad: [u32; 2],
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.

@@ -100,6 +100,8 @@ pub struct Renderer {
     pub(crate) cache: frame::Cache,
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
+    /// Parts that rows of workgroups are dealt to (`launched_row` of shaders/shared/types.wgsl).
+    pub(crate) runs: u32,
     pub(crate) steps: Steps,
 }
 
@@ -118,6 +120,7 @@ impl Renderer {
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::BAND_PIXELS,
+            runs: gpu.threads(),
             steps: Steps::default(),
             gpu,
         }

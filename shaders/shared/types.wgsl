@@ -24,12 +24,9 @@ struct Frame {
     row_end: u32,
     image_size: vec2u,       // width, height
     longest: f32,            // at least the length of every pixel's direction
-    spread_8: u32,           // the order of rows of workgroups that are 8 pixels high (spread_rows)
+    runs: u32,               // runs that rows of workgroups are dealt to (launched_row)
     forward: vec3f,          // f, unit
     wider: f32,              // pixels that a tile's search adds around projected bounds, far more than rounding
-    spread_16: u32,
-    spread_64: u32,
-    _pad: vec2u,
 }
 
 // Threads of a workgroup in x and in y.
@@ -52,18 +49,15 @@ fn pixel_in_tile(id: vec2u) -> vec2u {
     return tile + vec2u(x, y);
 }
 
-// The row of a thread of a launch over the rows at work, whose workgroups are so many pixels high: rows of workgroups come in
-// strides, not from the top down. A software adapter gives each of its threads one run of them, and where half a picture is sky
-// a core would be idle.
-fn spread_rows(row: u32, stride: u32, height: u32) -> u32 {
-    let count = (frame.row_end - frame.row_begin + height - 1u) / height;
-    return row / WORKGROUP * stride % count * WORKGROUP + row % WORKGROUP;
+// The row of a thread of a launch over rows. A software adapter gives each of its threads one contiguous part of the workgroups,
+// and where half a picture is sky a core would be idle: so rows of workgroups are dealt like cards, one to each part (z) in turn.
+fn launched_row(id: vec3u) -> u32 {
+    return (id.y / WORKGROUP * frame.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
 }
 
 // The pixel of a thread of a launch over pixels: columns from the left, rows from the first one of this dispatch.
 fn thread_pixel(id: vec3u) -> vec2u {
-    let row = spread_rows(id.y, frame.spread_8, WORKGROUP);
-    return pixel_in_tile(vec2u(id.x, row)) + vec2u(0u, frame.row_begin);
+    return pixel_in_tile(vec2u(id.x, launched_row(id))) + vec2u(0u, frame.row_begin);
 }
 
 // A thread past the right edge or past the last row of this dispatch has no pixel.

@@ -120,26 +120,11 @@ impl Driver<'_> {
     /// The camera and a band's rows, for either view.
     pub(crate) fn write_frames(&mut self, begin: u32, end: u32) {
         (self.frame.row_begin, self.frame.row_end) = (begin, end);
-        let spread = |height: u32| self.spread_rows((end - begin).div_ceil(height));
-        let spreads = (spread(WORKGROUP), spread(2 * WORKGROUP), spread(layout::TILE * WORKGROUP));
-        (self.frame.spread_8, self.frame.spread_16, self.frame.spread_64) = spreads;
         for eye in [Eye::Left, Eye::Right] {
             let frame = layout::Frame { eye: eye as u32, ..self.frame };
             let offset = eye as u64 * FRAME_STRIDE;
             self.gpu.queue.write_buffer(&self.targets.frames, offset, bytemuck::bytes_of(&frame));
         }
-    }
-
-    /// The stride in which so many rows of workgroups come: on software adapters, which run one part of them after the other in
-    /// each of their threads, about a golden section of them, so that every part is spread over the picture.
-    pub(super) fn spread_rows(&self, count: u32) -> u32 {
-        if self.gpu.adapter_info().device_type != wgpu::DeviceType::Cpu {
-            return 1;
-        }
-        let golden = 0.618 * f64::from(count);
-        let off = |stride: u32| (f64::from(stride) - golden).abs();
-        let strides = (1..count).filter(|stride| coprime(*stride, count));
-        strides.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1)
     }
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
@@ -195,8 +180,10 @@ impl Driver<'_> {
         }
         let [width, rows] = [self.pose.size[0], self.frame.row_end - self.frame.row_begin];
         // Pixels of a thread in x and in y.
+        let runs = self.frame.runs;
         let mut over = |x: u32, y: u32| {
-            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows.div_ceil(WORKGROUP * y), 1);
+            let rows = rows.div_ceil(WORKGROUP * y).div_ceil(runs);
+            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows, runs);
         };
         match launch {
             Launch::Pixels => over(kernel.block(&self.variant), kernel.block(&self.variant)),
@@ -239,8 +226,4 @@ impl Driver<'_> {
         };
         self.gpu.checked(resolve).await
     }
-}
-
-fn coprime(a: u32, b: u32) -> bool {
-    if b == 0 { a == 1 } else { coprime(b, a % b) }
 }

@@ -15,7 +15,7 @@ pub(crate) use targets::Cache;
 
 use crate::{
     Error, Method, Options, Overlap, Pose, Progress, Renderer, Statistics, UploadedScene,
-    layout::WORKGROUP,
+    layout::{self, WORKGROUP},
     variant::{Kept, Variant},
 };
 use driver::Driver;
@@ -142,7 +142,7 @@ impl Renderer {
             slots: &mut self.cache.slots,
             slot_bytes: 0,
             rows: targets.shape.rows,
-            frame: uniform::frame_uniform(pose),
+            frame: layout::Frame { runs: self.runs, ..uniform::frame_uniform(pose) },
             timestamps: self.timestamps.as_mut(),
             lanes: None,
             host: Duration::ZERO,

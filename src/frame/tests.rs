@@ -1,7 +1,7 @@
 use glam::Vec3;
 
 use super::{plan::Stage, *};
-use crate::{BufferDepth, Gpu, Scene, StereoCamera, Traversal, Verify, layout, random::Random};
+use crate::{BufferDepth, Gpu, Scene, StereoCamera, StereoPair, Traversal, Verify, layout, random::Random};
 
 #[test]
 fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
@@ -14,22 +14,20 @@ fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
 }
 
 #[test]
-fn every_row_of_workgroups_comes_once_and_every_part_of_them_is_spread() {
+fn the_parts_that_rows_are_dealt_to_change_no_picture() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
     let mut renderer = renderer(BAND_PIXELS);
-    let scene = renderer.upload(&Scene::new()).unwrap();
-    let pose = pose([8, 8], 1.0);
-    let shape = Shape { size: pose.size, rows: 8, kept: Kept::Ids, cost_map: false };
-    let targets = pollster::block_on(renderer.targets(shape, &BTreeSet::new())).unwrap();
-    let (options, mut go_on) = (Options::default(), |_| ControlFlow::Continue(()));
-    let driver = renderer.driver(&scene, &pose, &options, &targets, &mut go_on);
-    for count in (1..200).chain([256, 1000, 2048]) {
-        let stride = driver.spread_rows(count);
-        let rows: Vec<u32> = (0..count).map(|row| row * stride % count).collect();
-        assert_eq!(rows.iter().collect::<BTreeSet<_>>().len(), count as usize, "{count} rows in strides of {stride}");
-        // Of the rows that the first of two threads gets, about half are in the picture's upper half: of 17 rows 6 of 8.
-        let upper = rows[..count as usize / 2].iter().filter(|&&row| 2 * row < count).count();
-        let off = upper.abs_diff(count as usize / 4) as f32 / count as f32;
-        assert!(stride == 1 || count < 8 || off <= 0.15, "{count} rows in strides of {stride}: {upper}");
+    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    for size in [[130, 71], [77, 8], [65, 200]] {
+        let camera = builtin.camera(size[0], size[1]);
+        for method in [Method::Naive, Method::ATOMIC, Method::BRACKET] {
+            let [expected, dealt @ ..] = [1, 2, 3, 32].map(|runs| {
+                renderer.runs = runs;
+                let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+                StereoPair { statistics: Statistics { times: None, ..pair.statistics }, ..pair }
+            });
+            assert!(dealt.iter().all(|pair| *pair == expected), "{method} {size:?}");
+        }
     }
 }
 

@@ -224,6 +224,16 @@ impl Gpu {
         }
     }
 
+    /// Threads of the host that run kernels, each of them one contiguous part of a dispatch: of software adapters; else 1.
+    pub(crate) fn threads(&self) -> u32 {
+        match self.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => {
+                std::thread::available_parallelism().map_or(1, |threads| threads.get().min(32) as u32)
+            }
+            _ => 1,
+        }
+    }
+
     pub(super) fn loss_or(&self, otherwise: String) -> String {
         lock(&self.lost).clone().unwrap_or(otherwise)
     }

@@ -316,12 +316,9 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             row_end,
             image_size,
             longest,
-            spread_8,
+            runs,
             forward,
             wider,
-            spread_16,
-            spread_64,
-            _pad,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
