@@ -163,7 +163,7 @@ impl<'a> List<'a> {
         let gpu = &renderer.gpu;
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
-        let frame = layout::Frame { left_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
+        let frame = layout::Frame { source_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
         let upload = || {
             let table = gpu.upload("rays", &texels(rays), fetch)?;
             let layout = &renderer.kernels.layouts(fetch).table;

@@ -29,7 +29,7 @@
 //! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
 //! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
 //! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (and `trace_listed`, its second half),
-//!    `compose`.
+//!    `take_over`.
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
@@ -38,7 +38,7 @@
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
 //!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky, trace_bounded and
 //!                                shade_listed for resolve_right)
-//!              ─▶ compose        8-bit sRGB of both views
+//!              ─▶ take_over      reused pixels become those of their source
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
@@ -87,6 +87,7 @@ pub mod output;
 pub mod pair;
 mod random;
 pub mod renderer;
+mod rig;
 pub mod scene;
 mod steps;
 pub mod traversal;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::{
     Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
-    kernels::Kernels, lanes::Steps, traversal::Traversal,
+    kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
 };
 
 /// What to render with.
@@ -19,6 +19,8 @@ pub struct Options {
     pub cost_map: bool,
     /// What is kept of each pixel besides its colour.
     pub g_buffer: GBuffer,
+    /// Keep linear colour too, as [`View::linear`](crate::View::linear).
+    pub linear: bool,
 }
 
 /// What is kept of each pixel besides its colour.
@@ -29,19 +31,25 @@ pub enum GBuffer {
     Ids,
     /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
     Depth,
-    /// Nothing: [`View::depth`](crate::View::depth) stays empty too. The reuse methods keep depth on the device all the same.
+    /// Nothing: [`View::depth`](crate::View::depth) stays empty too.
     None,
 }
 
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids }
+        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, linear: false }
     }
 
     /// Keeps no more of each pixel than said.
     pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
         self.g_buffer = g_buffer;
+        self
+    }
+
+    /// Keeps linear colour too.
+    pub fn linear(mut self) -> Self {
+        self.linear = true;
         self
     }
 
@@ -171,9 +179,9 @@ impl Renderer {
         options: &Options,
         progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     ) -> Result<StereoPair, Error> {
-        let pose = camera.pose()?;
-        let traced = self.trace_async(scene, &pose, options, progress).await?;
-        self.read_pair(scene, pose, options, traced).await
+        let eyes = Eyes::pair(&camera.pose()?);
+        let traced = self.trace_async(scene, &eyes, options, progress).await?;
+        self.read_pair(scene, options, traced).await
     }
 
     /// Runs the passes of a frame without reading the pictures back: for benchmarks.
@@ -186,10 +194,10 @@ impl Renderer {
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<Statistics, Error> {
-        let pose = camera.pose()?;
+        let eyes = Eyes::pair(&camera.pose()?);
         let mut go_on = |_| ControlFlow::Continue(());
-        let traced = self.trace_async(scene, &pose, options, &mut go_on);
-        pollster::block_on(traced).map(|traced| traced.statistics)
+        let traced = self.trace_async(scene, &eyes, options, &mut go_on);
+        pollster::block_on(traced).map(|traced| traced.pair_statistics())
     }
 }
 

@@ -67,14 +67,15 @@ impl UploadedScene {
         close
     }
 
-    /// The primitives' objects, for the pass that tells edges by them.
+    /// The primitives' objects in the BVH's order, for the pass that tells edges by them.
     pub(crate) async fn upload_object_table(&self, gpu: &Gpu, kernels: &Kernels) -> Result<(), Error> {
         if self.object_table.get().is_some() {
             return Ok(());
         }
         let fetch = self.variant.traversal.fetch;
+        let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
         let upload = || {
-            let table = gpu.upload("object_table", &object_texels(&self.objects), fetch)?;
+            let table = gpu.upload("object_table", &object_texels(&objects), fetch)?;
             let layout = &kernels.layouts(fetch).table;
             Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())))
         };
@@ -239,7 +240,7 @@ fn shading_table(scene: &Scene) -> impl Iterator<Item = bvh::Texel> {
     head.into_iter().chain(lights.chain(albedos).chain(sky_pixels(scene).iter().copied()).map(plain))
 }
 
-/// The object of each primitive, four a texel.
+/// Objects, four a texel.
 fn object_texels(objects: &[u32]) -> Vec<bvh::Texel> {
     let texel = |four: &[u32]| std::array::from_fn(|index| four.get(index).copied().unwrap_or(crate::MISS));
     if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }

@@ -1,4 +1,4 @@
-// A list of rays that start at one point, frame.left_eye: two texels of the table each, direction and t_min, then t_max.
+// A list of rays that start at one point, frame.source_eye: two texels of the table each, direction and t_min, then t_max.
 // frame.image_size.x is their number.
 
 struct ListedRays {
@@ -22,5 +22,5 @@ fn listed_rays(first: u32) -> ListedRays {
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    return ListedRays(Rays(frame.left_eye, direction), t_min, t_max);
+    return ListedRays(Rays(frame.source_eye, direction), t_min, t_max);
 }

@@ -2,20 +2,21 @@
 
 // Depth of a ray that hits nothing; WGSL has no infinity.
 const FAR: f32 = 3.4e38;
-// Primitive id of a ray that hits nothing.
+// Primitive id, and place in `primitives`, where a ray hits nothing.
 const MISS: u32 = 0xffffffffu;
 
-// The stereo camera and the rows at work. Directions have length 1 along the view axis, so that a ray's t is the
-// depth Z of the point it reaches (DESIGN, section 2).
+// Two of the rig's eyes and the rows at work: the source, whose view is there, and the target, whose view is made; where a view is
+// traced, both are its own. Directions have length 1 along the view axis, so that a ray's t is the depth Z of the point it
+// reaches (DESIGN, section 2).
 struct Frame {
-    left_eye: vec3f,         // world position
-    interaxial_px: f32,      // e_px = e w / W: the parallax at infinity, pixels
-    right_eye: vec3f,
+    source_eye: vec3f,       // world position
+    parallax_px: f32,        // of the target at infinity, pixels: e_px = e w / W; negative where it stands to the left of its source
+    target_eye: vec3f,
     screen_distance: f32,    // d, world units
-    left_corner: vec3f,      // direction from the left eye through the picture's top left corner
-    interaxial: f32,         // e, world units
-    right_corner: vec3f,
-    eye: u32,                // which eye trace_left traces: LEFT, or RIGHT for Naive
+    source_corner: vec3f,    // direction from the source through the picture's top left corner
+    shift: f32,              // from the source to the target along right_axis, world units
+    target_corner: vec3f,
+    same_parallax: f32,      // a sample and a point whose parallaxes differ by more are of no one surface, pixels
     step_x: vec3f,           // direction from a pixel to its right neighbour
     buffer_depth: u32,       // slots a right pixel in the 3D buffer
     step_y: vec3f,           // direction from a pixel to the one below
@@ -34,11 +35,13 @@ const WORKGROUP: u32 = 8u;
 // Threads of a workgroup of a launch over a list.
 const LIST_WORKGROUP: u32 = 64u;
 
-// In right_source: no left sample landed here.
-const EMPTY: u32 = 0u;
-
-const LEFT: u32 = 0u;
-const RIGHT: u32 = 1u;
+// What is kept of each pixel of a view.
+struct Pixel {
+    depth: f32,     // along the view axis; FAR: nothing hit
+    slot: u32,      // place in `primitives` of what was hit; MISS: nothing
+    marks: u32,     // of the views that are not traced: marks.wgsl
+    color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
+}
 
 // Where a thread of a workgroup of 8x8 works. Eight threads in a row of it, which software adapters run as one vector, take
 // a block of 4x2: their rays stay closer together than those of eight in a line.
@@ -70,22 +73,15 @@ fn pixel_index(pixel: vec2u) -> u32 {
     return pixel.y * frame.image_size.x + pixel.x;
 }
 
-// Index of a pixel of the right view in `hits`, which holds both views.
-fn right_index(pixel: vec2u) -> u32 {
-    return frame.image_size.x * frame.image_size.y + pixel_index(pixel);
-}
-
-// Words of `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 13u;
-// Offset of an eye's words: LEFT * VIEW_WORDS, RIGHT * VIEW_WORDS.
-const VIEW_WORDS: u32 = 3u;
+// Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
+const COUNTERS: u32 = 10u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
 const PRIMITIVES_TESTED: u32 = 2u;
-const BAD_PIXELS: u32 = 6u;
-const MISSED_PIXELS: u32 = 7u;
-const LOST_CANDIDATES: u32 = 8u;
-const NEAREST_DEPTH: u32 = 9u;
-const FARTHEST_DEPTH: u32 = 10u;
-const CUT_SHORT: u32 = 11u;
-const GAP_PIXELS: u32 = 12u;
+const BAD_PIXELS: u32 = 3u;
+const MISSED_PIXELS: u32 = 4u;
+const LOST_CANDIDATES: u32 = 5u;
+const NEAREST_DEPTH: u32 = 6u;
+const FARTHEST_DEPTH: u32 = 7u;
+const CUT_SHORT: u32 = 8u;
+const GAP_PIXELS: u32 = 9u;

@@ -3,14 +3,15 @@
 use std::{ops::ControlFlow, sync::Arc, time::Duration};
 
 use super::{
-    plan::{Eye, Launch, Plan, RightView, Stage, Step},
+    plan::{Launch, Made, Plan, Stage, Step},
     targets::{FRAME_STRIDE, Target, Targets},
 };
 use crate::{
-    Choice, Error, Pose, Progress, UploadedScene,
+    Choice, Error, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Access, Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
     layout::{self, WORKGROUP},
+    rig::Eyes,
     variant::Variant,
 };
 
@@ -19,7 +20,7 @@ pub(crate) struct Driver<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) kernels: &'a Kernels,
     pub(crate) scene: &'a UploadedScene,
-    pub(crate) pose: &'a Pose,
+    pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
     /// The 3D buffer, once it has been sized; before, the last frame's.
@@ -28,16 +29,17 @@ pub(crate) struct Driver<'a> {
     pub(crate) slot_bytes: u64,
     /// Rows of a band.
     pub(crate) rows: u32,
-    pub(crate) frame: layout::Frame,
+    /// Of each view; rows are those of the band at work.
+    pub(crate) frames: Vec<layout::Frame>,
     pub(crate) timestamps: Option<&'a mut Timestamps>,
     /// What threads keep from dispatch to dispatch, for kernels that go on.
     pub(crate) lanes: Option<wgpu::Buffer>,
     /// Time of what the host did in place of a step.
     pub(crate) host: Duration,
-    /// What `Auto` chose.
-    pub(crate) choice: Option<Choice>,
-    /// Where right pixels are in the end.
-    pub(crate) right: RightView,
+    /// What `Auto` chose for each view.
+    pub(crate) choices: Vec<Option<Choice>>,
+    /// How each view came about.
+    pub(crate) made: Vec<Made>,
     pub(crate) rows_done: f32,
     pub(crate) rows_total: f32,
     pub(crate) progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
@@ -49,9 +51,8 @@ impl Driver<'_> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
         }
-        self.clear(&[Target::Counters, Target::RightSource, Target::Bounds]).await?;
-        self.variant.bits = plan.bits;
-        self.right = plan.right;
+        self.clear().await?;
+        self.made.clone_from(&plan.made);
         for stage in &plan.stages {
             match stage {
                 Stage::Bands(steps) => self.bands(steps).await?,
@@ -66,12 +67,18 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Those of these buffers that the frame has.
-    pub(crate) async fn clear(&self, targets: &[Target]) -> Result<(), Error> {
+    /// What steps add to.
+    pub(crate) async fn clear(&self) -> Result<(), Error> {
         let clear = || {
             let mut encoder = self.encoder();
-            for buffer in targets.iter().filter_map(|target| self.targets.find(*target)) {
-                encoder.clear_buffer(buffer, 0, None);
+            for (view, source) in self.eyes.sources.iter().enumerate() {
+                // Of a view that is not traced the marks.
+                let pixels = (*source != view).then_some(Target::View);
+                for target in [Target::Counters, Target::Bounds].into_iter().chain(pixels) {
+                    if let Some(buffer) = self.targets.find((target, view)) {
+                        encoder.clear_buffer(buffer, 0, None);
+                    }
+                }
             }
             self.gpu.queue.submit([encoder.finish()]);
             Ok(())
@@ -85,7 +92,7 @@ impl Driver<'_> {
         let gpu = self.gpu;
         let name = steps.iter().rev().find_map(|step| step.name()).unwrap_or_default();
         let submit_all = || {
-            let height = self.pose.size[1];
+            let height = self.eyes.pose.size[1];
             let mut before = None;
             for begin in (0..height).step_by(self.rows as usize) {
                 self.write_frames(begin, height.min(begin + self.rows));
@@ -97,7 +104,7 @@ impl Driver<'_> {
                 if let Some(before) = before.replace(submission) {
                     gpu.wait(Some(before))?;
                 }
-                self.rows_done += (self.frame.row_end - begin) as f32;
+                self.rows_done += (height.min(begin + self.rows) - begin) as f32;
                 self.tell(name, 0.0)?;
             }
             Ok(())
@@ -117,14 +124,19 @@ impl Driver<'_> {
         }
     }
 
-    /// The camera and a band's rows, for either view.
+    /// The eyes and a band's rows, for each view.
     pub(crate) fn write_frames(&mut self, begin: u32, end: u32) {
-        (self.frame.row_begin, self.frame.row_end) = (begin, end);
-        for eye in [Eye::Left, Eye::Right] {
-            let frame = layout::Frame { eye: eye as u32, ..self.frame };
-            let offset = eye as u64 * FRAME_STRIDE;
-            self.gpu.queue.write_buffer(&self.targets.frames, offset, bytemuck::bytes_of(&frame));
+        let mut bytes = vec![0; self.frames.len() * FRAME_STRIDE as usize];
+        for (frame, place) in self.frames.iter_mut().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
+            (frame.row_begin, frame.row_end) = (begin, end);
+            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(frame));
         }
+        self.gpu.queue.write_buffer(&self.targets.frames, 0, &bytes);
+    }
+
+    /// Picture size and rows at work.
+    fn at_work(&self) -> [u32; 2] {
+        [self.eyes.pose.size[0], self.frames[0].row_end - self.frames[0].row_begin]
     }
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
@@ -136,19 +148,34 @@ impl Driver<'_> {
         match step {
             Step::EmptyLists => {
                 let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists), 0, Some(empty.size()));
+                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists, 0), 0, Some(empty.size()));
             }
             Step::EmptySlots => {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
                 encoder.clear_buffer(slots, 0, Some(self.slot_bytes));
             }
-            Step::Run { name, kernel, eye, launch } => {
+            Step::Copy(view) => self.encode_copy(encoder, view),
+            Step::Run { name, kernel, view, launch } => {
                 if let Launch::Listed(list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let (lists, indirect) = (targets.get(Target::Lists), &targets.indirect);
+                    let (lists, indirect) = (targets.get(Target::Lists, 0), &targets.indirect);
                     encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
-                self.dispatch(encoder, name, kernel, eye, launch);
+                self.dispatch(encoder, name, kernel, view, launch);
+            }
+        }
+    }
+
+    /// The rows at work of a view become its source's.
+    fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
+        let first = self.frames[view].row_begin;
+        let [width, rows] = self.at_work();
+        for target in [Target::View, Target::Linear] {
+            let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((target, view)));
+            if let [Some(from), Some(to)] = buffers {
+                let row = u64::from(width) * 16; // bytes, of either
+                let begin = row * u64::from(first);
+                encoder.copy_buffer_to_buffer(from, begin, to, begin, Some(row * u64::from(rows)));
             }
         }
     }
@@ -158,11 +185,11 @@ impl Driver<'_> {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
         kernel: &Kernel,
-        eye: Eye,
+        view: usize,
         launch: Launch,
     ) {
         let pipeline = self.kernels.get(self.gpu, kernel, self.variant);
-        let own = self.own_bindings(kernel, eye, &pipeline.own);
+        let own = self.own_bindings(kernel, view, &pipeline.own);
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -178,9 +205,9 @@ impl Driver<'_> {
             };
             pass.set_bind_group(2, table, &[]);
         }
-        let [width, rows] = [self.pose.size[0], self.frame.row_end - self.frame.row_begin];
+        let [width, rows] = self.at_work();
         // Pixels of a thread in x and in y.
-        let runs = self.frame.runs;
+        let runs = self.frames[view].runs;
         let mut over = |x: u32, y: u32| {
             let rows = rows.div_ceil(WORKGROUP * y).div_ceil(runs);
             pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows, runs);
@@ -195,22 +222,27 @@ impl Driver<'_> {
     }
 
     /// Group 1 of a kernel: the frame, the buffers that it names, and what else it has.
-    fn own_bindings(&self, kernel: &Kernel, eye: Eye, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    fn own_bindings(&self, kernel: &Kernel, view: usize, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let source = self.eyes.sources[view];
         let frame = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.targets.frames,
-            offset: eye as u64 * FRAME_STRIDE,
+            offset: view as u64 * FRAME_STRIDE,
             size: std::num::NonZeroU64::new(size_of::<layout::Frame>() as u64),
         });
-        let buffer = |target: &Target| match target.of(eye) {
-            Target::Slots => self.slots.as_ref().expect("sized before the step that uses it"),
-            target => self.targets.get(target),
+        let buffer = |target: Target| match target.of(view, source) {
+            (Target::Slots, _) => self.slots.as_ref().expect("sized before the step that uses it"),
+            (target, view) => self.targets.get(target, view),
         };
-        let storage = kernel.storage.iter().map(|(target, _)| buffer(target).as_entire_binding());
-        let samples = kernel.samples(&self.variant).and(self.targets.samples.as_ref());
-        let samples = samples.map(|view| (SAMPLES_BINDING, wgpu::BindingResource::TextureView(view)));
+        let storage = kernel.storage.iter().map(|(target, _)| buffer(*target).as_entire_binding());
+        let linear = kernel.linear(&self.variant).iter();
+        let linear = linear.map(|(target, binding)| (*binding, buffer(*target).as_entire_binding()));
+        let samples = kernel.samples(&self.variant).map(|access| {
+            let texture = &self.targets.samples[if access == Access::Write { &view } else { &source }];
+            (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
+        });
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
         let lanes = lanes.map(|buffer| (STEPS_BINDING, buffer.as_entire_binding()));
-        let resources = (0..).zip(std::iter::once(frame).chain(storage)).chain(samples).chain(lanes);
+        let resources = (0..).zip(std::iter::once(frame).chain(storage)).chain(linear).chain(samples).chain(lanes);
         bind_group_at(self.gpu, kernel.name, layout, resources)
     }
 

@@ -1,32 +1,27 @@
 //! What a method's frame does: steps over bands of rows, as data.
 
-use std::collections::BTreeSet;
-
-use super::{driver::Driver, targets::Target};
+use super::{
+    driver::Driver,
+    targets::{Target, Used},
+};
 use crate::{
     Error, Method, Overlap, ShadowReuse,
-    kernels::{Kernel, Touches},
+    kernels::{Access, Kernel, Touches},
     method::{BufferDepth, Verify},
-    steps::{bracket, compose, host, reproject, resolve, trace},
+    steps::{bracket, host, reproject, resolve, trace},
+    variant::Variant,
 };
 
-/// A view of the pair.
+/// How a view came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Eye {
-    Left,
-    Right,
-}
-
-/// Where the right view's pixels are in the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RightView {
-    /// All were traced.
+pub(crate) enum Made {
+    /// All of its pixels were traced.
     Traced,
     /// All were resolved, with marks of how.
     Bracketed,
-    /// They are the left ones.
-    Left,
-    /// Traced, or the left ones that their marks name.
+    /// They are its source's.
+    Copied,
+    /// Traced, or those of its source, as marks say.
     Marked,
 }
 
@@ -34,10 +29,14 @@ pub(crate) enum RightView {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) stages: Vec<Stage>,
-    /// Which shadow bits right pixels take over: what is kept of left samples depends on it.
+    /// Which shadow bits views take over: what is kept of their sources' samples depends on it.
     pub(crate) bits: ShadowReuse,
-    /// Where right pixels are in the end.
-    pub(crate) right: RightView,
+    /// Whether it takes any of them over.
+    pub(crate) samples: bool,
+    /// How each view comes about.
+    pub(crate) made: Vec<Made>,
+    /// Of each view the one that it is made from; one that is traced is its own.
+    pub(crate) sources: Vec<usize>,
 }
 
 /// What is done before the next stage begins.
@@ -57,9 +56,12 @@ pub(crate) enum Step {
         /// What times and progress call it.
         name: &'static str,
         kernel: &'static Kernel,
-        eye: Eye,
+        /// The view that it works for.
+        view: usize,
         launch: Launch,
     },
+    /// A view becomes its source's.
+    Copy(usize),
     /// Its lists are emptied.
     EmptyLists,
     /// The 3D buffer is.
@@ -84,19 +86,19 @@ pub(crate) enum Launch {
 /// What the host does between bands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Host {
-    /// Adelson & Hodges' sweep.
-    Sweep,
-    /// Sizes the 3D buffer.
-    SizeSlots(BufferDepth),
-    /// Chooses how the right view is made.
+    /// Adelson & Hodges' sweep, for a view.
+    Sweep(usize),
+    /// Sizes the 3D buffer for a view.
+    SizeSlots(BufferDepth, usize),
+    /// Chooses how the views that have a source are made.
     Choose,
 }
 
 impl Host {
     pub(crate) async fn run(self, driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> {
         match self {
-            Self::Sweep => host::sweep(driver).await.map(|()| Vec::new()),
-            Self::SizeSlots(depth) => host::size_slots(driver, depth).await.map(|()| Vec::new()),
+            Self::Sweep(view) => host::sweep(driver, view).await.map(|()| Vec::new()),
+            Self::SizeSlots(depth, view) => host::size_slots(driver, depth, view).await.map(|()| Vec::new()),
             Self::Choose => host::choose(driver).await,
         }
     }
@@ -106,7 +108,7 @@ impl Step {
     /// The same under another name.
     pub(crate) fn named(self, called: &'static str) -> Self {
         match self {
-            Self::Run { kernel, eye, launch, .. } => Self::Run { name: called, kernel, eye, launch },
+            Self::Run { kernel, view, launch, .. } => Self::Run { name: called, kernel, view, launch },
             step => step,
         }
     }
@@ -117,74 +119,81 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method.
-    pub(crate) fn of(method: Method) -> Self {
-        let bits = match method {
-            Method::Auto => ShadowReuse::Two,
-            Method::Reuse { overlap: Overlap::Bracket(shadows), .. } => shadows,
-            _ => ShadowReuse::Rays,
+    /// The plan of a method for views with these sources.
+    pub(crate) fn of(method: Method, sources: &[usize]) -> Self {
+        let (bits, samples) = match method {
+            Method::Auto => (ShadowReuse::Two, true),
+            Method::Reuse { overlap: Overlap::Bracket(shadows), .. } => (shadows, true),
+            _ => (ShadowReuse::Rays, false),
         };
-        let right = match method {
-            Method::Auto | Method::Naive => RightView::Traced,
-            Method::Ideal => RightView::Left,
-            Method::Reuse { overlap: Overlap::Bracket(_), .. } => RightView::Bracketed,
-            Method::Reuse { .. } => RightView::Marked,
+        let made = match method {
+            Method::Auto | Method::Naive => Made::Traced,
+            Method::Ideal => Made::Copied,
+            Method::Reuse { overlap: Overlap::Bracket(_), .. } => Made::Bracketed,
+            Method::Reuse { .. } => Made::Marked,
         };
-        let left = trace::view(Eye::Left);
+        let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
+        let targets = || views(sources).filter(|&view| sources[view] != view);
         let stages = match method {
-            Method::Naive => vec![Stage::Bands(join([left, trace::view(Eye::Right), compose::of(right)]))],
-            Method::Ideal => vec![Stage::Bands(join([left, compose::of(right)]))],
-            Method::Auto => vec![Stage::Bands(join([left, bracket::bound()])), Stage::Host(Host::Choose)],
+            Method::Naive => vec![Stage::Bands(join([traced, targets().flat_map(trace::target).collect()]))],
+            Method::Ideal => vec![Stage::Bands(join([traced, targets().map(Step::Copy).collect()]))],
+            Method::Auto => {
+                vec![
+                    Stage::Bands(join([traced, targets().flat_map(bracket::bound).collect()])),
+                    Stage::Host(Host::Choose),
+                ]
+            }
             Method::Reuse { overlap, verify } => {
-                let (mut stages, carried) = match overlap {
-                    Overlap::Atomic => (Vec::new(), join([left, reproject::atomic()])),
-                    Overlap::Scanline => (Vec::new(), join([left, reproject::scanline()])),
-                    Overlap::Sequential => (vec![Stage::Bands(left), Stage::Host(Host::Sweep)], Vec::new()),
-                    Overlap::Buffer(depth) => {
-                        let range = if depth == BufferDepth::Adaptive { reproject::depth_range() } else { Vec::new() };
-                        let sized = vec![Stage::Bands(join([left, range])), Stage::Host(Host::SizeSlots(depth))];
-                        (sized, reproject::slots())
-                    }
-                    Overlap::Bracket(_) => (Vec::new(), join([left, bracket::bound()])),
-                };
-                let resolved = match overlap {
-                    Overlap::Bracket(_) => bracket::resolve(),
-                    _ => resolve::of(verify),
-                };
-                let rest = join([resolved, compose::of(right)]);
-                // An edge, and a block of left samples, reach into the rows above and below: these must be there.
-                if verify == Verify::Edges || overlap == Overlap::Bracket(ShadowReuse::Block) {
-                    stages.extend([Stage::Bands(carried), Stage::Bands(rest)]);
-                } else {
-                    stages.push(Stage::Bands(join([carried, rest])));
-                }
-                stages
+                by_reuse(overlap, verify, traced, targets().map(|view| (view, sources[view])))
             }
         };
-        Self { stages, bits, right }
+        let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
+        Self { stages, bits, samples, made, sources: sources.to_vec() }
     }
 
     /// Its steps, with those that the host may add.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
-        self.stages.iter().flat_map(|stage| match stage {
+        let targets = || views(&self.sources).filter(|&view| self.sources[view] != view);
+        self.stages.iter().flat_map(move |stage| match stage {
             Stage::Bands(steps) => steps.clone(),
-            Stage::Host(Host::Choose) => join([by_naive(), by_bracket()]),
+            Stage::Host(Host::Choose) => {
+                targets().flat_map(|view| join([trace::target(view), bracket::resolve(view)])).collect()
+            }
             Stage::Host(_) => Vec::new(),
         })
     }
 
-    /// The buffers that it uses.
-    pub(crate) fn targets(&self) -> BTreeSet<Target> {
-        let mut targets: BTreeSet<_> = self
-            .steps()
-            .flat_map(|step| match step {
-                Step::Run { kernel, eye, .. } => kernel.storage.iter().map(|(target, _)| target.of(eye)).collect(),
-                Step::EmptyLists => vec![Target::Lists],
-                Step::EmptySlots => Vec::new(),
-            })
-            .collect();
-        targets.remove(&Target::Slots);
-        targets
+    /// What it uses, its kernels specialised so.
+    pub(crate) fn uses(&self, with: &Variant) -> Used {
+        let mut used = Used::default();
+        for step in self.steps() {
+            match step {
+                Step::Run { kernel, view, .. } => {
+                    let source = self.sources[view];
+                    let targets = kernel
+                        .storage
+                        .iter()
+                        .map(|(target, _)| *target)
+                        .chain(kernel.linear(with).iter().map(|(target, _)| *target));
+                    used.places.extend(targets.map(|target| target.of(view, source)));
+                    match kernel.samples(with) {
+                        Some(Access::Write) => drop(used.samples.insert(view)),
+                        Some(Access::Read) => drop(used.samples.insert(source)),
+                        None => {}
+                    }
+                }
+                Step::Copy(view) => {
+                    used.places.insert((Target::View, view));
+                    used.places.extend(with.linear.then_some((Target::Linear, view)));
+                }
+                Step::EmptyLists => drop(used.places.insert((Target::Lists, 0))),
+                Step::EmptySlots => {}
+            }
+        }
+        used.places.remove(&(Target::Slots, 0)); // made when its depth is known
+        // Statistics are read of every view.
+        used.places.extend(views(&self.sources).map(|view| (Target::Counters, view)));
+        used
     }
 
     /// Whether a step reads the table of objects.
@@ -194,19 +203,52 @@ impl Plan {
 
     /// How often the picture is gone over.
     pub(crate) fn sweeps(&self) -> u32 {
-        let goes_over = |stage: &&Stage| !matches!(stage, Stage::Host(Host::Sweep | Host::SizeSlots(_)));
+        let goes_over = |stage: &&Stage| !matches!(stage, Stage::Host(Host::Sweep(_) | Host::SizeSlots(..)));
         self.stages.iter().filter(goes_over).count() as u32
     }
 }
 
-/// How `Auto` goes on where it chooses `Naive`.
-pub(crate) fn by_naive() -> Vec<Step> {
-    join([trace::view(Eye::Right), compose::of(RightView::Traced)])
+fn views(sources: &[usize]) -> std::ops::Range<usize> {
+    0..sources.len()
 }
 
-/// How `Auto` goes on where it chooses `bracket`.
-pub(crate) fn by_bracket() -> Vec<Step> {
-    join([bracket::resolve(), compose::of(RightView::Traced)])
+/// The stages of a method that carries samples from view to view, after the steps by which the sources are traced.
+fn by_reuse(
+    overlap: Overlap,
+    verify: Verify,
+    traced: Vec<Step>,
+    targets: impl Iterator<Item = (usize, usize)>,
+) -> Vec<Stage> {
+    // An edge, and a block of a source's samples, reach into the rows above and below: these must be there.
+    let reaches = verify == Verify::Edges || overlap == Overlap::Bracket(ShadowReuse::Block);
+    let mut stages = Vec::new();
+    let mut steps = traced;
+    for (view, source) in targets {
+        match overlap {
+            Overlap::Atomic => steps.extend(reproject::atomic(view)),
+            Overlap::Scanline => steps.extend(reproject::scanline(view)),
+            Overlap::Sequential => {
+                stages.extend([Stage::Bands(std::mem::take(&mut steps)), Stage::Host(Host::Sweep(view))])
+            }
+            Overlap::Buffer(depth) => {
+                if depth == BufferDepth::Adaptive {
+                    steps.extend(reproject::depth_range(source));
+                }
+                stages.extend([Stage::Bands(std::mem::take(&mut steps)), Stage::Host(Host::SizeSlots(depth, view))]);
+                steps.extend(reproject::slots(view));
+            }
+            Overlap::Bracket(_) => steps.extend(bracket::bound(view)),
+        }
+        if reaches {
+            stages.push(Stage::Bands(std::mem::take(&mut steps)));
+        }
+        steps.extend(match overlap {
+            Overlap::Bracket(_) => bracket::resolve(view),
+            _ => resolve::of(view, verify),
+        });
+    }
+    stages.push(Stage::Bands(steps));
+    stages
 }
 
 fn join<const N: usize>(parts: [Vec<Step>; N]) -> Vec<Step> {

@@ -156,7 +156,7 @@ mod tests {
     fn assert_colours_are_directions(renderer: &mut Renderer, uploaded: &UploadedScene, target: Vec3) {
         let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
         let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
-        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive).linear()).unwrap();
         let frame = cpu::Frame::new(&pair.pose);
         for (index, color) in pair.left.linear.iter().enumerate() {
             let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();

@@ -65,7 +65,7 @@ pub fn is_exact(renderer: &Renderer) -> bool {
 pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method)).unwrap()
+    renderer.render(&uploaded, camera, &Options::new(method).linear()).unwrap()
 }
 
 /// A mesh of one grey material.

@@ -60,7 +60,7 @@ fn progress_runs_up_to_one_and_may_cancel() {
     renderer.render_with(&uploaded, &camera, &Options::default(), &mut watch).unwrap();
     assert!(seen.is_sorted_by_key(|(_, done)| *done) && seen.last().unwrap().1 == 1.0, "{seen:?}");
     let names: Vec<_> = seen.iter().map(|(name, _)| *name).collect();
-    assert_eq!(names, ["bound_tiles", "compose"], "a band of the left view, then one of the right");
+    assert_eq!(names, ["bound_tiles", "shade_listed"], "a band of the left view, then one of the right");
     let mut stop = |_| std::ops::ControlFlow::Break(());
     let error = renderer.render_with(&uploaded, &camera, &Options::default(), &mut stop).unwrap_err();
     assert!(matches!(error, Error::Cancelled));
@@ -83,7 +83,7 @@ fn a_smaller_g_buffer_changes_no_picture() {
     let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
     for (name, method) in Method::ALL {
         let mut render =
-            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).keeping(g_buffer)).unwrap();
+            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).linear().keeping(g_buffer)).unwrap();
         let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
         for less in [&depth, &none] {
             assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{name}");
@@ -109,8 +109,8 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
     for (name, method) in Method::ALL {
-        let plain = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).mapping_costs()).unwrap();
+        let plain = renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear().mapping_costs()).unwrap();
         assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{name}");
         assert!(plain.left.cost.is_empty() && plain.left.cost_picture(100).is_none());
         for (view, work) in [(&pair.left, pair.statistics.left), (&pair.right, pair.statistics.right)] {
