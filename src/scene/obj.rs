@@ -1,12 +1,15 @@
 //! Reads OBJ and MTL files.
 //!
-//! tobj parses the numbers and makes triangles of the faces. It names no line in its errors, panics on some files,
+//! tobj parses the numbers. It names no line in its errors, panics on some files,
 //! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
-//! it checks every index and leaves only lines that tobj reads as they are meant.
+//! it checks every index and leaves only lines that tobj reads as they are meant. It can only fan faces, so they are
+//! split into triangles here (polygon.rs).
 
 mod checks;
+mod ears;
 mod models;
 mod mtl;
+mod polygon;
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
@@ -51,6 +54,8 @@ struct Prepared {
     /// Vertices and normals so far.
     vertices: usize,
     normals: usize,
+    /// The lines of the faces of more than three corners.
+    polygon_lines: Vec<usize>,
     /// What a face belongs to here, and whether the last one of it had normals.
     section: Section,
     section_has_normals: Option<bool>,
@@ -77,7 +82,8 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
     }
     let mut scene = Scene::new();
     scene.materials.extend(library.materials);
-    for mesh in join_models(&models, &prepared) {
+    let (meshes, fanned) = join_models(&models, &prepared);
+    for mesh in meshes {
         scene.push_mesh(&mesh)?;
     }
     if scene.triangles.is_empty() {
@@ -85,16 +91,22 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
             format!("no faces and {} vertices; a scene needs `f` lines of 3 corners or more", prepared.vertices);
         return Err(Error::file(path, None, reason));
     }
+    if let Some(first) = fanned.first() {
+        let text =
+            "faces that cross themselves, are far from flat or too intricate, which are fanned from their first corner";
+        let place = if fanned.len() == 1 { format!("on line {first}") } else { format!("from line {first} on") };
+        warnings.warn_once(format!("{text}: {} {place}", fanned.len()));
+    }
     if scene.dropped > 0 {
         warnings.warn_once(dropped_text(scene.dropped, &scene.triangles));
     }
     Ok(scene)
 }
 
-/// Lets tobj read numbers and faces.
+/// Lets tobj read numbers and gather what faces have.
 fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -> Result<Vec<tobj::Model>, Error> {
     // One index for positions and normals: a model then has as many normals as positions, or too few to use.
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
     // The library is read already; its name goes first, so that a `usemtl` may stand before the file's own `mtllib`.
     let mut reader = b"mtllib all\n".chain(prepared.text.as_bytes());
     let loaded = tobj::load_obj_buf(&mut reader, &options, |_| {
@@ -236,8 +248,10 @@ impl Prepared {
             self.sections.push(self.section);
             self.section_has_normals = Some(has_normals);
         }
-        if rest.split_whitespace().nth(2).is_none() {
-            warnings.left_out("faces of fewer than three corners (f)", line);
+        match rest.split_whitespace().take(4).count() {
+            4 => self.polygon_lines.push(line),
+            3 => {}
+            _ => warnings.left_out("faces of fewer than three corners (f)", line),
         }
         self.keep("f", rest);
         Ok(())
