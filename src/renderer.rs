@@ -1,6 +1,6 @@
 //! The renderer: scenes and cameras in, pairs out.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Once};
 
 use crate::{
     Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
@@ -101,6 +101,8 @@ pub struct Renderer {
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
     pub(crate) steps: Steps,
+    /// Done when a scene was warned of that is far from the origin.
+    pub(crate) rounding_warned: Once,
 }
 
 impl Renderer {
@@ -119,6 +121,7 @@ impl Renderer {
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::BAND_PIXELS,
             steps: Steps::default(),
+            rounding_warned: Once::new(),
             gpu,
         }
     }

@@ -120,13 +120,17 @@ impl Renderer {
     }
 
     /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
-    /// textures, and the other way round.
+    /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
+    /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
     /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         scene.check()?;
+        if let Some(warning) = scene.rounding_warning() {
+            self.rounding_warned.call_once(|| log::warn!("{warning}")); // a film uploads a scene for each picture
+        }
         let started = Instant::now();
         let packed = bvh::build(scene, build, self.traversal.boxes)?;
         let built = started.elapsed();

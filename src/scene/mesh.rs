@@ -2,7 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{MaterialId, PRINTED_WARNINGS, Scene, checks::check_coordinate};
+use super::{
+    MaterialId, PRINTED_WARNINGS, Scene,
+    checks::{check_coordinate, rounding_text},
+};
 use crate::{Error, message::tidy};
 
 /// Indexed triangles that make one object.
@@ -126,12 +129,10 @@ impl Scene {
 pub(super) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
-    let largest = low.abs().max(high.abs()).max_element();
-    let step = largest.next_up() - largest;
     let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
     // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
-    if largest > 0.0 && step > (high - low).max_element() * 1e-5 {
-        text += &format!("; coordinates near {largest:e} are rounded to steps of {step}: move it nearer to the origin");
+    if let Some(rounded) = rounding_text(low, high, 1e-5) {
+        text += &format!("; {rounded}: move it nearer to the origin");
     }
     text
 }
