@@ -11,7 +11,9 @@ use crate::message::{escaped, tidy};
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
     #[error(
-        "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+        "no graphics adapter found{}: {}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one",
+        tidy(wanted),
+        tidy(reason)
     )]
     NoAdapter {
         /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
@@ -154,6 +156,7 @@ mod tests {
         let errors = [
             Error::file(&odd, Some(3), &*odd),
             Error::Scene { element: odd.clone(), reason: odd.clone() },
+            Error::NoAdapter { wanted: odd.clone(), reason: odd.clone() },
             Error::unknown_name("method", &odd, &[&odd]),
             Error::io(&odd, std::io::Error::other("full")),
         ];

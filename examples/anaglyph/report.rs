@@ -8,7 +8,7 @@ use std::{
 
 use stereotrace::{MISS, Scene, Statistics, StereoPair, metrics::Difference};
 
-use crate::arguments::Arguments;
+use crate::{arguments::Arguments, message::escaped};
 
 /// Time on the clock.
 #[derive(Clone, Copy, Debug)]
@@ -135,8 +135,9 @@ impl Report<'_> {
     }
 }
 
+/// A line of the table. Names of scenes and files must not steer the terminal.
 fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
-    writeln!(f, "{heading:<11}{text}")
+    writeln!(f, "{heading:<11}{}", escaped(&text.to_string()))
 }
 
 fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {
