@@ -179,8 +179,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if it is no regular
-    /// file or larger than [`Limits`] says, or if its content is wrong: numbers that don't parse or are not finite,
-    /// indices out of range, no faces at all.
+    /// file, larger than [`Limits`] says, or UTF-16, or if its content is wrong: numbers that don't parse or are not
+    /// finite, indices out of range, no faces at all.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_obj_within(path, &Limits::default())

@@ -137,8 +137,14 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
 fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
-    let bytes = input::read(path, limits.file_bytes, limits.raised_by[0])?;
+    let mut bytes = input::read(path, limits.file_bytes, limits.raised_by[0])?;
     let count = bytes.len() as u64;
+    // A carriage return alone ends a line, as it did on the Mac before its system X.
+    for at in 0..bytes.len() {
+        if bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n') {
+            bytes[at] = b'\n';
+        }
+    }
     let mut text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into());
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());

@@ -105,8 +105,10 @@ fn line_ends_marks_and_layout_make_no_difference() {
     let expected = folder.scene(&plain);
     let mut latin = b"# \xe4\xf6\xfc\no \xff\n".to_vec();
     latin.extend_from_slice(plain.replace("o thing\n", "").as_bytes());
-    let layouts: [Vec<u8>; 7] = [
+    let layouts: [Vec<u8>; 9] = [
         plain.replace('\n', "\r\n").into(),
+        plain.replace('\n', "\r").into(),
+        plain.replace("f 1//1 2//1 ", "f 1//1 \\\n 2//1 ").replace('\n', "\r").into(),
         format!("\u{feff}{}", plain.replace("# a\n", "")).into(),
         plain.trim_end().into(),
         plain.replace('\n', "  # x y z w\n").replace("thing  # x y z w", "thing").into(),
@@ -117,7 +119,7 @@ fn line_ends_marks_and_layout_make_no_difference() {
     for (index, layout) in layouts.into_iter().enumerate() {
         let scene = folder.scene(layout);
         assert_eq!((corners(&scene), smooth(&scene)), (corners(&expected), smooth(&expected)), "{index}");
-        assert_eq!(objects(&scene), [(if index == 6 { "\u{fffd}" } else { "thing" }, 0)], "{index}");
+        assert_eq!(objects(&scene), [(if index == 8 { "\u{fffd}" } else { "thing" }, 0)], "{index}");
     }
 }
 

@@ -72,6 +72,38 @@ fn of_two_faults_the_first_in_the_file_is_named() {
 }
 
 #[test]
+fn lines_are_counted_whatever_they_end_in() {
+    let folder = Folder::new("line_ends");
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!("{SIX}\nv 1 2\n# more\nf 1 2 3\n").replace('\n', end);
+        folder.fails_on_line(8, "vertex: 2 numbers of 3", text);
+    }
+}
+
+#[test]
+fn utf_16_is_named_and_so_is_the_remedy() {
+    let folder = Folder::new("utf_16");
+    let [obj, mtl] = [format!("mtllib m.mtl\n{SIX}f 1 2 3\n"), "newmtl red\nKd 1 0 0\n".into()];
+    for (bytes_of, mark) in
+        [(u16::to_le_bytes as fn(u16) -> [u8; 2], true), (u16::to_be_bytes, true), (u16::to_le_bytes, false)]
+    {
+        let encode = |text: &str| -> Vec<u8> {
+            let text = format!("{}{text}", if mark { "\u{feff}" } else { "" });
+            text.encode_utf16().flat_map(bytes_of).collect()
+        };
+        let name = if mark {
+            "it is UTF-16 text, by its byte order mark; save it as UTF-8"
+        } else {
+            "it is UTF-16 text or none at all, by a byte of 0 at its beginning; save it as UTF-8"
+        };
+        assert_eq!(folder.error(encode(&obj)), (None, name.into()));
+        folder.write("m.mtl", encode(&mtl));
+        assert_eq!(folder.scene(&obj).materials().len(), 1);
+        assert_eq!(folder.warnings().last(), Some(&format!("m.mtl: {name}; its materials are grey")));
+    }
+}
+
+#[test]
 fn vertices_with_and_without_colours_are_an_error_with_a_remedy() {
     let folder = Folder::new("colours");
     let faces = "f 1 2 3\n";

@@ -81,6 +81,14 @@ fn names_may_be_odd_and_libraries_several() {
 }
 
 #[test]
+fn lines_may_end_in_a_carriage_return_alone() {
+    let folder = Folder::new("mtl_line_ends");
+    folder.write("m.mtl", "\u{feff}newmtl red\rKd 1 0 0\rnewmtl green\rKd 0 1 0\r");
+    let scene = folder.scene(format!("mtllib m.mtl\n{SIX}usemtl green\nf 1 2 3\n"));
+    assert_eq!((materials(&scene), scene.materials()[2].albedo), (vec!["green"], Vec3::Y));
+}
+
+#[test]
 fn mirrors_and_glass_without_a_colour_take_the_specular_one() {
     let folder = Folder::new("mirrors");
     folder.write(
