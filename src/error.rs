@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::message::{escaped, tidy};
+use crate::message::{counted, escaped, tidy};
 
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
@@ -135,9 +135,9 @@ impl Error {
 
 impl Error {
     /// A driver ended a kernel's loops before their work was done.
-    pub(crate) fn cut_short(count: u64, what: &str) -> Self {
+    pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
-            what: format!("the tracing of {count} {what}"),
+            what: format!("the tracing of {}", counted(threads, "thread", "threads")),
             needed: "more rounds of its loops".into(),
             limit: "bound on the loops of a thread",
             allowed: "reached (llvmpipe's is 65535)".into(),

@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use crate::{Error, Gpu};
+use crate::{Error, Gpu, message::counted};
 
 /// How large a file may be that the library reads. A larger one is an error, before it takes memory.
 ///
@@ -87,8 +87,8 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     check_type(path, metadata.file_type())?;
     let bytes = metadata.len();
     if bytes > limit {
-        let reason =
-            format!("the file has {bytes} bytes, over the limit of {limit}; raise it by {raised_by}, if it is right");
+        let has = counted(bytes, "byte", "bytes");
+        let reason = format!("the file has {has}, over the limit of {limit}; raise it by {raised_by}, if it is right");
         return Err(Error::file(path, None, reason));
     }
     Ok((file, bytes))

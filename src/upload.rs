@@ -14,6 +14,7 @@ use crate::{
     gpu::{self, Gpu, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
+    message::counted,
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
 };
@@ -205,7 +206,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         });
     }
     Err(Error::Limit {
-        what: format!("a scene of {primitives} primitives"),
+        what: format!("a scene of {}", counted(primitives, "primitive", "primitives")),
         needed: format!("{needed} texels of 16 bytes"),
         limit,
         allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),

@@ -175,7 +175,8 @@ fn film(
     batch.commit()?;
     let each = |time: Duration| time.as_secs_f64() * 1e3 / f64::from(frames);
     Ok(format!(
-        "{frames} frames in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
+        "{} in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
+        message::counted(frames, "frame", "frames"),
         shown(&arguments.out),
         arguments.method,
         each(build),

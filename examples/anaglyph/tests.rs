@@ -31,6 +31,22 @@ fn out_must_be_a_folder_and_the_message_says_so() {
 }
 
 #[test]
+fn one_of_anything_is_singular() {
+    let folder = Folder::new("singular");
+    let scene = folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let cases: [(&[&str], &str); 3] = [
+        (&[&scene, "--lights", "1"], "\nscene      one: 1 triangle, 0 spheres, 1 light\n"),
+        (&[&scene, "--method", "buffer-1"], "\nmethod     buffer-1: 1 slot a pixel, "),
+        (&["builtin:spheres", "--frames", "1"], "1 frame in "),
+    ];
+    for (arguments, expected) in cases {
+        let text = printed(&[arguments, &["--out", &out]].concat());
+        assert!(text.contains(expected), "{text}");
+    }
+}
+
+#[test]
 fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let folder = Folder::new(STEERING);
     let scene = format!("scene{STEERING}.obj");

@@ -36,7 +36,7 @@ impl Renderer {
         let lane_bytes = driver.run_in_steps(steps).await?;
         driver.finish().await?;
         let statistics = self.statistics(&targets, Method::Naive).await?;
-        let mut statistics = statistics.map_err(|threads| Error::cut_short(threads, "threads"))?;
+        let mut statistics = statistics.map_err(Error::cut_short)?;
         statistics.in_steps = true;
         statistics.intermediate_bytes = targets.intermediate_bytes(&used) + lane_bytes;
         Ok(Traced { statistics, targets, right: RightView::Traced })

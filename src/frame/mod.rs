@@ -16,6 +16,7 @@ pub(crate) use targets::Cache;
 use crate::{
     Error, Method, Options, Overlap, Pose, Progress, Renderer, Statistics, UploadedScene,
     layout::WORKGROUP,
+    message::counted,
     variant::{Kept, Variant},
 };
 use driver::Driver;
@@ -86,8 +87,9 @@ impl Renderer {
         let mut statistics = match self.statistics(&targets, method).await? {
             Ok(statistics) => statistics,
             Err(threads) => {
+                let threads = counted(threads, "thread", "threads");
                 log::warn!(
-                    "{method}: the adapter ended the loops of {threads} threads before their work was done; naive goes on in steps"
+                    "{method}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps"
                 );
                 return Ok(None);
             }

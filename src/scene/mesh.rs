@@ -6,7 +6,10 @@ use super::{
     MaterialId, PRINTED_WARNINGS, Scene,
     checks::{check_coordinate, rounding_text},
 };
-use crate::{Error, message::tidy};
+use crate::{
+    Error,
+    message::{counted, tidy},
+};
 
 /// Indexed triangles that make one object.
 #[derive(Clone, Debug, Default)]
@@ -90,19 +93,20 @@ impl Scene {
             check_coordinate(position).map_err(|reason| fault(format!("vertex {index}"), reason))?;
         }
         let count = mesh.triangles.len();
+        let triangles = |count| counted(count, "triangle", "triangles");
         if mesh.materials.len() != 1 && mesh.materials.len() != count {
-            let reason = format!("{} for {count} triangles; give one for all or one each", mesh.materials.len());
+            let reason = format!("{} for {}; give one for all or one each", mesh.materials.len(), triangles(count));
             return Err(fault("materials".into(), reason));
         }
         if !mesh.normals.is_empty() && mesh.normals.len() != count {
-            let reason = format!("{} for {count} triangles; give none or three each", mesh.normals.len());
+            let reason = format!("{} for {}; give none or three each", mesh.normals.len(), triangles(count));
             return Err(fault("normals".into(), reason));
         }
         let mut triangles = Vec::with_capacity(count);
         for (index, corners) in mesh.triangles.iter().enumerate() {
             let at = || format!("triangle {index}");
             if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
-                let reason = format!("corner {corner} of {} vertices", mesh.positions.len());
+                let reason = format!("corner {corner} of {}", counted(mesh.positions.len(), "vertex", "vertices"));
                 return Err(fault(at(), reason));
             }
             let material = mesh.materials[if mesh.materials.len() == 1 { 0 } else { index }];

@@ -20,7 +20,7 @@ use self::{
     models::join_models,
 };
 use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, mesh::dropped_text, warnings::Warnings};
-use crate::{Error, Limits, input};
+use crate::{Error, Limits, input, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
@@ -87,8 +87,8 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
         scene.push_mesh(&mesh)?;
     }
     if scene.triangles.is_empty() {
-        let reason =
-            format!("no faces and {} vertices; a scene needs `f` lines of 3 corners or more", prepared.vertices);
+        let vertices = counted(prepared.vertices, "vertex", "vertices");
+        let reason = format!("no faces and {vertices}; a scene needs `f` lines of 3 corners or more");
         return Err(Error::file(path, None, reason));
     }
     if let Some(first) = fanned.first() {

@@ -22,7 +22,7 @@ impl<'a> Warnings<'a> {
         Self { path, like: BTreeMap::new(), left_out: BTreeMap::new() }
     }
 
-    /// Warns of a line. Warnings of one `kind`, which names them in the plural, are alike.
+    /// Warns of a line. Warnings of one `kind`, which is a heading for them, are alike.
     pub(super) fn warn(&mut self, kind: &'static str, line: usize, text: impl Display) {
         if self.is_printed(kind) {
             self.log(Some(line), text.to_string());
@@ -63,7 +63,7 @@ impl Drop for Warnings<'_> {
     fn drop(&mut self) {
         for (kind, count) in &self.like {
             if *count > PRINTED_WARNINGS {
-                self.log(None, format!("{} more {kind}", count - PRINTED_WARNINGS));
+                self.log(None, format!("{kind}: {} more", count - PRINTED_WARNINGS));
             }
         }
         let item = |(what, LeftOut { count, first_line }): (&&str, &LeftOut)| match count {

@@ -12,6 +12,7 @@ fn numbers_that_are_none_are_errors_on_their_line() {
     let cases = [
         ("v 1 x 0", "vertex: 'x' is not a number"),
         ("v 1 2", "vertex: 2 numbers of 3"),
+        ("v 1", "vertex: 1 number of 3"),
         ("v", "vertex: 0 numbers of 3"),
         ("v 1 nan 0", "vertex: NaN is not a finite number"),
         ("v -inf 0 0", "vertex: -inf is not a finite number"),
@@ -43,7 +44,7 @@ fn indices_out_of_range_are_errors_on_their_line() {
         ("f 1 2 9223372036854775807", "is out of range"),
         ("f 1 2 -9223372036854775808", "is out of range"),
         ("f 1 2 9223372036854775808", "is not a whole number"),
-        ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there are 1"),
+        ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there is 1 before this line"),
         // Offsets that would wrap to small ones if they were multiplied by three unchecked.
         ("f 1//1 2//1 3//-2", "normal index -2 is out of range"),
         ("f 1//1 2//1 3//-5", "normal index -5 is out of range"),
@@ -124,7 +125,8 @@ fn a_file_without_faces_is_an_error_that_says_so() {
     {
         let (line, reason) = folder.error(content);
         assert_eq!(line, None);
-        assert!(reason.starts_with(&format!("no faces and {vertices} vertices")), "{reason}");
+        let vertices = if vertices == 1 { "1 vertex".into() } else { format!("{vertices} vertices") };
+        assert!(reason.starts_with(&format!("no faces and {vertices};")), "{reason}");
     }
     let picture = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff\xfe\0".as_slice();
     assert!(folder.error(picture).1.starts_with("no faces"));
