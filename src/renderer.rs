@@ -79,10 +79,9 @@ pub struct Progress {
 /// Renders stereo pairs; keeps kernels and buffers from frame to frame.
 ///
 /// ```no_run
-/// use stereotrace::{Gpu, Method, Options, Renderer, Scene, StereoCamera};
+/// use stereotrace::{Builtin, Gpu, Method, Options, Renderer};
 ///
-/// let scene = Scene::from_obj("bunny.obj")?;
-/// let camera = StereoCamera::fitting(scene.bounds().expect("the file has triangles"), 800, 600);
+/// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(800, 600));
 /// let mut renderer = Renderer::new(Gpu::new()?);
 /// let uploaded = renderer.upload(&scene)?;
 /// for method in [Method::Naive, Method::ATOMIC] {
