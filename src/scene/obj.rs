@@ -42,8 +42,8 @@ struct Section {
 /// An OBJ file in the form that tobj gets.
 #[derive(Default)]
 struct Prepared {
-    /// What `mtllib` lines name, each once.
-    libraries: Vec<String>,
+    /// What `mtllib` lines name, each once, with the first line that does.
+    libraries: Vec<(usize, String)>,
     /// All other lines that matter. Each section opens with `o` and its index, so tobj's models bear that name.
     text: String,
     sections: Vec<Section>,
@@ -179,10 +179,17 @@ fn split_keyword(line: &str) -> (&str, &str) {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = match keyword {
-        "v" | "vn" | "f" => rest.split_once('#').map_or(rest, |(numbers, _)| numbers),
+        "v" | "vn" | "f" => without_comment(rest),
         _ => rest,
     };
     (keyword, rest.trim())
+}
+
+/// Numbers without the comment behind them. `1.#INF` and `-1.#IND` are what some compilers print for numbers that are none,
+/// and no 1 with a comment.
+fn without_comment(numbers: &str) -> &str {
+    let comment = numbers.match_indices('#').find(|(at, _)| !numbers[..*at].ends_with('.'));
+    comment.map_or(numbers, |(at, _)| &numbers[..at])
 }
 
 /// The name under which tobj looks a material up. The sign lets a material have an empty name, which tobj refuses.
@@ -213,7 +220,10 @@ fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
                     prepared.used_materials.push((number, rest.into()));
                 }
             }
-            "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push(rest.into()),
+            "mtllib" if rest.is_empty() => {
+                warnings.warn("mtllib lines without a name", number, "mtllib names no file; it is left out");
+            }
+            "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push((number, rest.into())),
             "s" if !matches!(rest, "" | "0" | "off") => smoothing_groups.push(number),
             "mtllib" | "s" => {}
             _ => note_left_out(keyword, number, warnings),

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
 use super::PRINTED_WARNINGS;
-use crate::Error;
+use crate::{Error, message::escaped};
 
 /// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
 pub(super) struct Warnings<'a> {
@@ -29,10 +29,11 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of another file that this one names, and of what follows from it.
-    pub(super) fn warn_of(&mut self, kind: &'static str, error: &Error, consequence: &str) {
+    /// Warns of another file that a line names, and of what follows from it.
+    pub(super) fn warn_of(&mut self, kind: &'static str, line: usize, error: &Error, consequence: &str) {
         if self.is_printed(kind) {
-            log::warn!("{error}; {consequence}");
+            let name = escaped(&self.path.file_name().unwrap_or_default().to_string_lossy());
+            log::warn!("{error}; {consequence} (line {line} of {name})");
         }
     }
 

@@ -15,6 +15,8 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("v 1", "vertex: 1 number of 3"),
         ("v", "vertex: 0 numbers of 3"),
         ("v 1 nan 0", "vertex: NaN is not a finite number"),
+        ("v 0 0 1.#INF", "vertex: '1.#INF' is not a number"),
+        ("v -1.#IND 0 0", "vertex: '-1.#IND' is not a number"),
         ("v -inf 0 0", "vertex: -inf is not a finite number"),
         ("v 1e39 0 0", "vertex: inf is not a finite number"),
         ("v 0 2e8 0", "is beyond ±1e8"),
@@ -100,7 +102,10 @@ fn utf_16_is_named_and_so_is_the_remedy() {
         assert_eq!(folder.error(encode(&obj)), (None, name.into()));
         folder.write("m.mtl", encode(&mtl));
         assert_eq!(folder.scene(&obj).materials().len(), 1);
-        assert_eq!(folder.warnings().last(), Some(&format!("m.mtl: {name}; its materials are grey")));
+        assert_eq!(
+            folder.warnings().last(),
+            Some(&format!("m.mtl: {name}; its materials are grey (line 1 of scene.obj)"))
+        );
     }
 }
 
