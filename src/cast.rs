@@ -222,7 +222,7 @@ impl<'a> List<'a> {
             match self.dispatch(kernel, Some(&lanes), DISPATCHES).await? {
                 0 if lanes.unfinished(gpu).await? == 0 => return Ok(()),
                 0 => {}
-                threads => return Err(Error::cut_short(u64::from(threads), "threads")),
+                threads => return Err(Error::cut_short(u64::from(threads))),
             }
         }
     }

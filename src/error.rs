@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::message::{escaped, tidy};
+use crate::message::{counted, escaped, tidy};
 
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
@@ -11,7 +11,9 @@ use crate::message::{escaped, tidy};
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
     #[error(
-        "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+        "no graphics adapter found{}: {}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one",
+        tidy(wanted),
+        tidy(reason)
     )]
     NoAdapter {
         /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
@@ -133,9 +135,9 @@ impl Error {
 
 impl Error {
     /// A driver ended a kernel's loops before their work was done.
-    pub(crate) fn cut_short(count: u64, what: &str) -> Self {
+    pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
-            what: format!("the tracing of {count} {what}"),
+            what: format!("the tracing of {}", counted(threads, "thread", "threads")),
             needed: "more rounds of its loops".into(),
             limit: "bound on the loops of a thread",
             allowed: "reached (llvmpipe's is 65535)".into(),
@@ -154,6 +156,7 @@ mod tests {
         let errors = [
             Error::file(&odd, Some(3), &*odd),
             Error::Scene { element: odd.clone(), reason: odd.clone() },
+            Error::NoAdapter { wanted: odd.clone(), reason: odd.clone() },
             Error::unknown_name("method", &odd, &[&odd]),
             Error::io(&odd, std::io::Error::other("full")),
         ];

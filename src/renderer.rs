@@ -1,6 +1,6 @@
 //! The renderer: scenes and cameras in, pairs out.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Once};
 
 use crate::{
     Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
@@ -87,10 +87,9 @@ pub struct Progress {
 /// Renders stereo pairs; keeps kernels and buffers from frame to frame.
 ///
 /// ```no_run
-/// use stereotrace::{Gpu, Method, Options, Renderer, Scene, StereoCamera};
+/// use stereotrace::{Builtin, Gpu, Method, Options, Renderer};
 ///
-/// let scene = Scene::from_obj("bunny.obj")?;
-/// let camera = StereoCamera::fitting(scene.bounds().expect("the file has triangles"), 800, 600);
+/// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(800, 600));
 /// let mut renderer = Renderer::new(Gpu::new()?);
 /// let uploaded = renderer.upload(&scene)?;
 /// for method in [Method::Naive, Method::ATOMIC] {
@@ -111,6 +110,8 @@ pub struct Renderer {
     /// Parts that rows of workgroups are dealt to (`launched_row` of shaders/shared/types.wgsl).
     pub(crate) runs: u32,
     pub(crate) steps: Steps,
+    /// Done when a scene was warned of that is far from the origin.
+    pub(crate) rounding_warned: Once,
 }
 
 impl Renderer {
@@ -130,6 +131,7 @@ impl Renderer {
             band_pixels: frame::BAND_PIXELS,
             runs: gpu.threads(),
             steps: Steps::default(),
+            rounding_warned: Once::new(),
             gpu,
         }
     }

@@ -14,6 +14,7 @@ use crate::{
     gpu::{self, Gpu, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
+    message::counted,
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
 };
@@ -121,13 +122,17 @@ impl Renderer {
     }
 
     /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
-    /// textures, and the other way round.
+    /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
+    /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
     /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         scene.check()?;
+        if let Some(warning) = scene.rounding_warning() {
+            self.rounding_warned.call_once(|| log::warn!("{warning}")); // a film uploads a scene for each picture
+        }
         let started = Instant::now();
         let packed = bvh::build(scene, build, self.traversal.boxes)?;
         let built = started.elapsed();
@@ -202,7 +207,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         });
     }
     Err(Error::Limit {
-        what: format!("a scene of {primitives} primitives"),
+        what: format!("a scene of {}", counted(primitives, "primitive", "primitives")),
         needed: format!("{needed} texels of 16 bytes"),
         limit,
         allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),

@@ -195,6 +195,9 @@ fn cameras_and_lights_are_read_within_limits_too() {
     assert!(message.contains("the file has 3 bytes, over the limit of 2"), "{message}");
     let message = refused(&path, Scene::new().light_from_json_within(&path, "a", &limits));
     assert!(message.contains("over the limit of 2"), "{message}");
+    folder.write("cameras.json", b"\xff\xfe{\0}\0");
+    let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
+    assert!(message.ends_with("it is UTF-16 text, by its byte order mark; save it as UTF-8"), "{message}");
     // A name of the file in an error steers no terminal.
     folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));

@@ -42,7 +42,7 @@ impl Renderer {
         let counts = self.counts(&targets).await?;
         let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
         if threads > 0 {
-            return Err(Error::cut_short(threads, "threads"));
+            return Err(Error::cut_short(threads));
         }
         Ok(Traced {
             eyes: eyes.clone(),

@@ -16,6 +16,7 @@ pub(crate) use targets::Cache;
 use crate::{
     Choice, Error, Method, Options, Overlap, Progress, Renderer, UploadedScene,
     layout::{self, WORKGROUP},
+    message::counted,
     pair::PassTimes,
     rig::Eyes,
     variant::Variant,
@@ -97,8 +98,9 @@ impl Renderer {
         let counts = self.counts(&targets).await?;
         let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
         if threads > 0 {
+            let threads = counted(threads, "thread", "threads");
             log::warn!(
-                "{method}: the adapter ended the loops of {threads} threads before their work was done; naive goes on in steps"
+                "{method}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps"
             );
             return Ok(None);
         }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::is_map;
-use crate::Limits;
+use crate::{Limits, message::counted};
 
 /// Bytes of an HDR file, as the image crate asks for them.
 struct HdrBytes<R> {
@@ -66,7 +66,7 @@ fn colors(
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());
     if sample > size_of::<Vec3>() {
-        return Err(format!("pixels of {sample} bytes"));
+        return Err(format!("pixels of {}", counted(sample, "byte", "bytes")));
     }
     // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
