@@ -237,8 +237,8 @@ fn builds(gpu: &Gpu, names: &[&str], [width, height]: [u32; 2], rounds: usize) -
         let mut renderer = Renderer::new(gpu.clone());
         // The first build also warms up the host's threads and memory.
         renderer.upload(&scene)?;
-        let uploaded = BvhBuild::ALL.map(|build| renderer.upload_with(&scene, build));
-        let uploaded = uploaded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let uploaded = BvhBuild::ALL.iter().map(|&build| renderer.upload_with(&scene, build));
+        let uploaded = uploaded.collect::<Result<Vec<_>, _>>()?;
         let mut times = vec![Vec::new(); uploaded.len()];
         for round in 0..=rounds {
             for turn in order(round, uploaded.len()) {

@@ -22,7 +22,7 @@ pub enum BvhBuild {
 
 impl BvhBuild {
     /// All of them, from the quickest to the slowest.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Best];
+    pub const ALL: &'static [Self] = &[Self::Fast, Self::Balanced, Self::Best];
 
     /// obvhs's preset. Leaves hold up to eight primitives, which is what a link can say.
     pub(crate) fn params(self) -> BvhBuildParams {

@@ -52,16 +52,6 @@ pub enum Error {
         /// What is expected of it.
         reason: &'static str,
     },
-    /// A method made of choices that don't go together.
-    #[error("no such method: overlap {overlap} does not go with verification {verify}, but with {fitting}")]
-    Choices {
-        /// Which left samples are looked at.
-        overlap: String,
-        /// How reused pixels are to be checked.
-        verify: String,
-        /// What goes with the overlap.
-        fitting: &'static str,
-    },
     /// A ray that can't be traced.
     #[error("invalid ray {index}: {reason}")]
     Ray {

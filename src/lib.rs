@@ -102,7 +102,7 @@ pub use error::Error;
 pub use gpu::Gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 pub use input::Limits;
-pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};
+pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use renderer::{GBuffer, Options, Progress, Renderer, render_stereo};
 pub use scene::builtin::Builtin;

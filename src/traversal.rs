@@ -62,12 +62,12 @@ impl Traversal {
     }
 
     /// Every variant.
-    pub const ALL: [Self; 8] = {
+    pub const ALL: &'static [Self] = {
         const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane) -> Traversal {
             Traversal { fetch, boxes, rays }
         }
         use {Boxes::*, Fetch::*, RaysPerLane::*};
-        [
+        &[
             of(Texture, F32, Four),
             of(Texture, F32, One),
             of(Texture, Grid16, Four),

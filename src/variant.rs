@@ -4,7 +4,7 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    GBuffer, Method, Overlap, Scene, ShadowReuse, Sky, Verify,
+    Check, GBuffer, Method, Scene, ShadowReuse, Sky,
     bvh::PackedBvh,
     kernels::{
         Access::{Read, Write},
@@ -101,11 +101,11 @@ impl Kept {
     /// What a method's frame keeps on the device, at least what the user wants of it.
     pub(crate) fn of(wanted: GBuffer, method: Method) -> Self {
         match (wanted, method) {
-            (_, Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. }) => Self::Samples,
+            (_, Method::Auto | Method::Bracket(_)) => Self::Samples,
             // Edges are told by objects.
-            (_, Method::Reuse { verify: Verify::Edges, .. }) | (GBuffer::Ids, _) => Self::Ids,
-            (_, Method::Reuse { .. }) | (GBuffer::Depth, _) => Self::Depth,
-            (GBuffer::None, _) => Self::None,
+            (_, Method::Atomic(Check::Edges) | Method::Buffer(_, Check::Edges)) | (GBuffer::Ids, _) => Self::Ids,
+            (_, Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_)) | (GBuffer::Depth, _) => Self::Depth,
+            (GBuffer::None, Method::Naive | Method::Ideal) => Self::None,
         }
     }
 

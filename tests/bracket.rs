@@ -23,7 +23,7 @@ const BITS: [(ShadowReuse, Method); 3] = [
 fn scenes() -> impl Iterator<Item = (String, Scene, StereoCamera)> {
     let builtins = [Builtin::Spheres, Builtin::Hall].into_iter();
     let builtins = builtins.map(|builtin| (builtin.to_string(), builtin.scene(), builtin.camera(93, 62)));
-    builtins.chain(Trial::ALL.into_iter().map(|trial| (trial.to_string(), trial.scene(), trial.camera(93, 62))))
+    builtins.chain(Trial::ALL.iter().map(|trial| (trial.to_string(), trial.scene(), trial.camera(93, 62))))
 }
 
 fn hits(pair: &StereoPair) -> (&[f32], &[u32], &[u32]) {

@@ -119,7 +119,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
 /// The rule without its second part, as it is in the documentation.
 #[test]
 fn built_in_scenes_have_their_lights_in_their_boxes() {
-    for builtin in Builtin::ALL {
+    for &builtin in Builtin::ALL {
         let (mut scene, camera) = (builtin.scene(), builtin.camera(640, 480));
         scene.place_lights(5, &camera).unwrap();
         let pose = camera.pose().unwrap();

@@ -2,12 +2,11 @@
 
 mod common;
 
-use std::{f32::consts::PI, panic::catch_unwind};
+use std::{f32::consts::PI, num::NonZeroU32, panic::catch_unwind};
 
 use common::renderer;
 use stereotrace::{
-    BufferDepth, Error, MISS, MaterialId, Method, Options, Overlap, PointLight, Ray, Scene, SkyMap, Sphere,
-    StereoCamera, Verify,
+    BufferDepth, Check, Error, MISS, MaterialId, Method, Options, PointLight, Ray, Scene, SkyMap, Sphere, StereoCamera,
     camera::MAX_SIDE,
     glam::Vec3,
     output::{save_ids_pfm, save_pfm},
@@ -161,11 +160,11 @@ fn any_number_makes_a_ray_an_answer_or_an_error() {
 fn any_depth_of_the_buffer_renders() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
-    for depth in [0, 1, u32::MAX] {
-        let overlap = Overlap::Buffer(BufferDepth::Fixed(depth));
-        let options = Options::new(Method::Reuse { overlap, verify: Verify::All });
+    for slots in [1, 2, u32::MAX] {
+        let depth = BufferDepth::Fixed(NonZeroU32::new(slots).unwrap());
+        let options = Options::new(Method::Buffer(depth, Check::All));
         let pair = renderer.render(&uploaded, &Builtin::Near.camera(9, 7), &options).unwrap();
-        assert_eq!(pair.statistics.buffer_depth, depth.clamp(1, 9));
+        assert_eq!(pair.statistics.buffer_depth, slots.min(9));
     }
 }
 

@@ -65,7 +65,7 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
                 list.rays.iter().map(search).map(hit).collect()
             })
             .collect();
-        for traversal in Traversal::ALL {
+        for &traversal in Traversal::ALL {
             let mut renderer = Renderer::with_traversal(renderer().gpu().clone(), traversal);
             let exact = is_exact(&renderer);
             let uploaded = renderer.upload(&scene).unwrap();
@@ -120,7 +120,7 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
         });
         let rays: Vec<Ray> = targets.map(|target| Ray::new(target - eye)).collect();
         let expected: Vec<u32> = rays.iter().map(|ray| closest_hit(&scene, eye, ray.direction, 0.0, FAR).1).collect();
-        for traversal in Traversal::ALL {
+        for &traversal in Traversal::ALL {
             let mut renderer = Renderer::with_traversal(renderer().gpu().clone(), traversal);
             let uploaded = renderer.upload(&scene).unwrap();
             let found = renderer.closest_hits(&uploaded, eye, &rays).unwrap().hits;

@@ -67,7 +67,7 @@ fn edges(worker: &mut Worker<'_>) -> String {
 }
 
 fn every_method(worker: &mut Worker<'_>) -> String {
-    Method::ALL.map(|(_, method)| text(&worker.pair(&Options::new(method)))).concat()
+    Method::ALL.iter().map(|&method| text(&worker.pair(&Options::new(method)))).collect()
 }
 
 fn every_option(worker: &mut Worker<'_>) -> String {
@@ -116,7 +116,7 @@ fn errors(worker: &mut Worker<'_>) -> String {
 
 fn uploads(worker: &mut Worker<'_>) -> String {
     let uploaded = |build| worker.renderer.upload_with(worker.scene, build).unwrap();
-    let mut all: Vec<UploadedScene> = BvhBuild::ALL.map(uploaded).into();
+    let mut all: Vec<UploadedScene> = BvhBuild::ALL.iter().copied().map(uploaded).collect();
     all.push(worker.renderer.upload(worker.scene).unwrap());
     let pairs = all.iter().map(|scene| worker.renderer.render(scene, &camera(), &Options::new(Method::Naive)).unwrap());
     let pairs: Vec<StereoPair> = pairs.collect();

@@ -74,7 +74,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
     let own = Traversal::of(&gpu);
-    let others = Traversal::ALL.into_iter().filter(|traversal| arguments.variants && *traversal != own);
+    let others = Traversal::ALL.iter().copied().filter(|traversal| arguments.variants && *traversal != own);
     let mut devices: Vec<Device> = std::iter::once(own).chain(others).map(|with| Device::new(&gpu, with)).collect();
     println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
     println!(

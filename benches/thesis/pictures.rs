@@ -4,7 +4,7 @@ use std::{error::Error, io::Cursor};
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use stereotrace::{
-    Method, Options, Overlap, PixelSource, Renderer, ShadowSource, StereoPair, Verify, View, metrics,
+    Check, Method, Options, PixelSource, Renderer, ShadowSource, StereoPair, View, metrics,
     output::{Anaglyph, Picture as Pixels},
 };
 
@@ -23,7 +23,7 @@ pub(crate) fn of(
     side: u32,
     e_px: f32,
 ) -> Result<Vec<Picture>, Box<dyn Error>> {
-    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
+    let edges = Method::Atomic(Check::Edges);
     let mut pictures = Vec::new();
     for name in names {
         let Some(bench) = scenes::load_thesis(name, [side; 2], e_px, None)? else { continue };

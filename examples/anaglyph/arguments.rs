@@ -171,7 +171,8 @@ impl Arguments {
         }
         if self.scene.is_dir() || !self.scene.exists() {
             let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
-            let names = Builtin::ALL.map(|builtin| format!("builtin:{builtin}")).join(", ");
+            let names = Builtin::ALL.iter().map(|builtin| format!("builtin:{builtin}"));
+            let names = Vec::from_iter(names).join(", ");
             return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", self.scene.display()).into());
         }
         Ok(Scene::from_obj_within(&self.scene, &self.limits())?)

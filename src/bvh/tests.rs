@@ -103,7 +103,7 @@ fn of_copies_the_first_is_traced_and_turned_copies_stay() {
             scene.add_sphere(crate::Sphere { center: Vec3::X, radius, material: MaterialId(0) }).unwrap();
         }
         let spheres = scene.triangles().len() as u32;
-        for build_kind in BvhBuild::ALL {
+        for &build_kind in BvhBuild::ALL {
             let mut ids = build(&scene, build_kind, Boxes::F32).unwrap().ids;
             ids.sort_unstable();
             assert_eq!(ids, (0..43).chain([spheres, spheres + 1]).collect::<Vec<_>>(), "{copies} at {scale}");

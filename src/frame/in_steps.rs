@@ -184,7 +184,7 @@ mod tests {
     fn every_traversal_goes_on_where_it_stopped() {
         let gpu = gpu();
         let read = [(Fetch::Texture, Boxes::Grid16), (Fetch::Buffer, Boxes::F32)];
-        for traversal in Traversal::ALL.into_iter().filter(|way| read.contains(&(way.fetch, way.boxes))) {
+        for traversal in Traversal::ALL.iter().copied().filter(|way| read.contains(&(way.fetch, way.boxes))) {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             assert_alike("near", &Builtin::Near.scene(), &Builtin::Near.camera(37, 23), &mut renderer, false);
         }
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn lanes_are_as_large_as_their_shader_says() {
         let scene = Builtin::Hall.scene();
-        for (traversal, stack_size) in Traversal::ALL.into_iter().flat_map(|t| [8, 40, 256].map(|size| (t, size))) {
+        for (traversal, stack_size) in Traversal::ALL.iter().flat_map(|&t| [8, 40, 256].map(|size| (t, size))) {
             let packed = crate::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
             let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
             let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.text(&with)).unwrap();

@@ -14,7 +14,7 @@ use std::{collections::BTreeSet, ops::ControlFlow, sync::Arc, time::Duration};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Error, Method, Options, Overlap, Pose, Progress, Renderer, Statistics, UploadedScene,
+    Error, Method, Options, Pose, Progress, Renderer, Statistics, UploadedScene,
     layout::WORKGROUP,
     variant::{Kept, Variant},
 };
@@ -52,7 +52,6 @@ impl Renderer {
     ) -> Result<Traced, Error> {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, pose, scene);
-        method.check()?;
         if !self.steps.always
             && let Some(traced) = self.trace_at_once(scene, pose, options, method, progress).await?
         {
@@ -161,7 +160,7 @@ fn effective(method: Method, pose: &Pose, scene: &UploadedScene) -> Method {
     match method {
         Method::Naive => Method::Naive,
         _ if pose.interaxial == 0.0 => Method::Ideal,
-        Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. } if scene.ids.is_empty() => Method::Naive,
+        Method::Auto | Method::Bracket(_) if scene.ids.is_empty() => Method::Naive,
         method => method,
     }
 }

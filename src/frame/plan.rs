@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use super::{driver::Driver, targets::Target};
 use crate::{
-    Error, Method, Overlap, ShadowReuse,
+    BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
     kernels::{Kernel, Touches},
-    method::{BufferDepth, Verify},
     steps::{bracket, compose, host, reproject, resolve, trace},
 };
 
@@ -121,44 +120,42 @@ impl Plan {
     pub(crate) fn of(method: Method) -> Self {
         let bits = match method {
             Method::Auto => ShadowReuse::Two,
-            Method::Reuse { overlap: Overlap::Bracket(shadows), .. } => shadows,
+            Method::Bracket(shadows) => shadows,
             _ => ShadowReuse::Rays,
         };
         let right = match method {
             Method::Auto | Method::Naive => RightView::Traced,
             Method::Ideal => RightView::Left,
-            Method::Reuse { overlap: Overlap::Bracket(_), .. } => RightView::Bracketed,
-            Method::Reuse { .. } => RightView::Marked,
+            Method::Bracket(_) => RightView::Bracketed,
+            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) => RightView::Marked,
         };
         let left = trace::view(Eye::Left);
+        let composed = compose::of(right);
         let stages = match method {
-            Method::Naive => vec![Stage::Bands(join([left, trace::view(Eye::Right), compose::of(right)]))],
-            Method::Ideal => vec![Stage::Bands(join([left, compose::of(right)]))],
+            Method::Naive => vec![Stage::Bands(join([left, trace::view(Eye::Right), composed]))],
+            Method::Ideal => vec![Stage::Bands(join([left, composed]))],
             Method::Auto => vec![Stage::Bands(join([left, bracket::bound()])), Stage::Host(Host::Choose)],
-            Method::Reuse { overlap, verify } => {
-                let (mut stages, carried) = match overlap {
-                    Overlap::Atomic => (Vec::new(), join([left, reproject::atomic()])),
-                    Overlap::Scanline => (Vec::new(), join([left, reproject::scanline()])),
-                    Overlap::Sequential => (vec![Stage::Bands(left), Stage::Host(Host::Sweep)], Vec::new()),
-                    Overlap::Buffer(depth) => {
-                        let range = if depth == BufferDepth::Adaptive { reproject::depth_range() } else { Vec::new() };
-                        let sized = vec![Stage::Bands(join([left, range])), Stage::Host(Host::SizeSlots(depth))];
-                        (sized, reproject::slots())
-                    }
-                    Overlap::Bracket(_) => (Vec::new(), join([left, bracket::bound()])),
-                };
-                let resolved = match overlap {
-                    Overlap::Bracket(_) => bracket::resolve(),
-                    _ => resolve::of(verify),
-                };
-                let rest = join([resolved, compose::of(right)]);
-                // An edge, and a block of left samples, reach into the rows above and below: these must be there.
-                if verify == Verify::Edges || overlap == Overlap::Bracket(ShadowReuse::Block) {
-                    stages.extend([Stage::Bands(carried), Stage::Bands(rest)]);
-                } else {
-                    stages.push(Stage::Bands(join([carried, rest])));
-                }
-                stages
+            Method::Atomic(check) => {
+                let carried = join([left, reproject::atomic()]);
+                banded(carried, join([resolve::of(check), composed]), check == Check::Edges)
+            }
+            Method::Buffer(depth, check) => {
+                let range = if depth == BufferDepth::Adaptive { reproject::depth_range() } else { Vec::new() };
+                let rest = join([resolve::of(check), composed]);
+                let sized = vec![Stage::Bands(join([left, range])), Stage::Host(Host::SizeSlots(depth))];
+                [sized, banded(reproject::slots(), rest, check == Check::Edges)].concat()
+            }
+            // What the sweep leaves is trusted: it has cleared the gaps.
+            Method::Sweep(Sweep::Scanline) => {
+                vec![Stage::Bands(join([left, reproject::scanline(), resolve::of(Check::None), composed]))]
+            }
+            Method::Sweep(Sweep::Sequential) => {
+                let rest = join([resolve::of(Check::None), composed]);
+                vec![Stage::Bands(left), Stage::Host(Host::Sweep), Stage::Bands(rest)]
+            }
+            Method::Bracket(shadows) => {
+                let rest = join([bracket::resolve(), composed]);
+                banded(join([left, bracket::bound()]), rest, shadows == ShadowReuse::Block)
             }
         };
         Self { stages, bits, right }
@@ -207,6 +204,15 @@ pub(crate) fn by_naive() -> Vec<Step> {
 /// How `Auto` goes on where it chooses `bracket`.
 pub(crate) fn by_bracket() -> Vec<Step> {
     join([bracket::resolve(), compose::of(RightView::Traced)])
+}
+
+/// Two runs of steps, band by band together. Where the second one reaches into the rows above and below (an edge, and a block
+/// of left samples do), these must be there: all bands of the first before it begins.
+fn banded(first: Vec<Step>, second: Vec<Step>, reaches_out: bool) -> Vec<Stage> {
+    match reaches_out {
+        true => vec![Stage::Bands(first), Stage::Bands(second)],
+        false => vec![Stage::Bands(join([first, second]))],
+    }
 }
 
 fn join<const N: usize>(parts: [Vec<Step>; N]) -> Vec<Step> {

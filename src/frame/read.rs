@@ -6,8 +6,8 @@ use super::{
     targets::{Shape, Target, Targets},
 };
 use crate::{
-    Error, GBuffer, Method, Options, Overlap, PixelSource, Pose, Rays, Renderer, ShadowSource, Statistics, StereoPair,
-    UploadedScene, Verify, View, Work, layout, variant::Kept,
+    Check, Error, GBuffer, Method, Options, PixelSource, Pose, Rays, Renderer, ShadowSource, Statistics, StereoPair,
+    UploadedScene, View, Work, layout, variant::Kept,
 };
 
 impl Renderer {
@@ -34,9 +34,9 @@ impl Renderer {
         let (primary, verification, reused) = match method {
             Method::Naive | Method::Auto => (pixels, 0, 0),
             Method::Ideal => (0, 0, pixels),
-            Method::Reuse { overlap, verify } => {
+            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) | Method::Bracket(_) => {
                 let landed = pixels - missed;
-                let checked = verify == Verify::All && !matches!(overlap, Overlap::Bracket(_));
+                let checked = matches!(method, Method::Atomic(Check::All) | Method::Buffer(_, Check::All));
                 (bad + missed, if checked { landed } else { 0 }, landed - bad)
             }
         };

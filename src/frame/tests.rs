@@ -1,7 +1,9 @@
+use std::num::NonZeroU32;
+
 use glam::Vec3;
 
 use super::{plan::Stage, *};
-use crate::{BufferDepth, Gpu, Scene, StereoCamera, Traversal, Verify, layout, random::Random};
+use crate::{BufferDepth, Check, Gpu, Scene, StereoCamera, Traversal, layout, random::Random};
 
 #[test]
 fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
@@ -76,27 +78,33 @@ fn every_traversal_gives_the_same_pair() {
     let spheres_and_triangles = Builtin::Near;
     for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
         let camera = builtin.camera(65, 40);
-        let pairs = Traversal::ALL.map(|traversal| {
+        let pairs = Vec::from_iter(Traversal::ALL.iter().map(|&traversal| {
             let mut renderer = Renderer::with_traversal(renderer(BAND_PIXELS).gpu, traversal);
             let uploaded = renderer.upload(&builtin.scene()).unwrap();
             let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
             // Which of several occluders is kept, and so how many rays it spares, is the traversal's.
             pair.statistics = Statistics::default();
             pair
-        });
+        }));
         for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
             assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
         }
     }
 }
 
+const TRUSTING: Method = Method::Atomic(Check::None);
+
+fn buffer(depth: BufferDepth) -> Method {
+    Method::Buffer(depth, Check::None)
+}
+
 /// Runs reprojection alone on given left depths.
-fn reproject(pose: &Pose, depths: &[f32], overlap: Overlap) -> (Vec<u32>, u64) {
+fn reproject(pose: &Pose, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, the left view's.
-        let mut plan = Plan::of(Method::Reuse { overlap, verify: Verify::None });
+        let mut plan = Plan::of(method);
         let Stage::Bands(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let used = plan.targets();
@@ -139,8 +147,8 @@ fn the_index_buffer_equals_a_sequential_computation() {
             .collect();
         let expected = crate::cpu::reproject::reproject(&crate::cpu::Frame::new(&pose), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
-        for overlap in [Overlap::Atomic, Overlap::Buffer(BufferDepth::Adaptive)] {
-            assert_eq!(reproject(&pose, &depths, overlap).0, expected, "{overlap:?} {interaxial_px}");
+        for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
+            assert_eq!(reproject(&pose, &depths, method).0, expected, "{method} {interaxial_px}");
         }
     }
 }
@@ -152,7 +160,7 @@ fn samples_land_where_the_closed_form_says_ties_included() {
     let land = |column: usize, z: f32| {
         let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
         depths[column] = z;
-        let source = reproject(&pose, &depths, Overlap::Atomic).0;
+        let source = reproject(&pose, &depths, TRUSTING).0;
         source.iter().position(|&source| source == column as u32 + 1)
     };
     assert_eq!(land(20, 4.0), Some(20), "on the screen");
@@ -175,10 +183,10 @@ fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
     let pose = pose([40, 1], 8.0);
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
-    let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::TwiceInteraxial));
+    let (source, lost) = reproject(&pose, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
     // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
-    let (source, lost) = reproject(&pose, &depths, Overlap::Buffer(BufferDepth::Fixed(18)));
+    let (source, lost) = reproject(&pose, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
     assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
 }
 

@@ -48,7 +48,7 @@ pub enum Builtin {
 
 impl Builtin {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
+    pub const ALL: &'static [Self] = &[Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
 
     /// The name it has on a command line.
     pub fn name(self) -> &'static str {
@@ -98,8 +98,8 @@ impl FromStr for Builtin {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.into_iter().find(|scene| scene.name() == name);
-        found.ok_or_else(|| Error::unknown_name("built-in scene", name, &Self::ALL))
+        let found = Self::ALL.iter().copied().find(|scene| scene.name() == name);
+        found.ok_or_else(|| Error::unknown_name("built-in scene", name, Self::ALL))
     }
 }
 
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn every_scene_builds_and_has_lights_and_a_valid_camera() {
-        for builtin in Builtin::ALL {
+        for &builtin in Builtin::ALL {
             let scene = builtin.scene();
             scene.check().unwrap();
             assert_eq!(scene.lights.len(), 5, "{builtin}");
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_name_parses_back_and_an_unknown_one_lists_the_names() {
-        for builtin in Builtin::ALL {
+        for &builtin in Builtin::ALL {
             assert_eq!(builtin.to_string().parse::<Builtin>().unwrap(), builtin);
         }
         let message = "sponza".parse::<Builtin>().unwrap_err().to_string();

@@ -11,7 +11,7 @@ use crate::{
         Kernel, Touches,
     },
     layout::TO_TRACE,
-    method::Verify,
+    method::Check,
     variant::part,
 };
 
@@ -36,12 +36,12 @@ pub(crate) const TRACE_LISTED: Kernel = Kernel {
     main: part!("trace_listed.wgsl"),
 };
 
-pub(crate) fn of(verify: Verify) -> Vec<Step> {
-    let mut steps = if verify == Verify::Edges { edges::mark() } else { Vec::new() };
-    let check = match verify {
-        Verify::All => right(&RESOLVE_RIGHT, Launch::Pixels),
-        Verify::Gaps | Verify::Edges | Verify::None => right(&RESOLVE_TRUSTED, Launch::Pixels),
+pub(crate) fn of(check: Check) -> Vec<Step> {
+    let mut steps = if check == Check::Edges { edges::mark() } else { Vec::new() };
+    let checked = match check {
+        Check::All => right(&RESOLVE_RIGHT, Launch::Pixels),
+        Check::Edges | Check::None => right(&RESOLVE_TRUSTED, Launch::Pixels),
     };
-    steps.extend([Step::EmptyLists, check.named(RESOLVE_RIGHT.name), right(&TRACE_LISTED, Launch::Listed(TO_TRACE))]);
+    steps.extend([Step::EmptyLists, checked.named(RESOLVE_RIGHT.name), right(&TRACE_LISTED, Launch::Listed(TO_TRACE))]);
     steps
 }

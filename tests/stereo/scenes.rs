@@ -11,9 +11,13 @@ fn an_empty_scene_and_one_without_lights_render() {
     let mut scene = Scene::new();
     scene.sky = stereotrace::Sky::Constant(Vec3::new(0.5, 0.25, 0.0));
     let camera = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(17, 9);
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render(&scene, &camera, method);
-        assert!(pair.right.rgba8.iter().all(|pixel| *pixel == [188, 137, 0, 255]), "{name} {:?}", pair.right.rgba8[0]);
+        assert!(
+            pair.right.rgba8.iter().all(|pixel| *pixel == [188, 137, 0, 255]),
+            "{method} {:?}",
+            pair.right.rgba8[0]
+        );
     }
     let mut dark = Builtin::Hall.scene();
     dark.lights.clear();
@@ -29,9 +33,9 @@ fn an_eye_in_the_plane_of_a_wall_is_no_fault() {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
     scene.add_mesh(&common::mesh(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(16, 16).interaxial(0.1);
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render(&scene, &camera, method);
-        assert_eq!(pair.left.depth.len(), 256, "{name}");
+        assert_eq!(pair.left.depth.len(), 256, "{method}");
     }
 }
 
@@ -98,13 +102,13 @@ fn every_effort_at_the_tree_gives_the_same_picture() {
     let camera = Builtin::Hall.camera(64, 48);
     let mut renderer = renderer();
     let exact = common::is_exact(&renderer);
-    let pairs = BvhBuild::ALL.map(|build| {
+    let pairs = Vec::from_iter(BvhBuild::ALL.iter().map(|&build| {
         let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).unwrap();
         let info = uploaded.info();
         assert!(info.node_bytes > 0 && info.primitive_bytes > 0 && !info.build.is_zero() && !info.upload.is_zero());
         let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).counting()).unwrap();
         (pair.left.linear, pair.right.primitive, pair.statistics.left.nodes)
-    });
+    }));
     for (build, pair) in BvhBuild::ALL.iter().zip(&pairs) {
         assert!(!exact || (&pair.0, &pair.1) == (&pairs[0].0, &pairs[0].1), "{build:?}");
     }
