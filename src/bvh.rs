@@ -10,6 +10,7 @@ pub(crate) type Texel = [u32; 4];
 
 /// How much time goes into the tree: docs/TRAVERSAL.md has what each costs and brings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum BvhBuild {
     /// Quickly: for scenes that change with every picture.
     Fast,

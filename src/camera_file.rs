@@ -96,7 +96,7 @@ impl Scene {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
             let read = fields.and_then(|fields| {
                 let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
-                Ok(PointLight { position, intensity })
+                Ok(PointLight::new(position, intensity))
             });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
@@ -112,7 +112,7 @@ fn fault(path: &Path, name: &str, reason: String) -> Error {
 
 /// The fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
-    let bytes = input::read(path, limits.json_bytes, limits.raised_by[0])?;
+    let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);
@@ -207,7 +207,7 @@ mod tests {
         let lamp = r#""lights": [{ "position": [1, 2, 3], "intensity": [0.5, 0.25, 0] }]"#;
         let (read, scene) = light("lights", &format!(r#""ambient": [0.1, 0.2, 0.3], {lamp}"#));
         assert!(read.unwrap());
-        let expected = PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(0.5, 0.25, 0.0) };
+        let expected = PointLight::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.5, 0.25, 0.0));
         assert_eq!((scene.ambient, scene.lights), (Some(Vec3::new(0.1, 0.2, 0.3)), vec![expected]));
         let (read, scene) = light("no_ambient", lamp);
         assert!(read.unwrap());

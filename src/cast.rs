@@ -75,11 +75,11 @@ impl Renderer {
     /// the list are traced together: the more alike they are, the faster.
     ///
     /// ```
-    /// use stereotrace::{Gpu, Ray, Renderer, Scene, Sphere, glam::Vec3};
+    /// use stereotrace::{Gpu, Material, Ray, Renderer, Scene, Sphere, glam::Vec3};
     ///
     /// let mut scene = Scene::new();
-    /// let grey = scene.add_material("grey", Vec3::splat(0.5));
-    /// scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: grey })?;
+    /// let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
+    /// scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, grey))?;
     /// let mut renderer = Renderer::new(Gpu::new()?);
     /// let uploaded = renderer.upload(&scene)?;
     /// let cast = renderer.closest_hits(&uploaded, 4.0 * Vec3::Z, &[Ray::new(-Vec3::Z), Ray::new(Vec3::Z)])?;

@@ -19,9 +19,11 @@ use crate::{Error, Gpu};
 pub struct Limits {
     pub(crate) file_bytes: u64,
     pub(crate) json_bytes: u64,
-    pub(crate) sky_pixels: u64,
+    sky_pixels: u64,
+    /// The most that the adapter can hold.
+    adapter_pixels: u64,
     /// What messages say that the limits on files and on skies are raised by.
-    pub(crate) raised_by: [&'static str; 2],
+    pub(crate) option_names: [&'static str; 2],
 }
 
 impl Default for Limits {
@@ -30,7 +32,8 @@ impl Default for Limits {
             file_bytes: 1 << 30,
             json_bytes: 16 << 20,
             sky_pixels: (128 << 20) / SKY_PIXEL_BYTES,
-            raised_by: ["Limits"; 2],
+            adapter_pixels: u64::MAX,
+            option_names: ["Limits"; 2],
         }
     }
 }
@@ -61,15 +64,22 @@ impl Limits {
 
     /// What messages say that the limits are raised by, those on files and the one on skies: a program's own options,
     /// where its user has some. `Limits` where nothing is said.
-    pub fn raised_by(mut self, files: &'static str, skies: &'static str) -> Self {
-        self.raised_by = [files, skies];
+    pub fn option_names(mut self, files: &'static str, skies: &'static str) -> Self {
+        self.option_names = [files, skies];
         self
     }
 
-    /// Lowers the limit on skies to what this adapter can hold, so that a larger one is refused before it is decoded.
-    pub fn within(mut self, gpu: &Gpu) -> Self {
-        self.sky_pixels = self.sky_pixels.min(gpu.largest_table());
+    /// The device that skies are for: one that it can't hold is refused before it is decoded, whatever
+    /// [`Limits::sky_pixels`] says.
+    pub fn gpu(mut self, gpu: &Gpu) -> Self {
+        self.adapter_pixels = gpu.largest_table();
         self
+    }
+
+    /// The largest sky that both the caller and the adapter take.
+    #[cfg(feature = "sky")]
+    pub(crate) fn largest_sky(&self) -> u64 {
+        self.sky_pixels.min(self.adapter_pixels)
     }
 }
 

@@ -23,6 +23,7 @@ pub struct Options {
 
 /// What is kept of each pixel besides its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum GBuffer {
     /// Depth and the ids of primitive and object.
     #[default]
@@ -39,21 +40,27 @@ impl Options {
         Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids }
     }
 
-    /// Keeps no more of each pixel than said.
-    pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
+    /// How the right view is made.
+    pub fn method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Whether BVH nodes and primitive tests are counted (slower).
+    pub fn count(mut self, count: bool) -> Self {
+        self.count = count;
+        self
+    }
+
+    /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
+    pub fn cost_map(mut self, cost_map: bool) -> Self {
+        self.cost_map = cost_map;
+        self
+    }
+
+    /// What is kept of each pixel besides its colour.
+    pub fn g_buffer(mut self, g_buffer: GBuffer) -> Self {
         self.g_buffer = g_buffer;
-        self
-    }
-
-    /// Keeps what each pixel cost.
-    pub fn mapping_costs(mut self) -> Self {
-        self.cost_map = true;
-        self
-    }
-
-    /// Counts BVH nodes and primitive tests too.
-    pub fn counting(mut self) -> Self {
-        self.count = true;
         self
     }
 }
@@ -86,7 +93,7 @@ pub struct Progress {
 /// let mut renderer = Renderer::new(Gpu::new()?);
 /// let uploaded = renderer.upload(&scene)?;
 /// for method in [Method::Naive, Method::ATOMIC] {
-///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).counting())?;
+///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).count(true))?;
 ///     println!("{method}: second eye {:.2} of the first", pair.statistics.second_eye());
 /// }
 /// # Ok::<(), stereotrace::Error>(())

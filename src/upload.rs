@@ -131,7 +131,7 @@ impl Renderer {
         let packed = bvh::build(scene, build, self.traversal.boxes)?;
         let built = started.elapsed();
         let fetch = fetch_that_fits(&self.gpu, self.traversal.fetch, scene, &packed)?;
-        let traversal = Traversal { fetch, ..self.traversal };
+        let traversal = self.traversal.fetch(fetch);
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
         let upload = || {

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{RandomScene, ball, is_exact, mesh, random::Random, renderer};
+use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    MISS, MaterialId, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
+    MISS, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
     camera::{MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
     glam::Vec3,
     scene::{MAX_COORDINATE, MIN_EXTENT},
@@ -128,15 +128,15 @@ fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
     for mut part in [ball(target, radius, 40), {
         let corners: Vec<Vec3> = source.triangles().iter().flat_map(|triangle| triangle.corners).collect();
         let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-        mesh(corners, faces)
+        Mesh::new(corners, faces)
     }] {
         part.positions.iter_mut().for_each(|position| *position *= scale);
         scene.add_mesh(&part).unwrap();
     }
     for sphere in source.spheres() {
-        scene.add_sphere(Sphere { center: sphere.center * scale, radius: sphere.radius * scale, ..*sphere }).unwrap();
+        scene.add_sphere(Sphere::new(sphere.center * scale, sphere.radius * scale, sphere.material)).unwrap();
     }
-    scene.lights.push(PointLight { position: Vec3::new(1.0, 3.0, 2.0) * scale, intensity: Vec3::splat(0.5) });
+    scene.lights.push(PointLight::new(Vec3::new(1.0, 3.0, 2.0) * scale, Vec3::splat(0.5)));
     scene
 }
 
@@ -211,7 +211,7 @@ fn framed(renderer: &mut Renderer, scene: &Scene) -> StereoPair {
 
 fn triangle(corners: [Vec3; 3]) -> Scene {
     let mut scene = Scene::new();
-    scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
+    scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
     scene
 }
 
@@ -230,7 +230,7 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
 
     let sphere = |center: Vec3, radius: f32| {
         let mut scene = Scene::new();
-        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+        scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
         scene
     };
     for (small, side) in [
@@ -247,6 +247,6 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     // Far from the origin its box is no step of f32 across, and the sphere is as good as any.
     framed(&mut renderer, &sphere(Vec3::splat(1e6), 1e-3));
     let mut mixed = triangle(shape.map(|corner| corner * 1e-30));
-    mixed.add_sphere(Sphere { center: Vec3::X, radius: 0.1, material: MaterialId(0) }).unwrap();
+    mixed.add_sphere(Sphere::new(Vec3::X, 0.1, MaterialId(0))).unwrap();
     framed(&mut renderer, &mixed);
 }

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{RandomScene, ball, is_exact, mesh, random::Random, renderer};
+use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    Error, FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
+    Error, FAR, MISS, Mesh, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
     cpu::{Eye, Frame, intersect::closest_hit},
     glam::Vec3,
 };
@@ -111,7 +111,7 @@ fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
             |i: u32| center + Vec3::new((i % 21) as f32 * 0.3 - 3.0, (i / 21) as f32 * 0.3 - 3.0, -2.0) * scale;
         let quads = (0..400).map(|i| i / 20 * 21 + i % 20);
         let sheet = quads.flat_map(|i| [[i, i + 1, i + 22], [i, i + 22, i + 21]]).collect();
-        scene.add_mesh(&mesh((0..441).map(corner).collect(), sheet)).unwrap();
+        scene.add_mesh(&Mesh::new((0..441).map(corner).collect(), sheet)).unwrap();
         let eye = center + Vec3::new(0.2, 0.1, 5.0) * scale * away;
         // Through middles, corners and edges: at a corner a ray touches the very corner of a box.
         let targets = scene.triangles().iter().flat_map(|triangle| {

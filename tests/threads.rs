@@ -73,10 +73,10 @@ fn every_method(worker: &mut Worker<'_>) -> String {
 fn every_option(worker: &mut Worker<'_>) -> String {
     let plain = Options::new(Method::BRACKET);
     let options = [
-        plain.clone().counting(),
-        plain.clone().mapping_costs(),
-        plain.clone().keeping(GBuffer::Depth),
-        plain.keeping(GBuffer::None),
+        plain.clone().count(true),
+        plain.clone().cost_map(true),
+        plain.clone().g_buffer(GBuffer::Depth),
+        plain.g_buffer(GBuffer::None),
     ];
     options.map(|options| text(&worker.pair(&options))).concat()
 }

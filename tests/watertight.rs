@@ -5,7 +5,7 @@ mod solids;
 
 use std::collections::HashSet;
 
-use common::{mesh, random::Random, renderer};
+use common::{random::Random, renderer};
 use solids::{Solid, solids};
 use stereotrace::{
     MISS, Mesh, Ray, Renderer, Scene, UploadedScene,
@@ -31,7 +31,7 @@ impl Placed {
     }
 
     fn mesh(&self, solid: &Solid) -> Mesh {
-        mesh(self.positions.clone(), solid.triangles.clone())
+        Mesh::new(self.positions.clone(), solid.triangles.clone())
     }
 
     /// A point of the world in the solid's own coordinates.

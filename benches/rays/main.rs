@@ -13,7 +13,7 @@ mod obvhs_tracer;
 use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
-use stereotrace::{Boxes, Fetch, Gpu, RaysPerLane, Renderer, Traversal, UploadedScene};
+use stereotrace::{Gpu, Renderer, Traversal, UploadedScene};
 
 use crate::{
     common::{
@@ -108,23 +108,6 @@ impl Device {
     fn new(gpu: &Gpu, traversal: Traversal) -> Self {
         Self { traversal, renderer: Renderer::with_traversal(gpu.clone(), traversal) }
     }
-
-    fn name(&self) -> String {
-        let Traversal { fetch, boxes, rays } = self.traversal;
-        let fetch = match fetch {
-            Fetch::Texture => "textures",
-            Fetch::Buffer => "buffers",
-        };
-        let boxes = match boxes {
-            Boxes::Grid16 => "16-bit",
-            Boxes::F32 => "f32",
-        };
-        let rays = match rays {
-            RaysPerLane::One => "1 ray",
-            RaysPerLane::Four => "4 rays",
-        };
-        format!("{fetch}, {boxes}, {rays}")
-    }
 }
 
 /// Prints a line for each kind of ray and each variant.
@@ -167,7 +150,7 @@ fn measure(
                 "| {} | {} | {millions:.2} | {} | {:.2} | {:.2}..{:.2} | {:.2} | {:.2}..{:.2} | {:.2} | {:.3} |",
                 scenes::title(name),
                 kind.name,
-                device.name(),
+                device.traversal,
                 rate.median,
                 rate.min,
                 rate.max,

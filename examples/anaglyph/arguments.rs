@@ -140,7 +140,7 @@ impl Arguments {
     }
 
     fn limits(&self) -> Limits {
-        let mut limits = Limits::default().raised_by("--max-file", "--max-sky");
+        let mut limits = Limits::default().option_names("--max-file", "--max-sky");
         if let Some(mebibytes) = self.max_file {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);
@@ -156,7 +156,7 @@ impl Arguments {
         match &self.sky {
             None => {}
             Some(name) if name.as_os_str() == "procedural" => scene.sky = Sky::Map(SkyMap::procedural(1024)?),
-            Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().within(gpu))?),
+            Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().gpu(gpu))?),
         }
         Ok(())
     }

@@ -115,7 +115,7 @@ mod tests {
 
     /// A hall by its own lights, spheres among triangles under a gradient, and lights so far off that rays start at surfaces.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
-        let far = PointLight { position: Vec3::new(3e5, 8e5, 2e5), intensity: Vec3::splat(0.4) };
+        let far = PointLight::new(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
         let (hall, near) = (Builtin::Hall, Builtin::Near);
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn a_step_too_long_for_the_adapter_is_an_error_and_ends() {
         let (scene, camera) = (&mut Scene::new(), Builtin::Hall.camera(9, 5));
-        scene.lights = vec![PointLight { position: Vec3::Y, intensity: Vec3::ONE }; 70_000];
+        scene.lights = vec![PointLight::new(Vec3::Y, Vec3::ONE); 70_000];
         let mut renderer = Renderer::new(gpu());
         let uploaded = renderer.upload(scene).unwrap();
         let options = Options::new(Method::Naive);
@@ -214,7 +214,7 @@ mod tests {
         let mut renderer = Renderer::new(gpu());
         let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
         for g_buffer in [GBuffer::Ids, GBuffer::Depth, GBuffer::None] {
-            let options = Options::new(Method::Naive).keeping(g_buffer);
+            let options = Options::new(Method::Naive).g_buffer(g_buffer);
             renderer.steps = Steps::default();
             let expected = shown(renderer.render(&uploaded, &camera, &options).unwrap());
             renderer.steps = Steps { threads: 48 * 16, ..in_steps_of(1024) };

@@ -95,7 +95,7 @@ impl Renderer {
         statistics.buffer_depth = buffer_depth;
         statistics.intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
         if let Some(times) = statistics.times.as_mut().filter(|_| !host.is_zero()) {
-            times.0.insert(1, ("reproject_on_the_host", host));
+            times.passes.insert(1, ("reproject_on_the_host", host));
         }
         Ok(Some(Traced { statistics, targets, right }))
     }

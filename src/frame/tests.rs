@@ -51,7 +51,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     // Counting traces one ray a lane; those of the tiles' search are to be seen as they ship.
     let counted = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::BRACKET];
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
-    let counted = counted.map(|method| Options::new(method).counting());
+    let counted = counted.map(|method| Options::new(method).count(true));
     for options in counted.into_iter().chain(shipped.map(Options::new)) {
         let method = options.method;
         let [whole, banded] = [BAND_PIXELS, 130 * 16].map(|band_pixels| {

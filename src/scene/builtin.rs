@@ -14,7 +14,7 @@ use self::{
     shapes::Shape,
     spheres::{CLOUD_SCREEN, spheres},
 };
-use super::{MaterialId, PointLight, Scene};
+use super::{Material, MaterialId, PointLight, Scene};
 use crate::{Error, StereoCamera};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
@@ -110,11 +110,11 @@ pub(super) fn add(scene: &mut Scene, shape: Shape) {
 /// A colour as painters give it: sRGB, 0 to 255.
 pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
     let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
-    scene.add_material(name, Vec3::from_array(linear))
+    scene.add_material(Material::new(Vec3::from_array(linear)).name(name))
 }
 
 pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
-    PointLight { position: Vec3::from_array(position), intensity: Vec3::from_array(color) * strength }
+    PointLight::new(Vec3::from_array(position), Vec3::from_array(color) * strength)
 }
 
 #[cfg(test)]

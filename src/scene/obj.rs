@@ -125,7 +125,7 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
 fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
-    let bytes = input::read(path, limits.file_bytes, limits.raised_by[0])?;
+    let bytes = input::read(path, limits.file_bytes, limits.option_names[0])?;
     let count = bytes.len() as u64;
     let mut text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into());
     if text.starts_with('\u{feff}') {

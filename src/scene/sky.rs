@@ -90,14 +90,14 @@ impl SkyMap {
         Self::open_within(path, &Limits::default())
     }
 
-    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::within`] knows an adapter's.
+    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::gpu`] knows an adapter's.
     ///
     /// # Errors
     /// Those of [`SkyMap::open`].
     #[cfg(feature = "sky")]
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
-        let (file, _) = input::open(path, limits.file_bytes, limits.raised_by[0])?;
+        let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
         let (width, height, pixels) = picture::decode(file, limits)
             .map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
         Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
@@ -143,7 +143,7 @@ mod tests {
         let gpu = Gpu::open(&wanted).unwrap();
         // The larger one is uploaded in pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
-            let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal { fetch, ..Traversal::of(&gpu) });
+            let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
             let mut scene = Scene::new();
             scene.sky = Sky::Map(compass(width));
             let uploaded = renderer.upload(&scene).unwrap();

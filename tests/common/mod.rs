@@ -68,11 +68,6 @@ pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPai
     renderer.render(&uploaded, camera, &Options::new(method)).unwrap()
 }
 
-/// A mesh of one grey material.
-pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh { positions, triangles, materials: vec![MaterialId(0)], ..Mesh::default() }
-}
-
 /// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.
 pub fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
     let segments = 2 * rings;
@@ -102,5 +97,5 @@ pub fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
             }
         }
     }
-    mesh(positions, triangles)
+    Mesh::new(positions, triangles)
 }

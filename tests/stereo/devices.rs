@@ -72,7 +72,7 @@ fn limited(bytes: u64, side: u32) -> Gpu {
 fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_count_that_fits() {
     // The hall's primitives take 12 MiB.
     let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(33, 20));
-    let buffers = Traversal { fetch: Fetch::Buffer, rays: RaysPerLane::One, ..Traversal::of(&gpu()) };
+    let buffers = Traversal::of(&gpu()).fetch(Fetch::Buffer).rays(RaysPerLane::One);
     let whole = {
         let mut renderer = Renderer::with_traversal(gpu(), buffers);
         let uploaded = renderer.upload(&scene).unwrap();

@@ -81,7 +81,7 @@ fn a_smaller_g_buffer_changes_no_picture() {
     let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
     for &method in Method::ALL {
         let mut render =
-            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).keeping(g_buffer)).unwrap();
+            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).g_buffer(g_buffer)).unwrap();
         let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
         for less in [&depth, &none] {
             assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{method}");
@@ -108,7 +108,7 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
     let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
     for &method in Method::ALL {
         let plain = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).mapping_costs()).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).cost_map(true)).unwrap();
         assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{method}");
         assert!(plain.left.cost.is_empty() && plain.left.cost_picture(100).is_none());
         for (view, work) in [(&pair.left, pair.statistics.left), (&pair.right, pair.statistics.right)] {

@@ -39,7 +39,7 @@ pub(super) fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, 
         return colors(image::codecs::hdr::HdrDecoder::new(bytes), limits);
     }
     let mut format_limits = image::Limits::default();
-    format_limits.max_alloc = Some(limits.sky_pixels.saturating_mul(size_of::<Vec3>() as u64));
+    format_limits.max_alloc = Some(limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64));
     reader.limits(format_limits);
     colors(reader.into_decoder(), limits)
 }
@@ -57,8 +57,8 @@ fn colors(
     if !is_map(width, height) {
         return Err(format!("{width}x{height} pixels make no map, which has an even width"));
     }
-    if count > limits.sky_pixels {
-        let (limit, [_, raised_by]) = (limits.sky_pixels, limits.raised_by);
+    if count > limits.largest_sky() {
+        let (limit, [_, raised_by]) = (limits.largest_sky(), limits.option_names);
         return Err(format!(
             "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by {raised_by}, up to what the adapter holds"
         ));
@@ -213,8 +213,8 @@ mod tests {
         // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
         let gpu = Gpu::open(&wanted).unwrap();
-        let most = Limits::default().sky_pixels(u64::MAX).within(&gpu).sky_pixels;
-        assert!(most < u64::MAX && most >= Limits::default().sky_pixels, "{most}");
-        assert_eq!(Limits::default().sky_pixels(9).within(&gpu).sky_pixels, 9);
+        let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
+        assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
+        assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);
     }
 }
