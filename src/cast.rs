@@ -88,8 +88,8 @@ impl Renderer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::Scene`] for a scene that
-    /// another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::ForeignScene`] for a scene
+    /// that another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub fn closest_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
         let cast =
             pollster::block_on(self.cast::<[u32; 2]>(scene, origin, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;

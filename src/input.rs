@@ -2,6 +2,7 @@
 
 use std::{
     fs::{self, File, FileType},
+    io::{self, ErrorKind},
     path::Path,
 };
 
@@ -86,8 +87,8 @@ impl Limits {
 /// Opens a regular file of at most `limit` bytes, and says how many it has. A message says what raises the limit.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be opened; [`Error::File`] for what is no regular file, which may have no end or wait for ever,
-/// and for a file over the limit.
+/// [`Error::Io`] if it can't be opened, and for what is no regular file, which may have no end or wait for ever;
+/// [`Error::TooLarge`] for a file over the limit.
 pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u64), Error> {
     let io = |source| Error::io(path, source);
     // Before it is opened too: opening a pipe waits for one who writes into it.
@@ -97,9 +98,12 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     check_type(path, metadata.file_type())?;
     let bytes = metadata.len();
     if bytes > limit {
-        let reason =
-            format!("the file has {bytes} bytes, over the limit of {limit}; raise it by {raised_by}, if it is right");
-        return Err(Error::file(path, None, reason));
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("the file has {bytes} bytes"),
+            limit,
+            remedy: format!("raise it by {raised_by}, if it is right"),
+        });
     }
     Ok((file, bytes))
 }
@@ -119,6 +123,9 @@ fn check_type(path: &Path, found: FileType) -> Result<(), Error> {
     if found.is_file() {
         return Ok(());
     }
-    let what = if found.is_dir() { "a folder" } else { "a pipe, a socket or a device" };
-    Err(Error::file(path, None, format!("it is {what}; only regular files are read")))
+    let (kind, what) = match found.is_dir() {
+        true => (ErrorKind::IsADirectory, "a folder"),
+        false => (ErrorKind::InvalidInput, "a pipe, a socket or a device"),
+    };
+    Err(Error::io(path, io::Error::new(kind, format!("it is {what}; only regular files are read"))))
 }

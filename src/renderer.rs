@@ -166,7 +166,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
-    /// [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
+    /// [`Error::Cancelled`] if `progress` breaks, [`Error::ForeignScene`] for a scene that another
     /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,

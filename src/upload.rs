@@ -92,13 +92,12 @@ impl UploadedScene {
     }
 
     /// # Errors
-    /// [`Error::Scene`] if another [`Gpu`] holds it.
+    /// [`Error::ForeignScene`] if another [`Gpu`] holds it.
     pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {
         if self.gpu.is(gpu) {
             return Ok(());
         }
-        let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
-        Err(Error::Scene { element: "uploaded scene".into(), reason })
+        Err(Error::ForeignScene)
     }
 }
 

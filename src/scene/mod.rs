@@ -207,9 +207,9 @@ impl Scene {
     /// lines and points, and the like. The scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if it is no regular
-    /// file or larger than [`Limits`] says, or if its content is wrong: numbers that don't parse or are not finite,
-    /// indices out of range, no faces at all.
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
+    /// [`Error::Parse`], naming the line where it is known, if its content is wrong: numbers that don't parse or are not
+    /// finite, indices out of range, no faces at all.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_obj_within(path, &Limits::default())

@@ -83,8 +83,8 @@ impl SkyMap {
     /// decoded; decoding takes 12 bytes a pixel, beside what the format itself needs.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read, [`Error::File`] if it is no such picture or no sky, no regular file, or
-    /// larger than [`Limits`] says, as a file or in pixels.
+    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
+    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or no sky.
     #[cfg(feature = "sky")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
@@ -98,9 +98,8 @@ impl SkyMap {
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
-        let (width, height, pixels) = picture::decode(file, limits)
-            .map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
-        Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
+        let (width, height, pixels) = picture::decode(path, file, limits)?;
+        Self::new(width, height, pixels).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
     }
 
     /// Width and height in pixels.

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
 use super::PRINTED_WARNINGS;
-use crate::Error;
+use crate::{Error, error::located};
 
 /// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
 pub(super) struct Warnings<'a> {
@@ -55,7 +55,7 @@ impl<'a> Warnings<'a> {
 
     /// As errors are written, so that both quote files alike.
     fn log(&self, line: Option<usize>, text: String) {
-        log::warn!("{}", Error::file(self.path, line, text));
+        log::warn!("{}", located(self.path, line, &text));
     }
 }
 
