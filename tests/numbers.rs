@@ -138,21 +138,21 @@ fn more_lights_than_a_scene_can_have_are_refused() {
 
 #[test]
 fn any_number_makes_a_ray_an_answer_or_an_error() {
-    let mut renderer = renderer();
+    let renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
     for number in NUMBERS {
         let rays = [
-            Ray::new(Vec3::new(number, 0.0, 0.0)),
-            Ray { t_min: number, ..Ray::new(-Vec3::Z) },
-            Ray { t_max: number, ..Ray::new(-Vec3::Z) },
+            Ray::new(Vec3::ZERO, Vec3::new(number, 0.0, 0.0)),
+            Ray::new(Vec3::ZERO, -Vec3::Z).t_min(number),
+            Ray::new(Vec3::ZERO, -Vec3::Z).t_max(number),
         ];
         for ray in rays {
-            match renderer.closest_hits(&uploaded, Vec3::ZERO, &[ray]) {
+            match renderer.closest_hits(&uploaded, &[ray]) {
                 Ok(cast) => assert!(!cast.hits[0].t.is_nan(), "{ray:?}"),
                 Err(error) => assert!(matches!(error, Error::Ray { .. }), "{error}"),
             }
         }
-        let error = renderer.any_hits(&uploaded, Vec3::splat(number), &[Ray::new(-Vec3::Z)]).err();
+        let error = renderer.any_hits(&uploaded, &[Ray::new(Vec3::splat(number), -Vec3::Z)]).err();
         assert_eq!(error.is_some(), !number.is_finite(), "{number}");
     }
 }

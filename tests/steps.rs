@@ -61,19 +61,19 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
 #[test]
 fn rays_of_a_list_meet_all_of_sixty_thousand_triangles() {
     let scene = stack_of_triangles(60_000);
-    let mut renderer = renderer();
+    let renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let mut random = Random::new(4);
     let origin = 5.0 * Vec3::Z;
-    let rays: Vec<Ray> = (0..37).map(|_| Ray::new(random.point(1.0) - 3.0 * Vec3::Z)).collect();
-    let closest = renderer.closest_hits(&uploaded, origin, &rays).unwrap().hits;
+    let rays: Vec<Ray> = (0..37).map(|_| Ray::new(origin, random.point(1.0) - 3.0 * Vec3::Z)).collect();
+    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
     for (ray, hit) in rays.iter().zip(&closest) {
         assert_eq!(hit.primitive, closest_hit(&scene, origin, ray.direction, 0.0, FAR).1);
     }
     let farthest = closest.iter().map(|hit| hit.t).filter(|t| t.is_finite()).fold(0.0, f32::max);
-    let past: Vec<Ray> = rays.iter().map(|ray| Ray { t_min: 2.0 * farthest, ..*ray }).collect();
-    assert!(renderer.any_hits(&uploaded, origin, &rays).unwrap().hits.iter().any(|&hit| hit));
-    assert!(renderer.any_hits(&uploaded, origin, &past).unwrap().hits.iter().all(|&hit| !hit));
+    let past: Vec<Ray> = rays.iter().map(|ray| ray.t_min(2.0 * farthest)).collect();
+    assert!(renderer.any_hits(&uploaded, &rays).unwrap().hits.iter().any(|&hit| hit));
+    assert!(renderer.any_hits(&uploaded, &past).unwrap().hits.iter().all(|&hit| !hit));
 }
 
 #[test]

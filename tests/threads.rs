@@ -100,10 +100,10 @@ fn tracing_alone(worker: &mut Worker<'_>) -> String {
 }
 
 fn rays_of_the_caller_s_own(worker: &mut Worker<'_>) -> String {
-    let rays: Vec<Ray> = (0..300).map(|i| Ray::new(Vec3::new(0.01 * (i % 20) as f32 - 0.1, 0.0, -1.0))).collect();
-    let eye = 5.0 * Vec3::Z;
-    let closest = worker.renderer.closest_hits(worker.uploaded, eye, &rays).unwrap().hits;
-    debug((closest, worker.renderer.any_hits(worker.uploaded, eye, &rays).unwrap().hits))
+    let direction = |i: u32| Vec3::new(0.01 * (i % 20) as f32 - 0.1, 0.0, -1.0);
+    let rays: Vec<Ray> = (0..300).map(|i| Ray::new(5.0 * Vec3::Z, direction(i))).collect();
+    let closest = worker.renderer.closest_hits(worker.uploaded, &rays).unwrap().hits;
+    debug((closest, worker.renderer.any_hits(worker.uploaded, &rays).unwrap().hits))
 }
 
 /// An error of one thread must not reach the other one, nor the other's success hide it.
