@@ -58,13 +58,8 @@ fn terrain(smooth: u32) -> Scene {
     let triangles: Vec<[u32; 3]> =
         quads.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
     let normals = (0..triangles.len() as u32).map(|t| if t < smooth { [Vec3::Y; 3] } else { [Vec3::ZERO; 3] });
-    let mesh = Mesh {
-        positions: (0..side * side).map(place).collect(),
-        normals: if smooth > 0 { normals.collect() } else { Vec::new() },
-        triangles,
-        materials: vec![MaterialId(0)],
-        ..Mesh::default()
-    };
+    let normals = if smooth > 0 { normals.collect() } else { Vec::new() };
+    let mesh = Mesh::new((0..side * side).map(place).collect(), triangles).normals(normals);
     let mut scene = Scene::new();
     scene.add_mesh(&mesh).expect("a terrain of finite points");
     scene
@@ -74,7 +69,7 @@ fn with_spheres(mut scene: Scene, count: u32, height: f32) -> Scene {
     for i in 0..count {
         let center = Vec3::new((i % 10) as f32 * 0.7 - 3.2, height, (i / 10) as f32 * 0.7 - 3.2);
         let radius = if height > 0.0 { 0.2 } else { 0.01 };
-        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).expect("a sphere of finite size");
+        scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).expect("a sphere of finite size");
     }
     scene
 }
@@ -83,7 +78,7 @@ fn with_lights(mut scene: Scene, height: f32, shadows: bool) -> Scene {
     scene.shadows = shadows;
     for i in 0..5 {
         let position = Vec3::new(2.0 * i as f32 - 4.0, height, 3.0 - i as f32);
-        scene.lights.push(PointLight { position, intensity: Vec3::splat(0.3) });
+        scene.lights.push(PointLight::new(position, Vec3::splat(0.3)));
     }
     scene
 }
@@ -98,9 +93,9 @@ fn states([width, height]: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
     // A third of the picture is sky; downwards there is none.
     let ahead = StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height);
     let down = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(width, height);
-    let plain = Options::new(Method::Naive).keeping(GBuffer::None);
+    let plain = Options::new(Method::Naive).g_buffer(GBuffer::None);
     let plainly = |name, scene| of(name, scene, &ahead, &plain);
-    let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().keeping(kept));
+    let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().g_buffer(kept));
     [
         (
             "spheres",
@@ -145,7 +140,7 @@ fn states([width, height]: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
         ),
         (
             "counters",
-            vec![plainly("off", terrain(0)), of("on: one ray a lane", terrain(0), &ahead, &plain.clone().counting())],
+            vec![plainly("off", terrain(0)), of("on: one ray a lane", terrain(0), &ahead, &plain.clone().count(true))],
         ),
     ]
 }
@@ -203,7 +198,8 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
             let elapsed = start.elapsed().as_secs_f64() * 1e3;
             *least_ms = least_ms.min(elapsed);
             // Naive traces two eyes alike.
-            let pass = statistics.times.and_then(|times| times.0.into_iter().find(|(pass, _)| *pass == "trace_left"));
+            let pass =
+                statistics.times.and_then(|times| times.passes.into_iter().find(|(pass, _)| *pass == "trace_left"));
             times.push(pass.map_or(0.5 * elapsed, |(_, time)| time.as_secs_f64() * 1e3));
             *bytes = statistics.intermediate_bytes;
         }
@@ -237,8 +233,8 @@ fn builds(gpu: &Gpu, names: &[&str], [width, height]: [u32; 2], rounds: usize) -
         let mut renderer = Renderer::new(gpu.clone());
         // The first build also warms up the host's threads and memory.
         renderer.upload(&scene)?;
-        let uploaded = BvhBuild::ALL.map(|build| renderer.upload_with(&scene, build));
-        let uploaded = uploaded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let uploaded = BvhBuild::ALL.iter().map(|&build| renderer.upload_with(&scene, build));
+        let uploaded = uploaded.collect::<Result<Vec<_>, _>>()?;
         let mut times = vec![Vec::new(); uploaded.len()];
         for round in 0..=rounds {
             for turn in order(round, uploaded.len()) {

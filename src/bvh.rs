@@ -10,6 +10,7 @@ pub(crate) type Texel = [u32; 4];
 
 /// How much time goes into the tree: docs/TRAVERSAL.md has what each costs and brings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum BvhBuild {
     /// Quickly: for scenes that change with every picture.
     Fast,
@@ -22,7 +23,7 @@ pub enum BvhBuild {
 
 impl BvhBuild {
     /// All of them, from the quickest to the slowest.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Best];
+    pub const ALL: &'static [Self] = &[Self::Fast, Self::Balanced, Self::Best];
 
     /// obvhs's preset. Leaves hold up to eight primitives, which is what a link can say.
     pub(crate) fn params(self) -> BvhBuildParams {

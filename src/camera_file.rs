@@ -18,8 +18,8 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line or the camera and its field, if
-    /// it is no regular file or larger than [`Limits`] says, is UTF-16 or no JSON, has no such camera, or the camera is
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
+    /// [`Error::Parse`], naming the line or the camera and its field, if it is UTF-16 or no JSON, has no such camera, or the camera is
     /// invalid; [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         Self::from_json_within(path, name, width, height, &Limits::default())
@@ -47,14 +47,15 @@ impl StereoCamera {
             .size(width, height);
         match camera.pose() {
             Ok(_) => Ok(camera),
-            // The file is not to blame for the size; for the rest, the error takes the file's word for the field.
+            // The file is not to blame for the size; for the rest, the message takes the file's word for the field.
             Err(Error::Camera { field, value, reason }) if field != "size" => {
-                let field = match field {
+                let named = match field {
                     "vertical_fov" => "vfov_deg",
                     "interaxial" => "eye_separation",
                     other => other,
                 };
-                Err(fault(format!("{field} is {value}; {reason}")))
+                let text = format!("camera '{name}': {named} is {value}; {reason}");
+                Err(Error::parse_from(path, None, text, Error::Camera { field, value, reason }))
             }
             Err(error) => Err(error),
         }
@@ -67,7 +68,7 @@ impl Scene {
     /// each, the latter at least 0). What the entry has not stays as it is. Returns whether the entry has lights.
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::File`] as [`StereoCamera::from_json`]. Then nothing changes.
+    /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. Then nothing changes.
     pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
         self.light_from_json_within(path, name, &Limits::default())
     }
@@ -96,7 +97,7 @@ impl Scene {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
             let read = fields.and_then(|fields| {
                 let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
-                Ok(PointLight { position, intensity })
+                Ok(PointLight::new(position, intensity))
             });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
@@ -107,16 +108,16 @@ impl Scene {
 }
 
 fn fault(path: &Path, name: &str, reason: String) -> Error {
-    Error::file(path, None, format!("camera '{name}': {reason}"))
+    Error::parse(path, None, format!("camera '{name}': {reason}"))
 }
 
 /// The fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
-    let bytes = input::read(path, limits.json_bytes, limits.raised_by[0])?;
+    let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);
-        Error::file(path, line, format!("no JSON object of cameras: {error}"))
+        Error::parse_from(path, line, format!("no JSON object of cameras: {error}"), error)
     })?;
     match cameras.remove(name) {
         Some(Value::Object(entry)) => Ok(entry),
@@ -173,7 +174,7 @@ mod tests {
 
     fn message(test: &str, text: impl AsRef<[u8]>, name: &str) -> String {
         let error = read(test, text, name).unwrap_err();
-        assert!(matches!(error, Error::File { .. }), "{error:?}");
+        assert!(matches!(error, Error::Parse { .. }), "{error:?}");
         let message = error.to_string();
         assert!(message.contains(&format!("{test}.json")), "{message}");
         message
@@ -207,7 +208,7 @@ mod tests {
         let lamp = r#""lights": [{ "position": [1, 2, 3], "intensity": [0.5, 0.25, 0] }]"#;
         let (read, scene) = light("lights", &format!(r#""ambient": [0.1, 0.2, 0.3], {lamp}"#));
         assert!(read.unwrap());
-        let expected = PointLight { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(0.5, 0.25, 0.0) };
+        let expected = PointLight::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.5, 0.25, 0.0));
         assert_eq!((scene.ambient, scene.lights), (Some(Vec3::new(0.1, 0.2, 0.3)), vec![expected]));
         let (read, scene) = light("no_ambient", lamp);
         assert!(read.unwrap());

@@ -1,11 +1,11 @@
-//! Rays of the caller's own through an uploaded scene: lists that start at one point.
+//! Rays of the caller's own through an uploaded scene.
 
 use std::time::Duration;
 
 use glam::Vec3;
 
 use crate::{
-    Error, MISS, Renderer, UploadedScene,
+    Error, MISS, RaysPerLane, Renderer, UploadedScene,
     bvh::Texel,
     frame::targets::Target,
     gpu::{Timestamps, bind_group, bind_group_at},
@@ -32,13 +32,26 @@ pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps",
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
 pub(crate) const BATCH: usize = 1 << 20;
+/// Of so many origins of a batch it is asked whether they are close to large primitives; of more it is taken for granted.
+const MANY_ORIGINS: usize = 64;
 
-/// A ray from the point that its list belongs to.
+/// A ray of the caller's own: the points `origin + t * direction` with t between its limits.
+///
+/// ```
+/// use stereotrace::{Ray, glam::Vec3};
+///
+/// let to_the_light = Ray::new(Vec3::ZERO, Vec3::new(0.0, 5.0, 0.0)).t_min(1e-4).t_max(1.0);
+/// assert_eq!(to_the_light.t_max, 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Ray {
+    /// Where it starts, world position.
+    pub origin: Vec3,
     /// Direction in the world, of any length but 0: t counts in it.
     pub direction: Vec3,
-    /// The least t that counts as a hit, at least 0.
+    /// The least t that counts as a hit, at least 0. A ray that starts at a surface meets it there, more or less: it
+    /// needs one above 0.
     pub t_min: f32,
     /// The largest one; `f32::INFINITY` for no limit.
     pub t_max: f32,
@@ -46,13 +59,26 @@ pub struct Ray {
 
 impl Ray {
     /// A ray without limits.
-    pub fn new(direction: Vec3) -> Self {
-        Self { direction, t_min: 0.0, t_max: f32::INFINITY }
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The least t that counts as a hit, at least 0.
+    pub fn t_min(mut self, t_min: f32) -> Self {
+        self.t_min = t_min;
+        self
+    }
+
+    /// The largest t that counts as a hit.
+    pub fn t_max(mut self, t_max: f32) -> Self {
+        self.t_max = t_max;
+        self
     }
 }
 
 /// What a ray hits first.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RayHit {
     /// The point is `origin + t * direction`; `f32::INFINITY` where nothing is hit.
     pub t: f32,
@@ -72,27 +98,28 @@ pub struct Cast<T> {
 
 impl Renderer {
     /// The nearest hit of each ray within its limits; of equal t the smallest primitive id. Rays that are neighbours in
-    /// the list are traced together: the more alike they are, the faster.
+    /// the list are traced together: the more alike they are, the faster. Where a thread traces four rays
+    /// ([`RaysPerLane`]), lists in which each four have one origin take that way, and others a ray a thread.
     ///
     /// ```
-    /// use stereotrace::{Gpu, Ray, Renderer, Scene, Sphere, glam::Vec3};
+    /// use stereotrace::{Gpu, Material, Ray, Renderer, Scene, Sphere, glam::Vec3};
     ///
     /// let mut scene = Scene::new();
-    /// let grey = scene.add_material("grey", Vec3::splat(0.5));
-    /// scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: grey })?;
-    /// let mut renderer = Renderer::new(Gpu::new()?);
+    /// let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
+    /// scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, grey))?;
+    /// let renderer = Renderer::new(Gpu::new()?);
     /// let uploaded = renderer.upload(&scene)?;
-    /// let cast = renderer.closest_hits(&uploaded, 4.0 * Vec3::Z, &[Ray::new(-Vec3::Z), Ray::new(Vec3::Z)])?;
+    /// let rays = [-Vec3::Z, Vec3::Z].map(|direction| Ray::new(4.0 * Vec3::Z, direction));
+    /// let cast = renderer.closest_hits(&uploaded, &rays)?;
     /// assert_eq!([cast.hits[0].t, cast.hits[1].t], [3.0, f32::INFINITY]);
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     ///
     /// # Errors
-    /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::Scene`] for a scene that
-    /// another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
-    pub fn closest_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
-        let cast =
-            pollster::block_on(self.cast::<[u32; 2]>(scene, origin, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;
+    /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::ForeignScene`] for a scene
+    /// that another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    pub fn closest_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
+        let cast = pollster::block_on(self.cast::<[u32; 2]>(scene, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
             MISS => RayHit { t: f32::INFINITY, primitive },
             _ => RayHit { t: f32::from_bits(t), primitive },
@@ -105,32 +132,31 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::closest_hits`].
-    pub fn any_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<bool>, Error> {
-        let cast = pollster::block_on(self.cast::<u32>(scene, origin, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]))?;
+    pub fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
+        let cast = pollster::block_on(self.cast::<u32>(scene, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]))?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
     /// By the first kernel; what the adapter cuts short, by the second, in steps.
     async fn cast<T: bytemuck::Pod>(
-        &mut self,
+        &self,
         scene: &UploadedScene,
-        origin: Vec3,
         rays: &[Ray],
         [at_once, in_steps]: [&'static Kernel; 2],
     ) -> Result<Cast<T>, Error> {
         scene.belongs_to(&self.gpu)?;
-        check(origin, rays)?;
+        check(rays)?;
         let mut cast = Cast { hits: Vec::with_capacity(rays.len()), time: Some(Duration::ZERO) };
         for batch in rays.chunks(BATCH) {
             if !self.steps.always {
-                let mut list = List::new(self, scene, origin, batch, size_of::<T>()).await?;
+                let mut list = List::new(self, scene, batch, size_of::<T>()).await?;
                 if list.dispatch(at_once, None, 1).await? == 0 {
                     list.read(&mut cast).await?;
                     continue;
                 }
             }
             for part in batch.chunks(self.steps.threads as usize) {
-                let mut list = List::new(self, scene, origin, part, size_of::<T>()).await?;
+                let mut list = List::new(self, scene, part, size_of::<T>()).await?;
                 list.trace_in_steps(in_steps).await?;
                 list.read(&mut cast).await?;
             }
@@ -156,21 +182,20 @@ impl<'a> List<'a> {
     async fn new(
         renderer: &'a Renderer,
         scene: &'a UploadedScene,
-        origin: Vec3,
         rays: &[Ray],
         answer_bytes: usize,
     ) -> Result<Self, Error> {
         let gpu = &renderer.gpu;
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
-        let frame = layout::Frame { source_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
+        let frame = layout::Frame { image_size: [count, 1], ..Default::default() };
         let upload = || {
             let table = gpu.upload("rays", &texels(rays), fetch)?;
             let layout = &renderer.kernels.layouts(fetch).table;
             Ok(Self {
                 renderer,
                 scene,
-                variant: Variant { close: scene.large.any_close_to(&[origin]), ..scene.variant },
+                variant: variant_for(scene, rays),
                 count,
                 frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
                 table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
@@ -249,12 +274,25 @@ impl<'a> List<'a> {
     }
 }
 
-fn check(origin: Vec3, rays: &[Ray]) -> Result<(), Error> {
-    if !origin.is_finite() {
-        return Err(Error::Ray { index: 0, reason: format!("its origin is {origin}") });
+/// What kernels are made for that trace these rays.
+fn variant_for(scene: &UploadedScene, rays: &[Ray]) -> Variant {
+    let mut with = scene.variant;
+    let alike = |lane: &[Ray]| lane.iter().all(|ray| ray.origin == lane[0].origin);
+    if !rays.chunks(with.traversal.rays.block().pow(2) as usize).all(alike) {
+        with.traversal.rays = RaysPerLane::One;
     }
+    let mut origins: Vec<Vec3> = rays.iter().map(|ray| ray.origin).collect();
+    origins.dedup();
+    with.close = origins.len() > MANY_ORIGINS || scene.large.any_close_to(&origins);
+    with
+}
+
+fn check(rays: &[Ray]) -> Result<(), Error> {
     for (index, ray) in rays.iter().enumerate() {
         let fault = |reason| Err(Error::Ray { index, reason });
+        if !ray.origin.is_finite() {
+            return fault(format!("its origin is {}", ray.origin));
+        }
         if !ray.direction.is_finite() || ray.direction.length_squared() < f32::MIN_POSITIVE {
             return fault(format!("its direction is {}", ray.direction));
         }
@@ -268,9 +306,12 @@ fn check(origin: Vec3, rays: &[Ray]) -> Result<(), Error> {
 /// As `shaders/shared/ray_list.wgsl` reads them.
 fn texels(rays: &[Ray]) -> Vec<Texel> {
     let texels = rays.iter().flat_map(|ray| {
-        let [x, y, z] = ray.direction.to_array().map(f32::to_bits);
+        let texel = |vector: Vec3, t: f32| {
+            let [x, y, z] = vector.to_array();
+            [x, y, z, t].map(f32::to_bits)
+        };
         let t_max = ray.t_max.clamp(-crate::FAR, crate::FAR);
-        [[x, y, z, ray.t_min.min(crate::FAR).to_bits()], [t_max.to_bits(), 0, 0, 0]]
+        [texel(ray.direction, ray.t_min.min(crate::FAR)), texel(ray.origin, t_max)]
     });
     texels.collect()
 }

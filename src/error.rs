@@ -6,10 +6,14 @@ use crate::message::{counted, escaped, tidy};
 
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
+///
+/// A message is whole without its [`source`](std::error::Error::source), whose words it has: print the message, not the chain.
+/// Sources are there to be asked for their kind. (Those of a device are text: in a browser they can't cross threads.)
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
+    #[non_exhaustive]
     #[error(
         "no graphics adapter found{}: {}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one",
         tidy(wanted),
@@ -30,7 +34,11 @@ pub enum Error {
     /// The driver refused something this library asked for: a defect here or there.
     #[error("the graphics driver refused a request: {0}")]
     Gpu(String),
+    /// A scene is on another device than the renderer.
+    #[error("the scene was uploaded by another Gpu; upload it with this renderer")]
+    ForeignScene,
     /// Something is larger than this adapter allows.
+    #[non_exhaustive]
     #[error("{what} needs {needed} but this adapter's {limit} is {allowed}; {remedy}")]
     Limit {
         /// What is too large.
@@ -44,7 +52,21 @@ pub enum Error {
         /// What to do about it.
         remedy: &'static str,
     },
+    /// A file, or the picture in it, is over one of the [`Limits`](crate::Limits), and was not read.
+    #[non_exhaustive]
+    #[error("{}: {size}, over the limit of {limit}; {remedy}", shown(path))]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What is too large, with its size.
+        size: String,
+        /// The limit.
+        limit: u64,
+        /// What raises it.
+        remedy: String,
+    },
     /// A camera that has no picture.
+    #[non_exhaustive]
     #[error("invalid camera: {field} is {value}; {reason}")]
     Camera {
         /// The field at fault.
@@ -54,17 +76,17 @@ pub enum Error {
         /// What is expected of it.
         reason: &'static str,
     },
-    /// A method made of choices that don't go together.
-    #[error("no such method: overlap {overlap} does not go with verification {verify}, but with {fitting}")]
-    Choices {
-        /// Which left samples are looked at.
-        overlap: String,
-        /// How reused pixels are to be checked.
-        verify: String,
-        /// What goes with the overlap.
-        fitting: &'static str,
+    /// Views, or a view and its camera, that don't have one size.
+    #[non_exhaustive]
+    #[error("sizes that don't fit: {sizes}; {reason}")]
+    Sizes {
+        /// The sizes.
+        sizes: String,
+        /// What is expected of them.
+        reason: &'static str,
     },
     /// A ray that can't be traced.
+    #[non_exhaustive]
     #[error("invalid ray {index}: {reason}")]
     Ray {
         /// Its place in the list.
@@ -73,6 +95,7 @@ pub enum Error {
         reason: String,
     },
     /// A scene with an element that cannot be rendered.
+    #[non_exhaustive]
     #[error("invalid scene: {}: {}", tidy(element), tidy(reason))]
     Scene {
         /// The element, as `mesh 'table', vertex 12`.
@@ -81,6 +104,7 @@ pub enum Error {
         reason: String,
     },
     /// A name that is none of those known.
+    #[non_exhaustive]
     #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]
     UnknownName {
         /// What it should name, as `method`.
@@ -91,16 +115,21 @@ pub enum Error {
         known: String,
     },
     /// A file whose content is wrong.
-    #[error("{}{}: {}", shown(path), line.map(|line| format!(":{line}")).unwrap_or_default(), tidy(reason))]
-    File {
+    #[non_exhaustive]
+    #[error("{}", located(path, *line, reason))]
+    Parse {
         /// The file.
         path: PathBuf,
         /// The line, counted from 1, where it is known.
         line: Option<usize>,
         /// What is wrong there.
         reason: String,
+        /// What a parser, a decoder or a check of the content said.
+        source: Option<Source>,
     },
-    /// A file that could not be read or written.
+    /// A file that could not be read or written: the system refused, it is no regular file, or what is to be written makes no
+    /// file of its kind.
+    #[non_exhaustive]
     #[error("{}: {source}", shown(path))]
     Io {
         /// The file.
@@ -113,14 +142,33 @@ pub enum Error {
     Cancelled,
 }
 
+type Source = Box<dyn std::error::Error + Send + Sync>;
+
 /// A path as messages show it: whole, since that is how it is found.
 fn shown(path: &Path) -> String {
     escaped(&path.to_string_lossy())
 }
 
+/// What is to be said of a file or of one of its lines.
+pub(crate) fn located(path: &Path, line: Option<usize>, text: &str) -> String {
+    format!("{}{}: {}", shown(path), line.map(|line| format!(":{line}")).unwrap_or_default(), tidy(text))
+}
+
 impl Error {
-    pub(crate) fn file(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {
-        Self::File { path: path.into(), line, reason: reason.into() }
+    #[cfg(any(test, feature = "obj", feature = "sky", feature = "json"))]
+    pub(crate) fn parse(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {
+        Self::Parse { path: path.into(), line, reason: reason.into(), source: None }
+    }
+
+    /// The same of what another error says.
+    #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+    pub(crate) fn parse_from(
+        path: impl Into<PathBuf>,
+        line: Option<usize>,
+        reason: impl Into<String>,
+        source: impl Into<Source>,
+    ) -> Self {
+        Self::Parse { path: path.into(), line, reason: reason.into(), source: Some(source.into()) }
     }
 
     pub(crate) fn unknown_name<T: ToString>(what: &'static str, name: &str, all: &[T]) -> Self {
@@ -131,9 +179,12 @@ impl Error {
     pub(crate) fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), source }
     }
-}
 
-impl Error {
+    /// Of what is to be written to a file and can't be.
+    pub(crate) fn unwritable(path: impl Into<PathBuf>, reason: impl Into<Source>) -> Self {
+        Self::io(path, std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
+    }
+
     /// A driver ended a kernel's loops before their work was done.
     pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
@@ -154,7 +205,7 @@ mod tests {
     fn messages_quote_files_tidily_whatever_their_kind() {
         let odd = format!("\u{1b}[2J{}", "n".repeat(100));
         let errors = [
-            Error::file(&odd, Some(3), &*odd),
+            Error::parse(&odd, Some(3), &*odd),
             Error::Scene { element: odd.clone(), reason: odd.clone() },
             Error::NoAdapter { wanted: odd.clone(), reason: odd.clone() },
             Error::unknown_name("method", &odd, &[&odd]),

@@ -2,6 +2,7 @@
 
 use std::{
     fs::{self, File, FileType},
+    io::{self, ErrorKind},
     path::Path,
 };
 
@@ -19,9 +20,11 @@ use crate::{Error, Gpu, message::counted};
 pub struct Limits {
     pub(crate) file_bytes: u64,
     pub(crate) json_bytes: u64,
-    pub(crate) sky_pixels: u64,
+    sky_pixels: u64,
+    /// The most that the adapter can hold.
+    adapter_pixels: u64,
     /// What messages say that the limits on files and on skies are raised by.
-    pub(crate) raised_by: [&'static str; 2],
+    pub(crate) option_names: [&'static str; 2],
 }
 
 impl Default for Limits {
@@ -30,7 +33,8 @@ impl Default for Limits {
             file_bytes: 1 << 30,
             json_bytes: 16 << 20,
             sky_pixels: (128 << 20) / SKY_PIXEL_BYTES,
-            raised_by: ["Limits"; 2],
+            adapter_pixels: u64::MAX,
+            option_names: ["Limits"; 2],
         }
     }
 }
@@ -61,23 +65,30 @@ impl Limits {
 
     /// What messages say that the limits are raised by, those on files and the one on skies: a program's own options,
     /// where its user has some. `Limits` where nothing is said.
-    pub fn raised_by(mut self, files: &'static str, skies: &'static str) -> Self {
-        self.raised_by = [files, skies];
+    pub fn option_names(mut self, files: &'static str, skies: &'static str) -> Self {
+        self.option_names = [files, skies];
         self
     }
 
-    /// Lowers the limit on skies to what this adapter can hold, so that a larger one is refused before it is decoded.
-    pub fn within(mut self, gpu: &Gpu) -> Self {
-        self.sky_pixels = self.sky_pixels.min(gpu.largest_table());
+    /// The device that skies are for: one that it can't hold is refused before it is decoded, whatever
+    /// [`Limits::sky_pixels`] says.
+    pub fn gpu(mut self, gpu: &Gpu) -> Self {
+        self.adapter_pixels = gpu.largest_table();
         self
+    }
+
+    /// The largest sky that both the caller and the adapter take.
+    #[cfg(feature = "sky")]
+    pub(crate) fn largest_sky(&self) -> u64 {
+        self.sky_pixels.min(self.adapter_pixels)
     }
 }
 
 /// Opens a regular file of at most `limit` bytes, and says how many it has. A message says what raises the limit.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be opened; [`Error::File`] for what is no regular file, which may have no end or wait for ever,
-/// and for a file over the limit.
+/// [`Error::Io`] if it can't be opened, and for what is no regular file, which may have no end or wait for ever;
+/// [`Error::TooLarge`] for a file over the limit.
 pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u64), Error> {
     let io = |source| Error::io(path, source);
     // Before it is opened too: opening a pipe waits for one who writes into it.
@@ -87,9 +98,12 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     check_type(path, metadata.file_type())?;
     let bytes = metadata.len();
     if bytes > limit {
-        let has = counted(bytes, "byte", "bytes");
-        let reason = format!("the file has {has}, over the limit of {limit}; raise it by {raised_by}, if it is right");
-        return Err(Error::file(path, None, reason));
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("the file has {}", counted(bytes, "byte", "bytes")),
+            limit,
+            remedy: format!("raise it by {raised_by}, if it is right"),
+        });
     }
     Ok((file, bytes))
 }
@@ -108,13 +122,16 @@ pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, 
         [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",
         _ => return Ok(content),
     };
-    Err(Error::file(path, None, format!("it is {utf_16}; save it as UTF-8")))
+    Err(Error::parse(path, None, format!("it is {utf_16}; save it as UTF-8")))
 }
 
 fn check_type(path: &Path, found: FileType) -> Result<(), Error> {
     if found.is_file() {
         return Ok(());
     }
-    let what = if found.is_dir() { "a folder" } else { "a pipe, a socket or a device" };
-    Err(Error::file(path, None, format!("it is {what}; only regular files are read")))
+    let (kind, what) = match found.is_dir() {
+        true => (ErrorKind::IsADirectory, "a folder"),
+        false => (ErrorKind::InvalidInput, "a pipe, a socket or a device"),
+    };
+    Err(Error::io(path, io::Error::new(kind, format!("it is {what}; only regular files are read"))))
 }

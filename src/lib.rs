@@ -7,11 +7,11 @@
 //! views, in the same run.
 //!
 //! ```
-//! use stereotrace::{Scene, Sphere, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
+//! use stereotrace::{Material, Scene, Sphere, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
 //!
 //! let mut scene = Scene::new();
-//! let red = scene.add_material("red", Vec3::new(0.8, 0.1, 0.1));
-//! scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: red })?;
+//! let red = scene.add_material(Material::new(Vec3::new(0.8, 0.1, 0.1)));
+//! scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, red))?;
 //! let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO).size(320, 240).interaxial_pixels(8.0);
 //! scene.place_lights(3, &camera)?;
 //!
@@ -103,7 +103,7 @@ pub use error::Error;
 pub use gpu::Gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 pub use input::Limits;
-pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};
+pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use renderer::{GBuffer, Options, Progress, Renderer, render_stereo};
 pub use scene::builtin::Builtin;

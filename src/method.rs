@@ -1,6 +1,6 @@
 //! How the right view is made: the named methods and the choices they are made of (DESIGN, section 4).
 
-use std::{fmt, str::FromStr};
+use std::{fmt, num::NonZeroU32, str::FromStr};
 
 use crate::{Error, Pose};
 
@@ -16,34 +16,54 @@ pub enum Method {
     Naive,
     /// The left view is copied: the bound on what reuse can save, and wrong wherever there is parallax.
     Ideal,
-    /// Left pixels are carried over where they are found to fit, the rest is traced.
-    Reuse {
-        /// Which left samples a right pixel looks at.
-        overlap: Overlap,
-        /// Which reused pixels are checked by a ray.
-        verify: Verify,
-    },
-}
-
-/// Which left samples a right pixel looks at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Overlap {
-    /// The nearest one, kept by atomicMax (thesis, 3.1.2.2).
-    Atomic,
-    /// All of them in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
-    Buffer(BufferDepth),
-    /// The last one of Adelson & Hodges' sweep from left to right, which also clears what no left sample vouches for; a
-    /// thread a row (Es & Isler 2007).
-    Scanline,
-    /// The same by one thread of the host, row after row (Adelson & Hodges 1993).
-    Sequential,
-    /// Those that land in its tile say how deep the BVH must be searched there; what is found, the pixel's own ray meets. Nothing is
-    /// copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
+    /// A right pixel takes over the nearest left sample that lands in it, kept by atomicMax (thesis, 3.1.2.2).
+    Atomic(Check),
+    /// The same with all samples in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
+    Buffer(BufferDepth, Check),
+    /// A right pixel takes over the last sample of Adelson & Hodges' sweep from left to right, which also clears what no left
+    /// sample vouches for: those gaps are traced, and the rest is trusted.
+    Sweep(Sweep),
+    /// The samples that land in a tile of right pixels say how deep the BVH must be searched there; what is found, the pixels'
+    /// own rays meet. Nothing is copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
     Bracket(ShadowReuse),
 }
 
-/// Which shadow bits right pixels take over from the left view (`Overlap::Bracket`).
+/// Which of the pixels that [`Method::Atomic`] and [`Method::Buffer`] reuse are checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Check {
+    /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
+    All,
+    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are traced,
+    /// the rest is trusted (thesis, future work).
+    Edges,
+    /// None: what landed is trusted.
+    None,
+}
+
+/// Slots a right pixel of the 3D buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum BufferDepth {
+    /// As many as said.
+    Fixed(NonZeroU32),
+    /// `2 e_px`, rounded up: the thesis's choice. One slot short from nearest depth d/2 on (DESIGN, section 2).
+    TwiceInteraxial,
+    /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
+    Adaptive,
+}
+
+/// What goes along the rows in Adelson & Hodges' sweep. The picture is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Sweep {
+    /// A thread of the device for each row (Es & Isler 2007).
+    Scanline,
+    /// One thread of the host, row after row (Adelson & Hodges 1993).
+    Sequential,
+}
+
+/// Which shadow bits right pixels take over from the left view ([`Method::Bracket`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ShadowReuse {
@@ -55,111 +75,58 @@ pub enum ShadowReuse {
     Block,
 }
 
-/// Slots a right pixel of the 3D buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum BufferDepth {
-    /// As many as said, at least 1.
-    Fixed(u32),
-    /// `2 e_px`, rounded up: the thesis's choice. One slot short from nearest depth d/2 on (DESIGN, section 2).
-    TwiceInteraxial,
-    /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
-    Adaptive,
-}
-
-/// Which reused pixels are checked by a ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Verify {
-    /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
-    All,
-    /// None by a ray: what lies in a gap between left samples was cleared by the sweep and is traced, the rest is trusted.
-    Gaps,
-    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are traced,
-    /// the rest is trusted (thesis, future work).
-    Edges,
-    /// None: what landed is trusted.
-    None,
-}
-
 impl Method {
-    /// The thesis's atomic-based method: overlap atomic, all reused pixels checked.
-    pub const ATOMIC: Self = Self::Reuse { overlap: Overlap::Atomic, verify: Verify::All };
+    /// The thesis's atomic-based method, all reused pixels checked.
+    pub const ATOMIC: Self = Self::Atomic(Check::All);
     /// The thesis's buffer-based method with a 3D buffer that loses nothing.
-    pub const BUFFER: Self = Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Adaptive), verify: Verify::All };
+    pub const BUFFER: Self = Self::Buffer(BufferDepth::Adaptive, Check::All);
     /// Es & Isler's method: Adelson & Hodges' sweep with a thread a row, gaps traced.
-    pub const ES_ISLER: Self = Self::Reuse { overlap: Overlap::Scanline, verify: Verify::Gaps };
+    pub const ES_ISLER: Self = Self::Sweep(Sweep::Scanline);
     /// Adelson & Hodges' method: the sweep on the host. The same picture as [`Method::ES_ISLER`].
-    pub const ADELSON_HODGES: Self = Self::Reuse { overlap: Overlap::Sequential, verify: Verify::Gaps };
+    pub const ADELSON_HODGES: Self = Self::Sweep(Sweep::Sequential);
     /// One query of the BVH a tile of right pixels, as deep as the left samples that land there; shadow bits of the two left samples
     /// beside each point.
-    pub const BRACKET: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Two), verify: Verify::All };
+    pub const BRACKET: Self = Self::Bracket(ShadowReuse::Two);
     /// The same with shadow bits of 2x3 samples.
-    pub const VERIFIED: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Block), verify: Verify::All };
+    pub const VERIFIED: Self = Self::Bracket(ShadowReuse::Block);
     /// The same without shadow bits: as exact as [`Method::Naive`].
-    pub const BRACKET_RAYS: Self = Self::Reuse { overlap: Overlap::Bracket(ShadowReuse::Rays), verify: Verify::All };
-    /// The methods by name, in the order in which tables show them.
-    pub const ALL: [(&'static str, Self); 12] = [
-        ("naive", Self::Naive),
-        ("ideal", Self::Ideal),
-        ("atomic", Self::ATOMIC),
-        ("buffer", Self::BUFFER),
-        ("buffer-2e", Self::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All }),
-        ("es-isler", Self::ES_ISLER),
-        ("adelson-hodges", Self::ADELSON_HODGES),
-        ("atomic-edges", Self::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges }),
-        ("bracket", Self::BRACKET),
-        ("verified", Self::VERIFIED),
-        ("bracket-rays", Self::BRACKET_RAYS),
-        ("auto", Self::Auto),
+    pub const BRACKET_RAYS: Self = Self::Bracket(ShadowReuse::Rays);
+    /// The methods that have a name of their own, in the order in which tables show them.
+    pub const ALL: &'static [Self] = &[
+        Self::Naive,
+        Self::Ideal,
+        Self::ATOMIC,
+        Self::BUFFER,
+        Self::Buffer(BufferDepth::TwiceInteraxial, Check::All),
+        Self::ES_ISLER,
+        Self::ADELSON_HODGES,
+        Self::Atomic(Check::Edges),
+        Self::BRACKET,
+        Self::VERIFIED,
+        Self::BRACKET_RAYS,
+        Self::Auto,
     ];
-
-    /// Whether its choices go together (DESIGN, section 4).
-    ///
-    /// # Errors
-    /// [`Error::Choices`], naming both.
-    pub(crate) fn check(self) -> Result<(), Error> {
-        let Self::Reuse { overlap, verify } = self else { return Ok(()) };
-        let (fits, fitting) = match overlap {
-            Overlap::Scanline | Overlap::Sequential => (verify == Verify::Gaps, "gaps"),
-            Overlap::Bracket(_) => (verify == Verify::All, "all"),
-            Overlap::Atomic | Overlap::Buffer(_) => (verify != Verify::Gaps, "all, edges or none"),
-        };
-        if fits {
-            return Ok(());
-        }
-        Err(Error::Choices { overlap: format!("{overlap:?}"), verify: format!("{verify:?}"), fitting })
-    }
 }
-
-/// End the names of methods that trust what they reuse ([`Verify::None`]), all of it or away from edges.
-const UNCHECKED: &str = "-unchecked";
-const EDGES: &str = "-edges";
 
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (overlap, verify) = match *self {
-            Self::Auto => return f.write_str("auto"),
-            Self::Naive => return f.write_str("naive"),
-            Self::Ideal => return f.write_str("ideal"),
-            Self::Reuse { overlap, verify } => (overlap, verify),
+        let name = match *self {
+            Self::Auto => "auto".into(),
+            Self::Naive => "naive".into(),
+            Self::Ideal => "ideal".into(),
+            Self::Atomic(check) => format!("atomic{}", check.suffix()),
+            Self::Buffer(depth, check) => match depth {
+                BufferDepth::Adaptive => format!("buffer{}", check.suffix()),
+                BufferDepth::TwiceInteraxial => format!("buffer-2e{}", check.suffix()),
+                BufferDepth::Fixed(slots) => format!("buffer-{slots}{}", check.suffix()),
+            },
+            Self::Sweep(Sweep::Scanline) => "es-isler".into(),
+            Self::Sweep(Sweep::Sequential) => "adelson-hodges".into(),
+            Self::Bracket(ShadowReuse::Rays) => "bracket-rays".into(),
+            Self::Bracket(ShadowReuse::Two) => "bracket".into(),
+            Self::Bracket(ShadowReuse::Block) => "verified".into(),
         };
-        match overlap {
-            Overlap::Atomic => f.write_str("atomic")?,
-            Overlap::Buffer(BufferDepth::Adaptive) => f.write_str("buffer")?,
-            Overlap::Buffer(BufferDepth::TwiceInteraxial) => f.write_str("buffer-2e")?,
-            Overlap::Buffer(BufferDepth::Fixed(depth)) => write!(f, "buffer-{depth}")?,
-            Overlap::Scanline => f.write_str("es-isler")?,
-            Overlap::Sequential => f.write_str("adelson-hodges")?,
-            Overlap::Bracket(ShadowReuse::Rays) => f.write_str("bracket-rays")?,
-            Overlap::Bracket(ShadowReuse::Two) => f.write_str("bracket")?,
-            Overlap::Bracket(ShadowReuse::Block) => f.write_str("verified")?,
-        }
-        f.write_str(match verify {
-            Verify::All | Verify::Gaps => "",
-            Verify::Edges => EDGES,
-            Verify::None => UNCHECKED,
-        })
+        f.pad(&name)
     }
 }
 
@@ -169,24 +136,35 @@ impl FromStr for Method {
     /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` or `-edges` behind `atomic` or a `buffer` makes
     /// it trust what it reuses, all of it or away from edges.
     fn from_str(name: &str) -> Result<Self, Error> {
-        for (suffix, verify) in [(UNCHECKED, Verify::None), (EDGES, Verify::Edges)] {
-            if let Some(Ok(Self::Reuse { overlap, verify: Verify::All })) = name.strip_suffix(suffix).map(str::parse) {
-                return Ok(Self::Reuse { overlap, verify });
-            }
-        }
-        if let Some((_, method)) = Self::ALL.iter().find(|(known, _)| *known == name) {
+        if let Some(method) = Self::ALL.iter().find(|method| method.to_string() == name) {
             return Ok(*method);
         }
-        match name.strip_prefix("buffer-").and_then(|depth| depth.parse().ok()) {
-            Some(depth) if depth > 0 => {
-                Ok(Self::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All })
-            }
-            _ => {
-                let mut known: Vec<_> = Self::ALL.iter().map(|(name, _)| *name).collect();
-                known.push("buffer-N for N slots");
-                known.push("atomic and buffers with -unchecked or -edges behind");
-                Err(Error::unknown_name("method", name, &known))
-            }
+        let (family, check) = [Check::Edges, Check::None]
+            .into_iter()
+            .find_map(|check| Some((name.strip_suffix(check.suffix())?, check)))
+            .unwrap_or((name, Check::All));
+        let depth = match family {
+            "atomic" => return Ok(Self::Atomic(check)),
+            "buffer" => Some(BufferDepth::Adaptive),
+            "buffer-2e" => Some(BufferDepth::TwiceInteraxial),
+            _ => family.strip_prefix("buffer-").and_then(|slots| slots.parse().ok()).map(BufferDepth::Fixed),
+        };
+        depth.map(|depth| Self::Buffer(depth, check)).ok_or_else(|| {
+            let mut known: Vec<_> = Self::ALL.iter().map(Self::to_string).collect();
+            known.push("buffer-N for N slots".into());
+            known.push("atomic and buffers with -unchecked or -edges behind".into());
+            Error::unknown_name("method", name, &known)
+        })
+    }
+}
+
+impl Check {
+    /// What ends the names of methods that check so.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::All => "",
+            Self::Edges => "-edges",
+            Self::None => "-unchecked",
         }
     }
 }
@@ -195,7 +173,7 @@ impl BufferDepth {
     /// Slots a right pixel for a left view with depths in `[nearest, farthest]`, at least 1 and at most the width.
     pub(crate) fn slots(self, pose: &Pose, (nearest, farthest): (f32, f32)) -> u32 {
         let depth = match self {
-            Self::Fixed(depth) => f64::from(depth),
+            Self::Fixed(slots) => f64::from(slots.get()),
             Self::TwiceInteraxial => f64::from(2.0 * pose.interaxial_px).ceil(),
             // X is rounded to f32, which can move two samples together by a thousandth of a pixel.
             Self::Adaptive => (lemma1(pose, nearest, farthest) + 1e-3).floor() + 2.0,
@@ -218,9 +196,14 @@ mod tests {
 
     #[test]
     fn every_name_reads_back_as_its_method() {
-        for (name, method) in Method::ALL {
-            assert_eq!(name.parse::<Method>().unwrap(), method);
-            assert_eq!(method.to_string(), name);
+        let mut methods = Method::ALL.to_vec();
+        for check in [Check::All, Check::Edges, Check::None] {
+            let depths = [BufferDepth::Fixed(NonZeroU32::MIN), BufferDepth::TwiceInteraxial, BufferDepth::Adaptive];
+            methods.extend(depths.map(|depth| Method::Buffer(depth, check)));
+            methods.push(Method::Atomic(check));
+        }
+        for method in methods {
+            assert_eq!(method.to_string().parse::<Method>().unwrap(), method);
         }
         for name in [
             "buffer-8",
@@ -246,21 +229,6 @@ mod tests {
         ] {
             let message = wrong.parse::<Method>().unwrap_err().to_string();
             assert!(message.contains("naive, ideal, atomic, buffer"), "{message}");
-        }
-    }
-
-    #[test]
-    fn choices_that_do_not_go_together_are_named() {
-        for (_, method) in Method::ALL {
-            method.check().unwrap();
-        }
-        for (overlap, verify, words) in [
-            (Overlap::Scanline, Verify::All, ["Scanline", "All", "gaps"]),
-            (Overlap::Sequential, Verify::None, ["Sequential", "None", "gaps"]),
-            (Overlap::Atomic, Verify::Gaps, ["Atomic", "Gaps", "all, edges or none"]),
-        ] {
-            let message = Method::Reuse { overlap, verify }.check().unwrap_err().to_string();
-            assert!(words.iter().all(|word| message.contains(word)), "{message}");
         }
     }
 }

@@ -37,7 +37,7 @@ pub struct Difference {
 /// Compares a view to the true one, both seen from `pose`.
 ///
 /// # Errors
-/// [`Error::Camera`] on `size` if the views and the pose do not have one size, or that is zero.
+/// [`Error::Sizes`] if the views and the pose do not have one size, or that is zero.
 pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Error> {
     let pixels = checked_pixels(view, truth, pose)?;
 
@@ -83,7 +83,7 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
 
 /// The number of pixels, if everything has that many and there are any.
 fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error> {
-    let fault = |value, reason| Err(Error::Camera { field: "size", value, reason });
+    let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
     let [width, height] = pose.size;
     let by = |width: u32, height: u32| format!("{width}x{height}");
     for [other_width, other_height] in [[view.width, view.height], [truth.width, truth.height]] {
@@ -274,7 +274,7 @@ mod tests {
     fn sizes_that_do_not_match_are_an_error() {
         let (small, large) = (wall(2, 2), wall(2, 3));
         let message = compare(&large, &small, &pose(2, 2)).unwrap_err().to_string();
-        assert!(message.starts_with("invalid camera: size is 2x3 beside 2x2; "), "{message}");
+        assert!(message.starts_with("sizes that don't fit: 2x3 beside 2x2; "), "{message}");
         assert!(compare(&small, &large, &pose(2, 2)).is_err());
         assert!(compare(&small, &small, &pose(4, 1)).is_err());
         let mut short = wall(2, 2);

@@ -33,6 +33,7 @@ pub struct View {
 
 /// Where a right pixel's colour came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 #[repr(u8)]
 pub enum PixelSource {
     /// Taken over from the left view; by `bracket` found no deeper than the left samples that land in its tile.
@@ -47,6 +48,7 @@ pub enum PixelSource {
 
 /// How it is known which lights a right pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 #[repr(u8)]
 pub enum ShadowSource {
     /// As the left samples beside it say; or no light is in front of the surface, or there is none.
@@ -95,12 +97,16 @@ impl Work {
 
 /// Time of each pass on the device, from timestamp queries.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PassTimes(pub Vec<(&'static str, Duration)>);
+#[non_exhaustive]
+pub struct PassTimes {
+    /// Name and time of each pass, in order.
+    pub passes: Vec<(&'static str, Duration)>,
+}
 
 impl PassTimes {
     /// All passes together.
     pub fn total(&self) -> Duration {
-        self.0.iter().map(|(_, time)| *time).sum()
+        self.passes.iter().map(|(_, time)| *time).sum()
     }
 }
 

@@ -25,6 +25,7 @@ pub struct Options {
 
 /// What is kept of each pixel besides its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum GBuffer {
     /// Depth and the ids of primitive and object.
     #[default]
@@ -41,27 +42,33 @@ impl Options {
         Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, linear: false }
     }
 
-    /// Keeps no more of each pixel than said.
-    pub fn keeping(mut self, g_buffer: GBuffer) -> Self {
+    /// How the right view is made.
+    pub fn method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Whether BVH nodes and primitive tests are counted (slower).
+    pub fn count(mut self, count: bool) -> Self {
+        self.count = count;
+        self
+    }
+
+    /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
+    pub fn cost_map(mut self, cost_map: bool) -> Self {
+        self.cost_map = cost_map;
+        self
+    }
+
+    /// Whether [`View::linear`](crate::View::linear) is kept too.
+    pub fn linear(mut self, linear: bool) -> Self {
+        self.linear = linear;
+        self
+    }
+
+    /// What is kept of each pixel besides its colour.
+    pub fn g_buffer(mut self, g_buffer: GBuffer) -> Self {
         self.g_buffer = g_buffer;
-        self
-    }
-
-    /// Keeps linear colour too.
-    pub fn linear(mut self) -> Self {
-        self.linear = true;
-        self
-    }
-
-    /// Keeps what each pixel cost.
-    pub fn mapping_costs(mut self) -> Self {
-        self.cost_map = true;
-        self
-    }
-
-    /// Counts BVH nodes and primitive tests too.
-    pub fn counting(mut self) -> Self {
-        self.count = true;
         self
     }
 }
@@ -93,7 +100,7 @@ pub struct Progress {
 /// let mut renderer = Renderer::new(Gpu::new()?);
 /// let uploaded = renderer.upload(&scene)?;
 /// for method in [Method::Naive, Method::ATOMIC] {
-///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).counting())?;
+///     let pair = renderer.render(&uploaded, &camera, &Options::new(method).count(true))?;
 ///     println!("{method}: second eye {:.2} of the first", pair.statistics.second_eye());
 /// }
 /// # Ok::<(), stereotrace::Error>(())
@@ -172,7 +179,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
-    /// [`Error::Cancelled`] if `progress` breaks, [`Error::Scene`] for a scene that another
+    /// [`Error::Cancelled`] if `progress` breaks, [`Error::ForeignScene`] for a scene that another
     /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,

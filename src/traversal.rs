@@ -1,10 +1,13 @@
 //! How rays go through a scene on an adapter: one algorithm (shaders/shared/bvh.wgsl) in variants that find the same hits,
 //! bit for bit.
 
+use std::fmt;
+
 use crate::Gpu;
 
 /// How kernels read a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Fetch {
     /// From textures: the fast way on CPU adapters.
     Texture,
@@ -14,6 +17,7 @@ pub enum Fetch {
 
 /// How the boxes of the BVH are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Boxes {
     /// As f32 corners: 64 bytes a pair.
     F32,
@@ -24,6 +28,7 @@ pub enum Boxes {
 
 /// How many rays a thread traces on one stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum RaysPerLane {
     /// One.
     One,
@@ -43,6 +48,7 @@ impl RaysPerLane {
 
 /// A variant of the traversal. The picture does not depend on it, only the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct Traversal {
     /// How the scene is read.
     pub fetch: Fetch,
@@ -61,13 +67,31 @@ impl Traversal {
         }
     }
 
+    /// How the scene is read.
+    pub fn fetch(mut self, fetch: Fetch) -> Self {
+        self.fetch = fetch;
+        self
+    }
+
+    /// How boxes are stored.
+    pub fn boxes(mut self, boxes: Boxes) -> Self {
+        self.boxes = boxes;
+        self
+    }
+
+    /// How many rays a thread traces.
+    pub fn rays(mut self, rays: RaysPerLane) -> Self {
+        self.rays = rays;
+        self
+    }
+
     /// Every variant.
-    pub const ALL: [Self; 8] = {
+    pub const ALL: &'static [Self] = {
         const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane) -> Traversal {
             Traversal { fetch, boxes, rays }
         }
         use {Boxes::*, Fetch::*, RaysPerLane::*};
-        [
+        &[
             of(Texture, F32, Four),
             of(Texture, F32, One),
             of(Texture, Grid16, Four),
@@ -78,4 +102,40 @@ impl Traversal {
             of(Buffer, F32, One),
         ]
     };
+}
+
+impl fmt::Display for Traversal {
+    /// As tables show it: `textures, f32, 4 rays`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fetch = match self.fetch {
+            Fetch::Texture => "textures",
+            Fetch::Buffer => "buffers",
+        };
+        let boxes = match self.boxes {
+            Boxes::Grid16 => "16-bit",
+            Boxes::F32 => "f32",
+        };
+        let rays = match self.rays {
+            RaysPerLane::One => "1 ray",
+            RaysPerLane::Four => "4 rays",
+        };
+        f.pad(&format!("{fetch}, {boxes}, {rays}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_variant_prints_as_another_and_is_made_by_its_setters() {
+        let names: BTreeSet<String> = Traversal::ALL.iter().map(Traversal::to_string).collect();
+        assert_eq!(names.len(), Traversal::ALL.len(), "{names:?}");
+        assert_eq!(Traversal::ALL[0].to_string(), "textures, f32, 4 rays");
+        for with in Traversal::ALL {
+            assert_eq!(Traversal::ALL[0].fetch(with.fetch).boxes(with.boxes).rays(with.rays), *with);
+        }
+    }
 }

@@ -334,7 +334,7 @@ mod tests {
         let mut random = Random::new(3);
         for count in [1, 2, 3, 8, 9, 20, 300, 3999, 20_000] {
             let boxes: Vec<_> = (0..count).map(|_| cube(random.point(1.0), 0.03 * random.unit())).collect();
-            for build_kind in BvhBuild::ALL {
+            for &build_kind in BvhBuild::ALL {
                 let ours = build(&boxes, build_kind.params(), &|a, b| a.cmp(&b));
                 let theirs = build_bvh2(&boxes, build_kind.params(), &mut Duration::default());
                 check(&ours, &boxes);
@@ -368,7 +368,7 @@ mod tests {
                 boxes(&|index, random| cube(random.point(0.5), if index < 1.0 { 1e5 } else { 1e-3 })),
             ),
         ] {
-            for build_kind in BvhBuild::ALL {
+            for &build_kind in BvhBuild::ALL {
                 let started = Instant::now();
                 let tree = build(&boxes, build_kind.params(), &|a, b| a.cmp(&b));
                 let elapsed = started.elapsed();

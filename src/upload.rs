@@ -94,13 +94,12 @@ impl UploadedScene {
     }
 
     /// # Errors
-    /// [`Error::Scene`] if another [`Gpu`] holds it.
+    /// [`Error::ForeignScene`] if another [`Gpu`] holds it.
     pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {
         if self.gpu.is(gpu) {
             return Ok(());
         }
-        let reason = "it was uploaded by another Gpu; upload it with this renderer".into();
-        Err(Error::Scene { element: "uploaded scene".into(), reason })
+        Err(Error::ForeignScene)
     }
 }
 
@@ -137,7 +136,7 @@ impl Renderer {
         let packed = bvh::build(scene, build, self.traversal.boxes)?;
         let built = started.elapsed();
         let fetch = fetch_that_fits(&self.gpu, self.traversal.fetch, scene, &packed)?;
-        let traversal = Traversal { fetch, ..self.traversal };
+        let traversal = self.traversal.fetch(fetch);
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
         let upload = || {

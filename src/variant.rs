@@ -176,7 +176,7 @@ impl Variant {
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
         let rays = if count { RaysPerLane::One } else { self.traversal.rays };
-        Self { count, cost_map, traversal: Traversal { rays, ..self.traversal }, ..self }
+        Self { count, cost_map, traversal: self.traversal.rays(rays), ..self }
     }
 }
 

@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{ball, gpu_with_limits, is_exact, mesh, random_stage, render, renderer};
+use common::{ball, gpu_with_limits, is_exact, random_stage, render, renderer};
 use stereotrace::{
-    Boxes, Fetch, MISS, Method, Options, PixelSource, PointLight, Pose, RaysPerLane, Renderer, Scene, ShadowReuse,
-    ShadowSource, StereoCamera, StereoPair, Traversal,
+    Boxes, Fetch, MISS, Material, Mesh, Method, Options, PixelSource, PointLight, Pose, RaysPerLane, Renderer, Scene,
+    ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
     cpu::{Eye, Frame, bracket, trace_left::trace_left},
     glam::Vec3,
     metrics::compare,
@@ -23,7 +23,7 @@ const BITS: [(ShadowReuse, Method); 3] = [
 fn scenes() -> impl Iterator<Item = (String, Scene, StereoCamera)> {
     let builtins = [Builtin::Spheres, Builtin::Hall].into_iter();
     let builtins = builtins.map(|builtin| (builtin.to_string(), builtin.scene(), builtin.camera(93, 62)));
-    builtins.chain(Trial::ALL.into_iter().map(|trial| (trial.to_string(), trial.scene(), trial.camera(93, 62))))
+    builtins.chain(Trial::ALL.iter().map(|trial| (trial.to_string(), trial.scene(), trial.camera(93, 62))))
 }
 
 fn hits(pair: &StereoPair) -> (&[f32], &[u32], &[u32]) {
@@ -84,7 +84,8 @@ fn at_webgpu_s_default_limits_visibility_is_naive_s_by_both_fetches() {
     let traversals =
         [(Fetch::Texture, Boxes::F32, RaysPerLane::Four), (Fetch::Buffer, Boxes::Grid16, RaysPerLane::One)];
     for (fetch, boxes, rays) in traversals {
-        let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal { fetch, boxes, rays });
+        let mut renderer =
+            Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch).boxes(boxes).rays(rays));
         let exact = is_exact(&renderer);
         let uploaded = renderer.upload(&scene).unwrap();
         assert_eq!(uploaded.info().traversal.fetch, fetch, "it fits both ways");
@@ -116,12 +117,12 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
             assert!(choice.to_string().starts_with(&choice.method.to_string()));
             assert!(auto.right == render(Options::new(choice.method)).right, "{name} e = {e_px}");
             let cost = |pair: &StereoPair| (pair.statistics.left.cost() + pair.statistics.right.cost()) as f64;
-            let naive = cost(&render(Options::new(Method::Naive).counting()));
-            let counted = render(Options::default().counting());
+            let naive = cost(&render(Options::new(Method::Naive).count(true)));
+            let counted = render(Options::default().count(true));
             let as_shipped = if counted.statistics.method == choice.method {
                 cost(&counted)
             } else {
-                cost(&render(Options::new(choice.method).counting()))
+                cost(&render(Options::new(choice.method).count(true)))
             };
             let ratio = cost(&counted).max(as_shipped) / naive;
             assert!(ratio <= 1.02, "{name} e = {e_px}: {ratio}");
@@ -201,7 +202,7 @@ fn more_lights_than_bits_are_kept_for_are_traced() {
         .map(|index| {
             let around = 0.3 * index as f32;
             let position = Vec3::new(4.0 * around.cos(), 3.0, 4.0 * around.sin());
-            PointLight { position, intensity: Vec3::splat(0.05) }
+            PointLight::new(position, Vec3::splat(0.05))
         })
         .collect();
     let naive = render(&scene, &camera, Method::Naive);
@@ -215,11 +216,11 @@ fn more_lights_than_bits_are_kept_for_are_traced() {
 fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
     // A hundred walls, one behind the other, each nearly as near as the next, in front of a sphere.
     let mut scene = Scene::new();
-    scene.add_material("grey", Vec3::splat(0.5));
+    scene.add_material(Material::new(Vec3::splat(0.5)));
     for layer in 0..100 {
         let z = -1e-4 * layer as f32;
         let corners = [[-0.5, -0.5, z], [0.5, -0.5, z], [0.5, 0.5, z], [-0.5, 0.5, z]].map(Vec3::from_array);
-        scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+        scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     }
     let camera = camera();
     let (naive, pair) = (render(&scene, &camera, Method::Naive), render(&scene, &camera, Method::BRACKET_RAYS));
@@ -231,7 +232,7 @@ fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
 fn dense_ball(rings: u32) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_mesh(&ball(Vec3::ZERO, 1.0, rings)).unwrap();
-    scene.lights.push(PointLight { position: Vec3::new(3.0, 4.0, 2.0), intensity: Vec3::ONE });
+    scene.lights.push(PointLight::new(Vec3::new(3.0, 4.0, 2.0), Vec3::ONE));
     let camera = camera().size(64, 48);
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
@@ -269,16 +270,16 @@ fn a_ray_meets_only_what_its_pixel_s_centre_lies_in_the_bounds_of() {
     let center = |x, y| frame.eye(Eye::Right) + 5.0 * frame.direction(Eye::Right, x, y);
     let (right, down) = (center(1, 0) - center(0, 0), center(0, 1) - center(0, 0));
     let mut scene = Scene::new();
-    scene.add_material("grey", Vec3::splat(0.5));
+    scene.add_material(Material::new(Vec3::splat(0.5)));
     let around = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
     for pixel in 0..64 * 48 {
         let at = center(pixel % 64, pixel / 64);
         let corners = around.map(|(x, y): (f32, f32)| at + x * right + y * down);
-        scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+        scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     }
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
-    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET).counting()).unwrap();
+    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET).count(true)).unwrap();
     // 4.0 as measured: two a pixel, and two that its tile looks at. Ten if each ray met all of its block's.
     let tests = pair.statistics.right.primitive_tests as f64 / f64::from(64 * 48);
     assert!(tests < 4.5, "{tests}");

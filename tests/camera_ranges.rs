@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{RandomScene, ball, is_exact, mesh, random::Random, renderer};
+use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    MISS, MaterialId, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
+    MISS, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
     camera::{MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
     glam::Vec3,
     scene::{MAX_COORDINATE, MIN_EXTENT},
@@ -111,7 +111,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
         }
         let uploaded = renderer.upload(&scene).unwrap();
         let [naive, bracket] = [Method::Naive, Method::BRACKET_RAYS]
-            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap());
+            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap());
         rendered += 1;
         surfaces += naive.right.primitive.iter().filter(|&&primitive| primitive != MISS).count();
         if is_exact(&renderer) {
@@ -128,15 +128,15 @@ fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
     for mut part in [ball(target, radius, 40), {
         let corners: Vec<Vec3> = source.triangles().iter().flat_map(|triangle| triangle.corners).collect();
         let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-        mesh(corners, faces)
+        Mesh::new(corners, faces)
     }] {
         part.positions.iter_mut().for_each(|position| *position *= scale);
         scene.add_mesh(&part).unwrap();
     }
     for sphere in source.spheres() {
-        scene.add_sphere(Sphere { center: sphere.center * scale, radius: sphere.radius * scale, ..*sphere }).unwrap();
+        scene.add_sphere(Sphere::new(sphere.center * scale, sphere.radius * scale, sphere.material)).unwrap();
     }
-    scene.lights.push(PointLight { position: Vec3::new(1.0, 3.0, 2.0) * scale, intensity: Vec3::splat(0.5) });
+    scene.lights.push(PointLight::new(Vec3::new(1.0, 3.0, 2.0) * scale, Vec3::splat(0.5)));
     scene
 }
 
@@ -154,7 +154,7 @@ fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
                 .screen_distance(4.0 * scale)
                 .interaxial_pixels(3.0);
             [Method::Naive, Method::BRACKET_RAYS]
-                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap())
+                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap())
         };
         let [at_one, _] = pairs(1.0);
         assert!(at_one.right.primitive.iter().filter(|&&primitive| primitive != MISS).count() > 100);
@@ -206,12 +206,12 @@ fn a_fitting_camera_shows_both_eyes_the_whole_of_any_box() {
 fn framed(renderer: &mut Renderer, scene: &Scene) -> StereoPair {
     let uploaded = renderer.upload(scene).unwrap();
     let camera = StereoCamera::fitting(scene.bounds().unwrap(), 48, 48);
-    renderer.render(&uploaded, &camera, &Options::default().linear()).unwrap()
+    renderer.render(&uploaded, &camera, &Options::default().linear(true)).unwrap()
 }
 
 fn triangle(corners: [Vec3; 3]) -> Scene {
     let mut scene = Scene::new();
-    scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
+    scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
     scene
 }
 
@@ -230,7 +230,7 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
 
     let sphere = |center: Vec3, radius: f32| {
         let mut scene = Scene::new();
-        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+        scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
         scene
     };
     for (small, side) in [
@@ -247,6 +247,6 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     // Far from the origin its box is no step of f32 across, and the sphere is as good as any.
     framed(&mut renderer, &sphere(Vec3::splat(1e6), 1e-3));
     let mut mixed = triangle(shape.map(|corner| corner * 1e-30));
-    mixed.add_sphere(Sphere { center: Vec3::X, radius: 0.1, material: MaterialId(0) }).unwrap();
+    mixed.add_sphere(Sphere::new(Vec3::X, 0.1, MaterialId(0))).unwrap();
     framed(&mut renderer, &mixed);
 }

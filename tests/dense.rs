@@ -7,7 +7,7 @@ mod truth;
 
 use std::time::Instant;
 
-use common::{mesh, random::Random, renderer};
+use common::{random::Random, renderer};
 use stereotrace::{
     MISS, Mesh, Method, Options, PointLight, Scene, StereoCamera, StereoPair, View,
     cpu::{Eye, Frame},
@@ -18,7 +18,7 @@ use truth::Truth;
 /// A sphere of 1.3 million triangles.
 fn dense_ball() -> Mesh {
     let (positions, triangles) = solids::icosphere(8);
-    mesh(positions, triangles)
+    Mesh::new(positions, triangles)
 }
 
 /// Hills of 500,000 triangles.
@@ -31,7 +31,7 @@ fn dense_terrain() -> Mesh {
     };
     let cells = (0..side * side).map(|cell| cell % side + cell / side * (side + 1));
     let triangles = cells.flat_map(|a| [[a, a + side + 1, a + side + 2], [a, a + side + 2, a + 1]]);
-    mesh((0..(side + 1) * (side + 1)).map(position).collect(), triangles.collect())
+    Mesh::new((0..(side + 1) * (side + 1)).map(position).collect(), triangles.collect())
 }
 
 /// Needles from end to end of a cube: boxes that all overlap.
@@ -41,7 +41,7 @@ fn needles(count: u32) -> Mesh {
         let (from, to) = (random.point(1.0), random.point(1.0));
         [from, to, to + random.point(0.002)]
     });
-    mesh(positions.collect(), (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect())
+    Mesh::new(positions.collect(), (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect())
 }
 
 fn render(scene: &Scene, camera: &StereoCamera, methods: &[Method]) -> Result<Vec<StereoPair>, String> {
@@ -135,14 +135,13 @@ fn four_hundred_thousand_long_needles_with_five_lights_are_rendered() {
 fn a_thousand_lights_are_rendered() {
     let mut scene = Scene::new();
     let floor = [(-4.0, -4.0), (-4.0, 4.0), (4.0, 4.0), (4.0, -4.0)].map(|(x, z)| Vec3::new(x, -0.5, z));
-    scene.add_mesh(&mesh(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.add_mesh(&Mesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     scene.add_mesh(&common::ball(Vec3::ZERO, 0.5, 12)).unwrap();
     let camera = StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.0), Vec3::ZERO).size(48, 36).interaxial_pixels(3.0);
     let mut random = Random::new(8);
     scene.ambient = Some(Vec3::splat(0.1));
-    scene.lights = (0..1000)
-        .map(|_| PointLight { position: random.point(3.0) + 4.0 * Vec3::Y, intensity: Vec3::splat(0.9 / 1000.0) })
-        .collect();
+    scene.lights =
+        (0..1000).map(|_| PointLight::new(random.point(3.0) + 4.0 * Vec3::Y, Vec3::splat(0.9 / 1000.0))).collect();
     let pairs =
         render(&scene, &camera, &[Method::Naive, Method::BRACKET_RAYS]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(wrong(&scene, &pairs[0], 3), [0, 0]);

@@ -4,9 +4,9 @@ mod common;
 
 use std::sync::Mutex;
 
-use common::{ball, gpu, mesh, render};
+use common::{ball, gpu, render};
 use stereotrace::{
-    Method, PointLight, Renderer, Scene, StereoCamera, View,
+    Mesh, Method, PointLight, Renderer, Scene, StereoCamera, View,
     glam::{Quat, Vec3},
 };
 
@@ -35,18 +35,18 @@ fn still_life(by: Vec3) -> Scene {
     let mut scene = Scene::new();
     let corner = |x: f32, z: f32| by + Vec3::new(x, 0.0, z);
     let floor = vec![corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-    scene.add_mesh(&mesh(floor, vec![[0, 2, 1], [0, 3, 2]])).unwrap();
+    scene.add_mesh(&Mesh::new(floor, vec![[0, 2, 1], [0, 3, 2]])).unwrap();
     for (center, half, turn) in [(Vec3::new(-0.15, 0.12, -0.1), 0.12, 0.4), (Vec3::new(0.2, 0.07, 0.1), 0.07, 1.1)] {
         let sides = |bits: u32| [0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { half } else { -half });
         let corner = |bits: u32| by + center + Quat::from_rotation_y(turn) * Vec3::from_array(sides(bits));
         let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
         let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        scene.add_mesh(&mesh((0..8).map(corner).collect(), triangles)).unwrap();
+        scene.add_mesh(&Mesh::new((0..8).map(corner).collect(), triangles)).unwrap();
     }
     scene.add_mesh(&ball(by + Vec3::new(0.1, 0.1, -0.25), 0.1, 24)).unwrap();
     scene.ambient = Some(Vec3::splat(0.15));
     for at in [[0.6, 0.9, 0.5], [-0.5, 0.8, 0.6], [0.1, 1.2, -0.3]] {
-        scene.lights.push(PointLight { position: by + Vec3::from_array(at), intensity: Vec3::splat(0.3) });
+        scene.lights.push(PointLight::new(by + Vec3::from_array(at), Vec3::splat(0.3)));
     }
     scene
 }

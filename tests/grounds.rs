@@ -3,9 +3,10 @@
 mod common;
 mod truth;
 
-use common::{mesh, random::Random, renderer};
+use common::{random::Random, renderer};
 use stereotrace::{
-    Material, MaterialId, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair, View,
+    Material, MaterialId, Mesh, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair,
+    View,
     cpu::{Eye, Frame},
     glam::{Quat, Vec3},
 };
@@ -48,18 +49,18 @@ impl Ground {
     /// A dozen boxes on the ground, in no light but three lamps'.
     fn scene(self, boxes: bool) -> Scene {
         let mut scene = Scene::new();
-        let grey = scene.add_material("grey", Vec3::splat(0.6));
-        let red = scene.add_material("red", Vec3::new(0.8, 0.3, 0.2));
+        let grey = scene.add_material(Material::new(Vec3::splat(0.6)));
+        let red = scene.add_material(Material::new(Vec3::new(0.8, 0.3, 0.2)));
         match self {
             Self::Quad { half_side, .. } => {
                 let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
                 let corners = corners.map(|(x, z)| self.turn() * Vec3::new(x * half_side, 0.0, z * half_side));
-                let mut quad = mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+                let mut quad = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
                 quad.materials = vec![grey];
                 scene.add_mesh(&quad).unwrap();
             }
             Self::Sphere { radius } => {
-                scene.add_sphere(Sphere { center: -radius * Vec3::Y, radius, material: grey }).unwrap();
+                scene.add_sphere(Sphere::new(-radius * Vec3::Y, radius, grey)).unwrap();
             }
         }
         let mut random = Random::new(5);
@@ -71,9 +72,7 @@ impl Ground {
         scene.ambient = Some(Vec3::splat(0.15));
         scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
         let lamps = [Vec3::new(-4.0, 6.0, 3.0), Vec3::new(3.5, 4.0, -2.0), Vec3::new(1.0, 9.0, 5.0)];
-        scene.lights = lamps
-            .map(|lamp| PointLight { position: self.turn() * lamp, intensity: Vec3::new(0.32, 0.28, 0.26) })
-            .to_vec();
+        scene.lights = lamps.map(|lamp| PointLight::new(self.turn() * lamp, Vec3::new(0.32, 0.28, 0.26))).to_vec();
         scene
     }
 
@@ -95,7 +94,7 @@ fn add_box(scene: &mut Scene, center: Vec3, half: Vec3, around: f32, turn: Quat,
     };
     let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    let mut boxed = mesh((0..8).map(corner).collect(), triangles);
+    let mut boxed = Mesh::new((0..8).map(corner).collect(), triangles);
     boxed.materials = vec![material];
     scene.add_mesh(&boxed).unwrap();
 }

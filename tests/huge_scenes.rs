@@ -5,7 +5,7 @@ mod truth;
 
 use std::time::{Duration, Instant};
 
-use common::{gpu, mesh, random::Random};
+use common::{gpu, random::Random};
 use stereotrace::{
     Boxes, Fetch, MISS, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
     StereoPair, Traversal,
@@ -24,7 +24,10 @@ const BUILD: Duration = Duration::from_secs(5);
 
 fn quad(half_side: f32, height: f32) -> Mesh {
     let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
-    mesh(corners.map(|(x, z)| half_side * Vec3::new(x, 0.0, z) + height * Vec3::Y).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    Mesh::new(
+        corners.map(|(x, z)| half_side * Vec3::new(x, 0.0, z) + height * Vec3::Y).to_vec(),
+        vec![[0, 1, 2], [0, 2, 3]],
+    )
 }
 
 /// What pebbles are made of.
@@ -44,7 +47,7 @@ fn pebbles(kind: Pebble, half_side: f32) -> Scene {
         let center = Vec3::new(random.between(-0.25, 0.25), 0.0007, random.between(-0.25, 0.25));
         let radius = random.between(0.0006, 0.001);
         match kind {
-            Pebble::Spheres => scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap(),
+            Pebble::Spheres => scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap(),
             Pebble::Octahedra => {
                 positions.extend(
                     [Vec3::X, Vec3::Y, Vec3::Z]
@@ -57,7 +60,7 @@ fn pebbles(kind: Pebble, half_side: f32) -> Scene {
     let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
     let count = positions.len() as u32 / 6;
     let triangles = (0..count).flat_map(|index| faces.map(|face| face.map(|corner| 6 * index + corner)));
-    scene.add_mesh(&mesh(positions, triangles.collect())).unwrap();
+    scene.add_mesh(&Mesh::new(positions, triangles.collect())).unwrap();
     let camera = looking_at_pebbles();
     scene.place_lights(2, &camera).unwrap();
     scene
@@ -68,12 +71,14 @@ fn looking_at_pebbles() -> StereoCamera {
 }
 
 fn renderer(boxes: Boxes) -> Renderer {
-    Renderer::with_traversal(gpu(), Traversal { fetch: Fetch::Texture, boxes, rays: RaysPerLane::Four })
+    let gpu = gpu();
+    let traversal = Traversal::of(&gpu).fetch(Fetch::Texture).boxes(boxes).rays(RaysPerLane::Four);
+    Renderer::with_traversal(gpu, traversal)
 }
 
 fn counted(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).counting()).unwrap()
+    renderer.render(&uploaded, camera, &Options::new(method).count(true)).unwrap()
 }
 
 /// Pixels that do not show what double precision sees along their rays, but for those within a hundredth of a pixel of
@@ -121,7 +126,7 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
             for half_side in [100.0, 1e4, 1e5, 1e6] {
                 let huge = pebbles(kind, half_side);
                 let uploaded = renderer.upload(&huge).unwrap();
-                let pair = match renderer.render(&uploaded, &camera, &Options::new(method).counting()) {
+                let pair = match renderer.render(&uploaded, &camera, &Options::new(method).count(true)) {
                     Ok(pair) => pair,
                     Err(error) => {
                         println!("{kind:?} on ±{half_side} by {name}: {error}");
@@ -178,7 +183,7 @@ fn fault(name: &str, scene: &Scene, camera: &StereoCamera, expected: impl Fn(&St
 
 fn copies(count: u32, scale: f32) -> Mesh {
     let corners = [Vec3::new(-0.1, -0.1, 0.0), Vec3::new(0.1, -0.1, 0.0), Vec3::new(0.0, 0.1, 0.0)];
-    mesh(corners.map(|corner| corner * scale).to_vec(), vec![[0, 1, 2]; count as usize])
+    Mesh::new(corners.map(|corner| corner * scale).to_vec(), vec![[0, 1, 2]; count as usize])
 }
 
 /// From so far that the copies fill some hundred pixels of 64 x 64.
@@ -222,7 +227,7 @@ fn copies_beside_other_triangles_build_and_render() {
             scene.add_mesh(&copies(count, 1.0)).unwrap();
             let positions: Vec<Vec3> = (0..30_000).map(|_| random.point(0.4) - 0.6 * Vec3::Z).collect();
             let triangles = (0..10_000).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
-            scene.add_mesh(&mesh(positions, triangles)).unwrap();
+            scene.add_mesh(&Mesh::new(positions, triangles)).unwrap();
             fault(&format!("{count} copies beside others"), &scene, &camera(), |pair| {
                 let seen = seen(pair);
                 seen.first() == Some(&0) && seen.get(1).is_some_and(|&second| second >= count)
@@ -241,7 +246,7 @@ fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
             for index in 0..count {
                 let radius = 0.02 + 0.08 * index as f32 / count as f32;
                 let center = aside * radius * Vec3::X;
-                scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+                scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
             }
             let name = if aside == 0.0 { "concentric" } else { "tangent" };
             // Where spheres touch, rounding may let another one be seen.
@@ -259,7 +264,8 @@ fn scenes_of_a_scale_of_1e_30_build_and_render() {
     let mesh_of = |count: u32, alike: bool| {
         let mut random = Random::new(4);
         let positions: Vec<Vec3> = (0..3 * count).map(|_| random.point(1e-30)).collect();
-        let different = mesh(positions, (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect());
+        let different =
+            Mesh::new(positions, (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect());
         if alike { copies(count, 1e-30) } else { different }
     };
     let cases = [200, 3000, 100_000].into_iter().flat_map(|count| [(count, true), (count, false)]);
@@ -269,7 +275,7 @@ fn scenes_of_a_scale_of_1e_30_build_and_render() {
             let mut scene = Scene::new();
             scene.add_mesh(&mesh_of(count, alike)).unwrap();
             let center = Vec3::new(0.2, 0.0, 0.0);
-            scene.add_sphere(Sphere { center, radius: 0.1, material: MaterialId(0) }).unwrap();
+            scene.add_sphere(Sphere::new(center, 0.1, MaterialId(0))).unwrap();
             fault(&name, &scene, &camera(), |pair| seen(pair).contains(&count))
         }
     }));

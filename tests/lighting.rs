@@ -4,8 +4,8 @@ mod common;
 
 use common::renderer;
 use stereotrace::{
-    Error, MaterialId, Method, PointLight, Scene, Sky, Sphere, StereoCamera, cpu::intersect::closest_hit, glam::Vec3,
-    scene::builtin::Builtin,
+    Error, Material, MaterialId, Mesh, Method, PointLight, Scene, Sky, Sphere, StereoCamera,
+    cpu::intersect::closest_hit, glam::Vec3, scene::builtin::Builtin,
 };
 
 #[test]
@@ -19,16 +19,18 @@ fn negative_light_and_reflectance_are_refused_by_name() {
             format!("invalid scene: {element}: {reason} is [0.5, -0.1, 0.5]; it must be finite and not negative");
         assert_eq!(error.to_string(), expected);
     };
-    let light = PointLight { position: Vec3::splat(-1.0), intensity: negative };
+    let light = PointLight::new(Vec3::splat(-1.0), negative);
     refused("ambient", "it", &|scene| scene.ambient = Some(negative));
     refused("light 0", "intensity", &|scene| scene.lights.push(light));
-    refused("material 1 'tar'", "albedo", &|scene| assert_eq!(scene.add_material("tar", negative).0, 1));
+    refused("material 1 'tar'", "albedo", &|scene| {
+        assert_eq!(scene.add_material(Material::new(negative).name("tar")).0, 1)
+    });
     refused("sky", "it", &|scene| scene.sky = Sky::Constant(negative));
     refused("sky", "nadir", &|scene| scene.sky = Sky::Gradient { nadir: negative, zenith: Vec3::ONE });
     refused("sky", "zenith", &|scene| scene.sky = Sky::Gradient { nadir: Vec3::ONE, zenith: negative });
     let mut scene = Scene::new();
     scene.ambient = Some(Vec3::NEG_ONE * 0.0); // no less than nothing
-    scene.lights.push(PointLight { intensity: Vec3::ONE, ..light });
+    scene.lights.push(PointLight::new(light.position, Vec3::ONE));
     assert!(renderer().upload(&scene).is_ok());
 }
 
@@ -37,7 +39,7 @@ fn ground(half: f32) -> Scene {
     let mut scene = Scene::new();
     let corner = |x: f32, z: f32| Vec3::new(x * half, 0.0, z * half);
     let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
-    scene.add_mesh(&common::mesh(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     scene
 }
 
@@ -47,7 +49,7 @@ fn ambient_light_makes_room_for_lights_unless_it_was_given() {
     let shade = |ambient: Option<f32>, light: Option<f32>| {
         let mut scene = ground(10.0);
         scene.ambient = ambient.map(Vec3::splat);
-        let overhead = |light| PointLight { position: Vec3::Y * 1e6, intensity: Vec3::splat(light) };
+        let overhead = |light| PointLight::new(Vec3::Y * 1e6, Vec3::splat(light));
         scene.lights.extend(light.map(overhead));
         common::render(&scene, &camera, Method::Naive).left.linear[40][0]
     };
@@ -90,14 +92,14 @@ fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
 
 #[test]
 fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
-    let object = Sphere { center: Vec3::Y, radius: 1.0, material: MaterialId(0) };
+    let object = Sphere::new(Vec3::Y, 1.0, MaterialId(0));
     for eye in [Vec3::new(0.0, 1.0, 6.0), Vec3::new(2.0, 0.3, 5.0), Vec3::new(0.0, 1.9, 3.0), Vec3::new(0.0, 8.0, 6.0)]
     {
         let camera = StereoCamera::look_at(eye, Vec3::Y);
         for radius in [20.0, 100.0, 1000.0, 1e4, 1e6] {
             let mut scene = Scene::new();
             let center = Vec3::NEG_Y * radius;
-            scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+            scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
             scene.add_sphere(object).unwrap();
             scene.place_lights(7, &camera).unwrap();
             assert_seen(&scene, &camera, &format!("ground sphere of {radius} under {eye}"));
@@ -108,7 +110,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
             // Something as high as the ground is wide below it: the box around all is a cube.
             let tower = Vec3::new(0.5 * half, half, 0.0);
             let mast = vec![tower, Vec3::new(0.5 * half, -half, 0.0), tower + Vec3::X];
-            scene.add_mesh(&common::mesh(mast, vec![[0, 1, 2]])).unwrap();
+            scene.add_mesh(&Mesh::new(mast, vec![[0, 1, 2]])).unwrap();
             scene.place_lights(7, &camera).unwrap();
             assert_seen(&scene, &camera, &format!("ground of {half} under {eye}"));
             assert!(scene.lights.iter().all(|light| light.position.y > 0.0), "{half} {eye}");
@@ -119,7 +121,7 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
 /// The rule without its second part, as it is in the documentation.
 #[test]
 fn built_in_scenes_have_their_lights_in_their_boxes() {
-    for builtin in Builtin::ALL {
+    for &builtin in Builtin::ALL {
         let (mut scene, camera) = (builtin.scene(), builtin.camera(640, 480));
         scene.place_lights(5, &camera).unwrap();
         let pose = camera.pose().unwrap();

@@ -57,7 +57,7 @@ fn renders_the_same(limits: &wgpu::Limits) {
     for fetch in [Fetch::Texture, Fetch::Buffer] {
         let (device, queue) = device(limits.clone());
         let theirs = Gpu::from_device(device, queue).unwrap();
-        let traversal = Traversal { fetch, ..Traversal::of(&own) };
+        let traversal = Traversal::of(&own).fetch(fetch);
         let [expected, found] = [&own, &theirs].map(|gpu| {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             let uploaded = renderer.upload(&scene).unwrap();

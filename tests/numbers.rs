@@ -2,12 +2,12 @@
 
 mod common;
 
-use std::{f32::consts::PI, panic::catch_unwind};
+use std::{f32::consts::PI, num::NonZeroU32, panic::catch_unwind};
 
 use common::renderer;
 use stereotrace::{
-    BufferDepth, Error, MISS, MaterialId, Method, Options, Overlap, PointLight, Ray, Scene, SkyMap, Sphere,
-    StereoCamera, Verify,
+    BufferDepth, Check, Error, MISS, MaterialId, Mesh, Method, Options, PointLight, Ray, Scene, SkyMap, Sphere,
+    StereoCamera,
     camera::MAX_SIDE,
     glam::Vec3,
     output::{save_ids_pfm, save_pfm},
@@ -85,7 +85,7 @@ fn any_size_makes_a_picture_or_an_error() {
                 continue;
             }
             for method in [Method::Naive, Method::default(), Method::BUFFER, Method::ES_ISLER] {
-                for options in [Options::new(method), Options::new(method).mapping_costs()] {
+                for options in [Options::new(method), Options::new(method).cost_map(true)] {
                     let error = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
                     assert!(error.contains(&format!("{width}x{height}")), "{error}");
                 }
@@ -109,17 +109,17 @@ fn numbers_that_make_no_scene_are_refused_by_name() {
     }
     let mut scene = Scene::new();
     for number in NUMBERS {
-        let sphere = Sphere { center: Vec3::splat(number), radius: 1.0, material: MaterialId(0) };
+        let sphere = Sphere::new(Vec3::splat(number), 1.0, MaterialId(0));
         assert_eq!(scene.add_sphere(sphere).is_ok(), number.abs() <= 1e8, "{number}");
-        let sphere = Sphere { center: Vec3::ZERO, radius: number, material: MaterialId(0) };
+        let sphere = Sphere::new(Vec3::ZERO, number, MaterialId(0));
         assert_eq!(scene.add_sphere(sphere).is_ok(), number > 0.0 && number <= 1e8, "{number}");
-        let mesh = common::mesh(vec![Vec3::ZERO, Vec3::X, Vec3::splat(number)], vec![[0, 1, 2]]);
+        let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::splat(number)], vec![[0, 1, 2]]);
         assert_eq!(scene.add_mesh(&mesh).is_ok(), number.abs() <= 1e8, "{number}");
     }
-    let unknown = Sphere { center: Vec3::ZERO, radius: 1.0, material: MaterialId(u32::MAX) };
+    let unknown = Sphere::new(Vec3::ZERO, 1.0, MaterialId(u32::MAX));
     assert!(scene.add_sphere(unknown).unwrap_err().to_string().contains("material 4294967295 of 1"));
-    assert!(scene.add_mesh(&common::mesh(vec![Vec3::ZERO], vec![[0, 0, u32::MAX]])).is_err());
-    scene.add_mesh(&common::mesh(Vec::new(), Vec::new())).unwrap();
+    assert!(scene.add_mesh(&Mesh::new(vec![Vec3::ZERO], vec![[0, 0, u32::MAX]])).is_err());
+    scene.add_mesh(&Mesh::new(Vec::new(), Vec::new())).unwrap();
     assert_eq!((scene.object_of(MISS), scene.object_name(MISS)), (MISS, ""));
 }
 
@@ -132,27 +132,27 @@ fn more_lights_than_a_scene_can_have_are_refused() {
         assert!(message.contains(&format!("lights: {count} of them; it can have at most 1048576")), "{message}");
     }
     assert_eq!(scene.lights.len(), 5, "a refused number changes nothing");
-    scene.lights = vec![PointLight { position: Vec3::Y, intensity: Vec3::ZERO }; MAX_LIGHTS + 1];
+    scene.lights = vec![PointLight::new(Vec3::Y, Vec3::ZERO); MAX_LIGHTS + 1];
     assert!(renderer().upload(&scene).unwrap_err().to_string().contains("1048577 of them"));
 }
 
 #[test]
 fn any_number_makes_a_ray_an_answer_or_an_error() {
-    let mut renderer = renderer();
+    let renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
     for number in NUMBERS {
         let rays = [
-            Ray::new(Vec3::new(number, 0.0, 0.0)),
-            Ray { t_min: number, ..Ray::new(-Vec3::Z) },
-            Ray { t_max: number, ..Ray::new(-Vec3::Z) },
+            Ray::new(Vec3::ZERO, Vec3::new(number, 0.0, 0.0)),
+            Ray::new(Vec3::ZERO, -Vec3::Z).t_min(number),
+            Ray::new(Vec3::ZERO, -Vec3::Z).t_max(number),
         ];
         for ray in rays {
-            match renderer.closest_hits(&uploaded, Vec3::ZERO, &[ray]) {
+            match renderer.closest_hits(&uploaded, &[ray]) {
                 Ok(cast) => assert!(!cast.hits[0].t.is_nan(), "{ray:?}"),
                 Err(error) => assert!(matches!(error, Error::Ray { .. }), "{error}"),
             }
         }
-        let error = renderer.any_hits(&uploaded, Vec3::splat(number), &[Ray::new(-Vec3::Z)]).err();
+        let error = renderer.any_hits(&uploaded, &[Ray::new(Vec3::splat(number), -Vec3::Z)]).err();
         assert_eq!(error.is_some(), !number.is_finite(), "{number}");
     }
 }
@@ -161,11 +161,11 @@ fn any_number_makes_a_ray_an_answer_or_an_error() {
 fn any_depth_of_the_buffer_renders() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
-    for depth in [0, 1, u32::MAX] {
-        let overlap = Overlap::Buffer(BufferDepth::Fixed(depth));
-        let options = Options::new(Method::Reuse { overlap, verify: Verify::All });
+    for slots in [1, 2, u32::MAX] {
+        let depth = BufferDepth::Fixed(NonZeroU32::new(slots).unwrap());
+        let options = Options::new(Method::Buffer(depth, Check::All));
         let pair = renderer.render(&uploaded, &Builtin::Near.camera(9, 7), &options).unwrap();
-        assert_eq!(pair.statistics.buffer_depth, depth.clamp(1, 9));
+        assert_eq!(pair.statistics.buffer_depth, slots.min(9));
     }
 }
 

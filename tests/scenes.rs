@@ -9,10 +9,10 @@ use obvhs::{
     BvhBuildParams,
     aabb::Aabb,
     bvh2::{Bvh2, builder::build_bvh2},
-    ray::{Ray, RayHit},
+    ray,
 };
 use stereotrace::{
-    FAR, MISS, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Triangle, UploadedScene,
+    FAR, MISS, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, StereoPair, Triangle, UploadedScene,
     cpu::{Eye, Frame, intersect::intersect_triangle},
     glam::Vec3,
 };
@@ -58,8 +58,8 @@ impl<'a> Theirs<'a> {
             let t = (!triangle.is_degenerate()).then(|| intersect_triangle(origin, direction, triangle.corners));
             t.flatten().filter(|t| *t >= t_min).unwrap_or(f32::INFINITY)
         };
-        let ray = Ray::new(origin.into(), direction.into(), t_min, t_max);
-        let mut hit = RayHit::none();
+        let ray = ray::Ray::new(origin.into(), direction.into(), t_min, t_max);
+        let mut hit = ray::RayHit::none();
         self.tree.ray_traverse(ray, &mut hit, |_, index| intersect(index));
         hit.t.min(t_max) // infinite where the ray misses the whole tree, else its t_max
     }
@@ -122,14 +122,12 @@ fn samples(pair: &StereoPair) -> impl Iterator<Item = (usize, usize, f32)> + '_ 
 fn check_intervals(renderer: &mut Renderer, uploaded: &UploadedScene, theirs: &Theirs<'_>, pair: &StereoPair) {
     let frame = Frame::new(&pair.pose);
     let right = frame.eye(Eye::Right);
-    let interval = |(column, row, z): (usize, usize, f32)| stereotrace::Ray {
-        direction: frame.direction(Eye::Right, column, row),
-        t_min: 0.9 * z,
-        t_max: 1.1 * z,
+    let interval = |(column, row, z): (usize, usize, f32)| {
+        Ray::new(right, frame.direction(Eye::Right, column, row)).t_min(0.9 * z).t_max(1.1 * z)
     };
     let intervals: Vec<_> = samples(pair).map(interval).collect();
-    let found = renderer.closest_hits(uploaded, right, &intervals).unwrap().hits;
-    let differs = |(hit, ray): &(&stereotrace::RayHit, &stereotrace::Ray)| {
+    let found = renderer.closest_hits(uploaded, &intervals).unwrap().hits;
+    let differs = |(hit, ray): &(&RayHit, &Ray)| {
         let t = if hit.primitive == MISS { ray.t_max } else { hit.t };
         t != theirs.closest(right, ray.direction, ray.t_min, ray.t_max)
     };
@@ -149,10 +147,10 @@ fn check_shadows(
     let frame = Frame::new(&pair.pose);
     let left = frame.eye(Eye::Left);
     let point = |(column, row, z): (usize, usize, f32)| left + frame.direction(Eye::Left, column, row) * z;
-    let towards = |point: Vec3| stereotrace::Ray { direction: point - origin, t_min: 0.0, t_max: 0.9999 };
+    let towards = |point: Vec3| Ray::new(origin, point - origin).t_max(0.9999);
     let rays: Vec<_> = samples(pair).map(point).map(towards).collect();
-    let found = renderer.any_hits(uploaded, origin, &rays).unwrap().hits;
-    let occluded = |ray: &stereotrace::Ray| theirs.closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
+    let found = renderer.any_hits(uploaded, &rays).unwrap().hits;
+    let occluded = |ray: &Ray| theirs.closest(origin, ray.direction, 0.0, ray.t_max) < ray.t_max;
     let differing = found.iter().zip(&rays).filter(|(found, ray)| **found != occluded(ray)).count();
     let dark = found.iter().filter(|occluded| **occluded).count();
     // Measured 0 of 10,117 on both, for both lights.

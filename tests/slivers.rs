@@ -4,9 +4,9 @@
 mod common;
 mod truth;
 
-use common::{mesh, random::Random, renderer};
+use common::{random::Random, renderer};
 use stereotrace::{
-    MISS, Method, Options, Pose, Scene, StereoCamera, View,
+    MISS, Mesh, Method, Options, Pose, Scene, StereoCamera, View,
     cpu::{Eye, Frame},
     glam::{DVec2, DVec3, Vec3},
 };
@@ -83,12 +83,12 @@ impl Kind {
         let mut scene = Scene::new();
         let back = [(-30.0, -30.0), (30.0, -30.0), (30.0, 30.0), (-30.0, 30.0)];
         let back = back.map(|(x, y)| pose.eye + scale * Vec3::new(x, y, -20.0));
-        scene.add_mesh(&mesh(back.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+        scene.add_mesh(&Mesh::new(back.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         let frame = Frame::new(pose);
         for index in 0..24 {
             let eye = frame.eye(if index % 2 == 0 { Eye::Left } else { Eye::Right });
             let triangles = if index % 4 < 2 { vec![[0, 1, 2], [0, 2, 3]] } else { vec![[0, 1, 3], [1, 2, 3]] };
-            scene.add_mesh(&mesh(self.corners(eye, scale, random).to_vec(), triangles)).unwrap();
+            scene.add_mesh(&Mesh::new(self.corners(eye, scale, random).to_vec(), triangles)).unwrap();
         }
         scene
     }
@@ -272,7 +272,7 @@ fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_
         [[a, a + 1, b + 1], [a, b + 1, b]]
     });
     let mut scene = Scene::new();
-    scene.add_mesh(&mesh(corners, sides.collect())).unwrap();
+    scene.add_mesh(&Mesh::new(corners, sides.collect())).unwrap();
     let camera = StereoCamera::look_at(Vec3::new(1.0, 6.0, 7.0), Vec3::new(0.0, 2.0, 0.0)).size(WIDTH, HEIGHT);
     let camera = camera.interaxial_pixels(6.0);
     scene.place_lights(3, &camera).unwrap();
@@ -282,7 +282,7 @@ fn a_column_of_long_thin_sides_is_lit_as_in_double_precision_and_by_all_methods_
         Options::new(Method::Naive),
         Options::new(Method::BRACKET_RAYS),
         Options::new(Method::BRACKET),
-        Options::new(Method::Naive).counting(),
+        Options::new(Method::Naive).count(true),
     ]
     .map(|options| renderer.render(&uploaded, &camera, &options).unwrap());
     let truth = Truth::new(&scene);

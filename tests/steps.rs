@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{ball, mesh, random::Random, renderer};
+use common::{ball, random::Random, renderer};
 use stereotrace::{
-    FAR, MISS, Method, Options, PointLight, Ray, Scene, StereoCamera,
+    FAR, MISS, Mesh, Method, Options, PointLight, Ray, Scene, StereoCamera,
     cpu::{Eye, Frame, intersect::closest_hit},
     glam::Vec3,
     wgpu,
@@ -23,7 +23,9 @@ fn stack_of_triangles(count: u32) -> Scene {
         [(-3.0, -2.0), (3.0, -2.0), (0.0, 4.0)].map(|(x, y)| Vec3::new(x, y, 0.0) + 1e-3 * random.point(1.0))
     });
     let mut scene = Scene::new();
-    scene.add_mesh(&mesh(positions.collect(), (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())).unwrap();
+    scene
+        .add_mesh(&Mesh::new(positions.collect(), (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()))
+        .unwrap();
     scene
 }
 
@@ -42,7 +44,7 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     for method in [Method::Naive, Method::Auto, Method::ATOMIC] {
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
         if has_a_bound(&renderer) {
             assert!(pair.statistics.in_steps, "{method}");
             assert_eq!(pair.statistics.method, Method::Naive);
@@ -59,40 +61,40 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
 #[test]
 fn rays_of_a_list_meet_all_of_sixty_thousand_triangles() {
     let scene = stack_of_triangles(60_000);
-    let mut renderer = renderer();
+    let renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let mut random = Random::new(4);
     let origin = 5.0 * Vec3::Z;
-    let rays: Vec<Ray> = (0..37).map(|_| Ray::new(random.point(1.0) - 3.0 * Vec3::Z)).collect();
-    let closest = renderer.closest_hits(&uploaded, origin, &rays).unwrap().hits;
+    let rays: Vec<Ray> = (0..37).map(|_| Ray::new(origin, random.point(1.0) - 3.0 * Vec3::Z)).collect();
+    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
     for (ray, hit) in rays.iter().zip(&closest) {
         assert_eq!(hit.primitive, closest_hit(&scene, origin, ray.direction, 0.0, FAR).1);
     }
     let farthest = closest.iter().map(|hit| hit.t).filter(|t| t.is_finite()).fold(0.0, f32::max);
-    let past: Vec<Ray> = rays.iter().map(|ray| Ray { t_min: 2.0 * farthest, ..*ray }).collect();
-    assert!(renderer.any_hits(&uploaded, origin, &rays).unwrap().hits.iter().any(|&hit| hit));
-    assert!(renderer.any_hits(&uploaded, origin, &past).unwrap().hits.iter().all(|&hit| !hit));
+    let past: Vec<Ray> = rays.iter().map(|ray| ray.t_min(2.0 * farthest)).collect();
+    assert!(renderer.any_hits(&uploaded, &rays).unwrap().hits.iter().any(|&hit| hit));
+    assert!(renderer.any_hits(&uploaded, &past).unwrap().hits.iter().all(|&hit| !hit));
 }
 
 #[test]
 fn lights_without_number_light_what_their_sum_does() {
     let mut scene = Scene::new();
     let floor = [(-4.0, -4.0), (-4.0, 4.0), (4.0, 4.0), (4.0, -4.0)].map(|(x, z)| Vec3::new(x, -0.5, z));
-    scene.add_mesh(&mesh(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.add_mesh(&Mesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     scene.add_mesh(&ball(Vec3::ZERO, 0.5, 12)).unwrap();
     scene.ambient = Some(Vec3::splat(0.1));
     let camera = StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.0), Vec3::ZERO).size(31, 17).interaxial_pixels(3.0);
-    let light = PointLight { position: Vec3::new(1.0, 4.0, 2.0), intensity: Vec3::splat(0.8) };
+    let light = PointLight::new(Vec3::new(1.0, 4.0, 2.0), Vec3::splat(0.8));
     scene.lights = vec![light];
     let mut renderer = renderer();
     let mut render = |scene: &Scene, method| {
         let uploaded = renderer.upload(scene).unwrap();
-        (renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap(), has_a_bound(&renderer))
+        (renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap(), has_a_bound(&renderer))
     };
     let (one, _) = render(&scene, Method::Naive);
     // So many that the loop over them alone is cut.
     let count = 70_000;
-    scene.lights = vec![PointLight { intensity: light.intensity / count as f32, ..light }; count];
+    scene.lights = vec![PointLight::new(light.position, light.intensity / count as f32); count];
     let (many, bound) = render(&scene, Method::BRACKET_RAYS);
     assert!(many.statistics.in_steps || !bound);
     assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);

@@ -19,7 +19,7 @@ fn naive(trial: Trial, width: u32, height: u32) -> StereoPair {
 
 #[test]
 fn every_trial_shows_something_to_both_eyes() {
-    for trial in Trial::ALL {
+    for &trial in Trial::ALL {
         let pair = naive(trial, 64, 48);
         for (eye, view) in [("left", &pair.left), ("right", &pair.right)] {
             let colors: HashSet<[u8; 4]> = view.rgba8.iter().copied().collect();
@@ -31,9 +31,9 @@ fn every_trial_shows_something_to_both_eyes() {
 
 #[test]
 fn names_read_back_and_an_unknown_one_lists_them() {
-    let names: HashSet<&str> = Trial::ALL.into_iter().map(Trial::name).collect();
+    let names: HashSet<&str> = Trial::ALL.iter().map(|trial| trial.name()).collect();
     assert_eq!(names.len(), Trial::ALL.len(), "names are unique");
-    for trial in Trial::ALL {
+    for &trial in Trial::ALL {
         assert_eq!(trial.to_string().parse::<Trial>().unwrap(), trial);
         assert!(!trial.reason().is_empty() && !trial.reason().contains('\n'), "{trial}");
     }
@@ -43,7 +43,7 @@ fn names_read_back_and_an_unknown_one_lists_them() {
 
 #[test]
 fn every_trial_is_of_moderate_size_and_lit() {
-    for trial in Trial::ALL {
+    for &trial in Trial::ALL {
         let scene = trial.scene();
         assert!(scene.primitive_count() <= 60_000, "{trial}: {}", scene.primitive_count());
         assert!((3..=5).contains(&scene.lights.len()) && scene.shadows, "{trial}");
@@ -54,7 +54,7 @@ fn every_trial_is_of_moderate_size_and_lit() {
 
 #[test]
 fn the_eyes_are_15_of_600_pixels_apart_but_half_a_width_in_one_trial() {
-    for trial in Trial::ALL {
+    for &trial in Trial::ALL {
         let expected = if trial == Trial::HalfWidth { 300.0 } else { 15.0 };
         let e_px = trial.camera(600, 400).pose().unwrap().interaxial_px;
         assert!((e_px - expected).abs() < 1e-3, "{trial}: {e_px}");

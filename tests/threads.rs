@@ -67,16 +67,16 @@ fn edges(worker: &mut Worker<'_>) -> String {
 }
 
 fn every_method(worker: &mut Worker<'_>) -> String {
-    Method::ALL.map(|(_, method)| text(&worker.pair(&Options::new(method)))).concat()
+    Method::ALL.iter().map(|&method| text(&worker.pair(&Options::new(method)))).collect()
 }
 
 fn every_option(worker: &mut Worker<'_>) -> String {
     let plain = Options::new(Method::BRACKET);
     let options = [
-        plain.clone().counting(),
-        plain.clone().mapping_costs(),
-        plain.clone().keeping(GBuffer::Depth),
-        plain.keeping(GBuffer::None),
+        plain.clone().count(true),
+        plain.clone().cost_map(true),
+        plain.clone().g_buffer(GBuffer::Depth),
+        plain.g_buffer(GBuffer::None),
     ];
     options.map(|options| text(&worker.pair(&options))).concat()
 }
@@ -100,10 +100,10 @@ fn tracing_alone(worker: &mut Worker<'_>) -> String {
 }
 
 fn rays_of_the_caller_s_own(worker: &mut Worker<'_>) -> String {
-    let rays: Vec<Ray> = (0..300).map(|i| Ray::new(Vec3::new(0.01 * (i % 20) as f32 - 0.1, 0.0, -1.0))).collect();
-    let eye = 5.0 * Vec3::Z;
-    let closest = worker.renderer.closest_hits(worker.uploaded, eye, &rays).unwrap().hits;
-    debug((closest, worker.renderer.any_hits(worker.uploaded, eye, &rays).unwrap().hits))
+    let direction = |i: u32| Vec3::new(0.01 * (i % 20) as f32 - 0.1, 0.0, -1.0);
+    let rays: Vec<Ray> = (0..300).map(|i| Ray::new(5.0 * Vec3::Z, direction(i))).collect();
+    let closest = worker.renderer.closest_hits(worker.uploaded, &rays).unwrap().hits;
+    debug((closest, worker.renderer.any_hits(worker.uploaded, &rays).unwrap().hits))
 }
 
 /// An error of one thread must not reach the other one, nor the other's success hide it.
@@ -116,7 +116,7 @@ fn errors(worker: &mut Worker<'_>) -> String {
 
 fn uploads(worker: &mut Worker<'_>) -> String {
     let uploaded = |build| worker.renderer.upload_with(worker.scene, build).unwrap();
-    let mut all: Vec<UploadedScene> = BvhBuild::ALL.map(uploaded).into();
+    let mut all: Vec<UploadedScene> = BvhBuild::ALL.iter().copied().map(uploaded).collect();
     all.push(worker.renderer.upload(worker.scene).unwrap());
     let pairs = all.iter().map(|scene| worker.renderer.render(scene, &camera(), &Options::new(Method::Naive)).unwrap());
     let pairs: Vec<StereoPair> = pairs.collect();

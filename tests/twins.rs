@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{RandomScene, is_exact, mesh, random::Random, renderer};
+use common::{RandomScene, is_exact, random::Random, renderer};
 use stereotrace::{
-    FAR, MISS, Method, Options, PixelSource, Scene, Sphere, StereoCamera, StereoPair,
+    FAR, MISS, Mesh, Method, Options, PixelSource, Scene, Sphere, StereoCamera, StereoPair,
     cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
     glam::Vec3,
 };
@@ -97,10 +97,10 @@ fn triangles_and_spheres_together_are_hit_as_by_brute_force() {
 #[test]
 fn one_triangle_one_sphere_one_pixel_and_nothing_at_all() {
     let mut triangle = Scene::new();
-    triangle.add_mesh(&mesh(vec![-Vec3::ONE, Vec3::new(2.0, -0.5, 0.2), Vec3::Y], vec![[0, 1, 2]])).unwrap();
+    triangle.add_mesh(&Mesh::new(vec![-Vec3::ONE, Vec3::new(2.0, -0.5, 0.2), Vec3::Y], vec![[0, 1, 2]])).unwrap();
     let mut sphere = Scene::new();
     let material = stereotrace::MaterialId(0);
-    sphere.add_sphere(Sphere { center: Vec3::ZERO, radius: 0.9, material }).unwrap();
+    sphere.add_sphere(Sphere::new(Vec3::ZERO, 0.9, material)).unwrap();
     for scene in [&triangle, &sphere, &Scene::new()] {
         check(scene, &camera(1, 1));
         check(scene, &camera(33, 17));
@@ -115,7 +115,7 @@ fn spheres_far_from_the_origin_lose_nothing_to_their_boxes() {
     for _ in 0..40 {
         let center = offset + random.point(1.0);
         let material = stereotrace::MaterialId(0);
-        scene.add_sphere(Sphere { center, radius: random.between(0.05, 0.3), material }).unwrap();
+        scene.add_sphere(Sphere::new(center, random.between(0.05, 0.3), material)).unwrap();
     }
     let camera = StereoCamera::look_at(offset + 3.0 * Vec3::Z, offset).size(64, 64).interaxial(0.25);
     check(&scene, &camera);
@@ -125,7 +125,7 @@ fn spheres_far_from_the_origin_lose_nothing_to_their_boxes() {
 fn smooth_triangles_that_are_dropped_leave_spheres_as_they_are() {
     let mut scene =
         RandomScene { seed: 12, triangles: 0, spheres: 20, smooth: false, ..RandomScene::default() }.build();
-    let mut flat = mesh(vec![Vec3::ZERO, Vec3::X], vec![[0, 1, 1]]);
+    let mut flat = Mesh::new(vec![Vec3::ZERO, Vec3::X], vec![[0, 1, 1]]);
     flat.normals = vec![[Vec3::Y; 3]];
     scene.add_mesh(&flat).unwrap();
     check(&scene, &camera(64, 48));
@@ -143,7 +143,7 @@ fn axis_parallel_rays_and_boxes_are_right() {
                 point[axis] = offset;
                 Vec3::from_array(point)
             });
-            scene.add_mesh(&mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+            scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         }
     }
     for eye in [Vec3::new(0.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.5, 0.5, 4.0)] {

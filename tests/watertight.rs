@@ -5,7 +5,7 @@ mod solids;
 
 use std::collections::HashSet;
 
-use common::{mesh, random::Random, renderer};
+use common::{random::Random, renderer};
 use solids::{Solid, solids};
 use stereotrace::{
     MISS, Mesh, Ray, Renderer, Scene, UploadedScene,
@@ -31,7 +31,7 @@ impl Placed {
     }
 
     fn mesh(&self, solid: &Solid) -> Mesh {
-        mesh(self.positions.clone(), solid.triangles.clone())
+        Mesh::new(self.positions.clone(), solid.triangles.clone())
     }
 
     /// A point of the world in the solid's own coordinates.
@@ -124,7 +124,7 @@ fn rays(
         if direction.length_squared() < f32::MIN_POSITIVE {
             continue;
         }
-        let mut ray = Ray::new(direction);
+        let mut ray = Ray::new(from, direction);
         if !inside {
             let at_target = 1.0 / f64::from(length);
             let step = 0.04 * f64::from(placed.scale) / direction.as_dvec3().length();
@@ -139,10 +139,10 @@ fn rays(
     rays
 }
 
-fn leaks(renderer: &mut Renderer, scene: &UploadedScene, from: Vec3, rays: &[(Aim, Ray)]) -> Count {
+fn leaks(renderer: &Renderer, scene: &UploadedScene, rays: &[(Aim, Ray)]) -> Count {
     let list: Vec<Ray> = rays.iter().map(|(_, ray)| *ray).collect();
-    let closest = renderer.closest_hits(scene, from, &list).unwrap().hits;
-    let any = renderer.any_hits(scene, from, &list).unwrap().hits;
+    let closest = renderer.closest_hits(scene, &list).unwrap().hits;
+    let any = renderer.any_hits(scene, &list).unwrap().hits;
     let mut count = Count { rays: rays.len(), ..Count::default() };
     for (((aim, ray), hit), found) in rays.iter().zip(closest).zip(any) {
         let miss = hit.primitive == MISS;
@@ -160,7 +160,7 @@ fn search(total: usize) -> Count {
     let solids = solids();
     let per_place = total / (solids.len() * SCALES.len() * OFFSETS.len());
     let mut random = Random::new(23);
-    let mut renderer = renderer();
+    let renderer = renderer();
     let mut all = Count::default();
     for solid in &solids {
         let mut of_solid = Count::default();
@@ -178,7 +178,7 @@ fn search(total: usize) -> Count {
                 for inside in [true, false] {
                     let from = origin(solid, &placed, inside, &mut random);
                     let rays = rays(solid, &placed, inside, from, per_origin, &mut random);
-                    here.add(&leaks(&mut renderer, &uploaded, from, &rays));
+                    here.add(&leaks(&renderer, &uploaded, &rays));
                 }
             }
             if here.leaks + here.any > 0 {
@@ -249,10 +249,11 @@ fn a_hole_is_found() {
     let placed = Placed::new(&solid, 1.0, 3.0);
     let mut scene = Scene::new();
     scene.add_mesh(&placed.mesh(&solid)).unwrap();
-    let mut renderer = renderer();
+    let renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let through = removed.map(|corner| solid.positions[corner as usize]).iter().sum::<Vec3>() / 3.0;
-    let rays: Vec<_> = [through, -through].map(|target| (Aim::Anywhere, Ray::new(target))).to_vec();
-    let count = leaks(&mut renderer, &uploaded, placed.world(Vec3::ZERO), &rays);
+    let from = placed.world(Vec3::ZERO);
+    let rays = [through, -through].map(|target| (Aim::Anywhere, Ray::new(from, target)));
+    let count = leaks(&renderer, &uploaded, &rays);
     assert!(count.leaks == 1 && count.any == 1, "{count:?}");
 }

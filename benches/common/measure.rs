@@ -97,7 +97,7 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
         }
     }
 
-    let counting = |renderer: &mut Renderer, method| renderer.render(&lit, camera, &Options::new(method).counting());
+    let counting = |renderer: &mut Renderer, method| renderer.render(&lit, camera, &Options::new(method).count(true));
     let naive = counting(renderer, Method::Naive)?;
     let mut methods = Vec::new();
     for (index, &method) in plan.methods.iter().enumerate() {
@@ -139,7 +139,7 @@ fn time(
     let statistics = renderer.trace(scene, camera, &Options::new(method))?;
     let wall = milliseconds(start);
     let Some(times) = statistics.times else { return Ok(Sample { pair: wall, left: None, passes: Vec::new(), wall }) };
-    let passes: Vec<_> = times.0.iter().map(|(pass, time)| (*pass, time.as_secs_f64() * 1e3)).collect();
+    let passes: Vec<_> = times.passes.iter().map(|(pass, time)| (*pass, time.as_secs_f64() * 1e3)).collect();
     let left = passes.iter().find(|(pass, _)| *pass == "trace_left").map(|(_, time)| *time);
     Ok(Sample { pair: times.total().as_secs_f64() * 1e3, left, passes, wall })
 }

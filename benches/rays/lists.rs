@@ -19,21 +19,21 @@ pub(crate) enum Query {
     Any,
 }
 
-/// The rays of one kind, in lists that start at a point each.
+/// The rays of one kind, in lists that are traced one after the other.
 pub(crate) struct Kind {
     pub(crate) name: &'static str,
     pub(crate) query: Query,
-    pub(crate) lists: Vec<(Vec3, Vec<Ray>)>,
+    pub(crate) lists: Vec<Vec<Ray>>,
 }
 
 impl Kind {
     pub(crate) fn rays(&self) -> usize {
-        self.lists.iter().map(|(_, rays)| rays.len()).sum()
+        self.lists.iter().map(Vec::len).sum()
     }
 }
 
 /// A left pixel's hit, by a search that the caller makes.
-pub(crate) type LeftHits<'a> = &'a dyn Fn(Vec3, &[Ray]) -> Vec<f32>;
+pub(crate) type LeftHits<'a> = &'a dyn Fn(&[Ray]) -> Vec<f32>;
 
 /// All kinds. `left_hits` gives the depth of what the left eye's rays hit, infinite for nothing.
 pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<Kind> {
@@ -42,8 +42,8 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
     let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
     let through = |eye| pixels.iter().map(|&[column, row]| frame.direction(eye, column, row)).collect::<Vec<_>>();
     let (left_directions, right_directions) = (through(Eye::Left), through(Eye::Right));
-    let primary: Vec<Ray> = left_directions.iter().copied().map(Ray::new).collect();
-    let depth = left_hits(left, &primary);
+    let primary: Vec<Ray> = left_directions.iter().map(|direction| Ray::new(left, *direction)).collect();
+    let depth = left_hits(&primary);
     let points: Vec<Vec3> = left_directions
         .iter()
         .zip(&depth)
@@ -51,17 +51,24 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         .map(|(direction, depth)| left + *direction * *depth)
         .collect();
     let towards = |from: Vec3, t_max: f32| {
-        let ray = |point: &Vec3| Ray { direction: *point - from, t_min: 0.0, t_max };
-        (from, points.iter().map(ray).collect())
+        let ray = |point: &Vec3| Ray::new(from, *point - from).t_max(t_max);
+        points.iter().map(ray).collect()
     };
     // As a method would that knows the right eye's depth to within two percent.
     let interval = |(direction, depth): (&Vec3, &f32)| {
         let depth = depth.min(FAR);
-        Ray { direction: *direction, t_min: 0.98 * depth, t_max: 1.02 * depth }
+        Ray::new(right, *direction).t_min(0.98 * depth).t_max(1.02 * depth)
     };
     let scattered = right_directions.iter().enumerate().filter(|(index, _)| pcg(*index as u32).is_multiple_of(10));
+    // Each from its own point into the half space that the eye is in.
+    let bounced = points.iter().enumerate().map(|(index, point)| {
+        let unit = |word: u32| pcg(3 * index as u32 + word) as f32 / u32::MAX as f32 - 0.5;
+        let around = Vec3::new(unit(0), unit(1), unit(2));
+        let direction = if around.dot(left - *point) < 0.0 { -around } else { around };
+        Ray::new(*point, direction).t_min(1e-3)
+    });
     vec![
-        Kind { name: "primary", query: Query::Closest, lists: vec![(left, primary)] },
+        Kind { name: "primary", query: Query::Closest, lists: vec![primary] },
         Kind {
             name: "shadow",
             query: Query::Any,
@@ -71,13 +78,14 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         Kind {
             name: "interval",
             query: Query::Closest,
-            lists: vec![(right, right_directions.iter().zip(&depth).map(interval).collect())],
+            lists: vec![right_directions.iter().zip(&depth).map(interval).collect()],
         },
         Kind {
             name: "scattered 10%",
             query: Query::Closest,
-            lists: vec![(right, scattered.map(|(_, direction)| Ray::new(*direction)).collect())],
+            lists: vec![scattered.map(|(_, direction)| Ray::new(right, *direction)).collect()],
         },
+        Kind { name: "bounced", query: Query::Closest, lists: vec![bounced.collect()] },
     ]
 }
 

@@ -13,7 +13,7 @@ mod obvhs_tracer;
 use std::{error::Error, path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
-use stereotrace::{Boxes, Fetch, Gpu, RaysPerLane, Renderer, Traversal, UploadedScene};
+use stereotrace::{Gpu, Renderer, Traversal, UploadedScene};
 
 use crate::{
     common::{
@@ -74,8 +74,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
     let own = Traversal::of(&gpu);
-    let others = Traversal::ALL.into_iter().filter(|traversal| arguments.variants && *traversal != own);
-    let mut devices: Vec<Device> = std::iter::once(own).chain(others).map(|with| Device::new(&gpu, with)).collect();
+    let others = Traversal::ALL.iter().copied().filter(|traversal| arguments.variants && *traversal != own);
+    let devices: Vec<Device> = std::iter::once(own).chain(others).map(|with| Device::new(&gpu, with)).collect();
     println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
     println!(
         "{size}x{size}, {rounds} rounds after one to warm up, obvhs on {} threads\n",
@@ -88,7 +88,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut skipped = Vec::new();
     for name in &names {
         match scenes::load(name, [size, size], 15.0 * size as f32 / 600.0, None)? {
-            Some(scene) => measure(&scene, &mut devices, rounds, arguments.dump.as_deref())?,
+            Some(scene) => measure(&scene, &devices, rounds, arguments.dump.as_deref())?,
             None => skipped.push(scenes::skipped(name)),
         }
     }
@@ -108,35 +108,18 @@ impl Device {
     fn new(gpu: &Gpu, traversal: Traversal) -> Self {
         Self { traversal, renderer: Renderer::with_traversal(gpu.clone(), traversal) }
     }
-
-    fn name(&self) -> String {
-        let Traversal { fetch, boxes, rays } = self.traversal;
-        let fetch = match fetch {
-            Fetch::Texture => "textures",
-            Fetch::Buffer => "buffers",
-        };
-        let boxes = match boxes {
-            Boxes::Grid16 => "16-bit",
-            Boxes::F32 => "f32",
-        };
-        let rays = match rays {
-            RaysPerLane::One => "1 ray",
-            RaysPerLane::Four => "4 rays",
-        };
-        format!("{fetch}, {boxes}, {rays}")
-    }
 }
 
 /// Prints a line for each kind of ray and each variant.
 fn measure(
     bench: &BenchScene,
-    devices: &mut [Device],
+    devices: &[Device],
     rounds: usize,
     dump: Option<&std::path::Path>,
 ) -> Result<(), Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let obvhs = ObvhsTracer::new(scene);
-    let kinds = lists::kinds(scene, &camera.pose()?, &|origin, rays| obvhs.closest_hits(origin, rays));
+    let kinds = lists::kinds(scene, &camera.pose()?, &|rays| obvhs.closest_hits(rays));
     if let Some(folder) = dump {
         dump::write(&folder.join(name), scene, &kinds)?;
     }
@@ -148,7 +131,7 @@ fn measure(
         for round in 0..=rounds {
             for turn in order(round, times.len()) {
                 let seconds = match turn.checked_sub(devices.len()) {
-                    None => on_device(&mut devices[turn].renderer, &uploaded[turn], kind)?.0,
+                    None => on_device(&devices[turn].renderer, &uploaded[turn], kind)?.0,
                     Some(yardstick) => on_host(&obvhs, kind, yardstick == 1).0,
                 };
                 times[turn].extend((round > 0).then_some(seconds));
@@ -160,14 +143,14 @@ fn measure(
         let host = rates[devices.len()..].iter().max_by(|a, b| a.median.total_cmp(&b.median)).copied();
         let host = host.ok_or("obvhs was not timed")?;
         let expected = on_host(&obvhs, kind, false).1;
-        for (index, device) in devices.iter_mut().enumerate() {
+        for (index, device) in devices.iter().enumerate() {
             let rate = rates[index];
-            let found = on_device(&mut device.renderer, &uploaded[index], kind)?.1;
+            let found = on_device(&device.renderer, &uploaded[index], kind)?.1;
             println!(
                 "| {} | {} | {millions:.2} | {} | {:.2} | {:.2}..{:.2} | {:.2} | {:.2}..{:.2} | {:.2} | {:.3} |",
                 scenes::title(name),
                 kind.name,
-                device.name(),
+                device.traversal,
                 rate.median,
                 rate.min,
                 rate.max,
@@ -190,17 +173,17 @@ fn as_t(occluded: Vec<bool>) -> Found {
 }
 
 /// Seconds and hits on the adapter; without timestamps the seconds are the host's, ray lists and read-back included.
-fn on_device(renderer: &mut Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
+fn on_device(renderer: &Renderer, scene: &UploadedScene, kind: &Kind) -> Result<(f64, Found), stereotrace::Error> {
     let (mut seconds, mut found) = (0.0, Vec::new());
-    for (origin, rays) in &kind.lists {
+    for rays in &kind.lists {
         let start = Instant::now();
         let (time, hits) = match kind.query {
             Query::Closest => {
-                let cast = renderer.closest_hits(scene, *origin, rays)?;
+                let cast = renderer.closest_hits(scene, rays)?;
                 (cast.time, cast.hits.iter().map(|hit| hit.t).collect())
             }
             Query::Any => {
-                let cast = renderer.any_hits(scene, *origin, rays)?;
+                let cast = renderer.any_hits(scene, rays)?;
                 (cast.time, as_t(cast.hits))
             }
         };
@@ -215,10 +198,10 @@ fn on_host(obvhs: &ObvhsTracer, kind: &Kind, reversed: bool) -> (f64, Found) {
     let found: Vec<Found> = kind
         .lists
         .iter()
-        .map(|(origin, rays)| match kind.query {
-            Query::Closest => obvhs.closest_hits(*origin, rays),
-            Query::Any if reversed => as_t(obvhs.any_hits_reversed(*origin, rays)),
-            Query::Any => as_t(obvhs.any_hits(*origin, rays)),
+        .map(|rays| match kind.query {
+            Query::Closest => obvhs.closest_hits(rays),
+            Query::Any if reversed => as_t(obvhs.any_hits_reversed(rays)),
+            Query::Any => as_t(obvhs.any_hits(rays)),
         })
         .collect();
     (start.elapsed().as_secs_f64(), found.concat())

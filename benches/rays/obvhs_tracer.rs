@@ -10,10 +10,7 @@ use obvhs::{
     rt_triangle::RtTriangle,
 };
 use rayon::prelude::*;
-use stereotrace::{
-    FAR, Scene, Sphere,
-    glam::{Vec3, Vec3A},
-};
+use stereotrace::{FAR, Scene, Sphere, glam::Vec3A};
 
 /// Rays of a task.
 const TASK: usize = 1024;
@@ -52,24 +49,24 @@ impl ObvhsTracer {
     }
 
     /// The t of each ray's nearest hit, infinite where there is none.
-    pub(crate) fn closest_hits(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<f32> {
+    pub(crate) fn closest_hits(&self, rays: &[stereotrace::Ray]) -> Vec<f32> {
         let closest = |ray: &stereotrace::Ray| {
             let mut hit = RayHit::none();
-            let found = self.tree.ray_traverse(of(origin, ray), &mut hit, |ray, index| self.intersect(ray, index));
+            let found = self.tree.ray_traverse(of(ray), &mut hit, |ray, index| self.intersect(ray, index));
             if found { hit.t } else { f32::INFINITY }
         };
         in_parallel(rays, closest)
     }
 
     /// Whether each ray hits anything.
-    pub(crate) fn any_hits(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<bool> {
-        in_parallel(rays, |ray| !self.tree.ray_traverse_miss(of(origin, ray), |ray, index| self.intersect(ray, index)))
+    pub(crate) fn any_hits(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
+        in_parallel(rays, |ray| !self.tree.ray_traverse_miss(of(ray), |ray, index| self.intersect(ray, index)))
     }
 
     /// As [`Self::any_hits`], from the other end of each ray.
-    pub(crate) fn any_hits_reversed(&self, origin: Vec3, rays: &[stereotrace::Ray]) -> Vec<bool> {
+    pub(crate) fn any_hits_reversed(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
         let any = |ray: &stereotrace::Ray| {
-            let end = origin + ray.direction * ray.t_max;
+            let end = ray.origin + ray.direction * ray.t_max;
             let back = Ray::new(end.into(), (-ray.direction).into(), 0.0, ray.t_max);
             !self.tree.ray_traverse_miss(back, |ray, index| self.intersect(ray, index))
         };
@@ -84,8 +81,8 @@ impl ObvhsTracer {
     }
 }
 
-fn of(origin: Vec3, ray: &stereotrace::Ray) -> Ray {
-    Ray::new(origin.into(), ray.direction.into(), ray.t_min, ray.t_max.min(FAR))
+fn of(ray: &stereotrace::Ray) -> Ray {
+    Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max.min(FAR))
 }
 
 fn in_parallel<T: Send + Default + Clone>(

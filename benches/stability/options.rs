@@ -52,7 +52,7 @@ impl Options {
         };
         let compared = |method: &Method| !matches!(method, Method::Naive | Method::Ideal);
         let methods = match self.methods.as_slice() {
-            [] => Method::ALL.into_iter().map(|(_, method)| method).filter(compared).collect(),
+            [] => Method::ALL.iter().copied().filter(compared).collect(),
             named => named.into(),
         };
         Plan {

@@ -49,7 +49,7 @@ fn render(
     camera: &StereoCamera,
     method: Method,
 ) -> Result<StereoPair, Error> {
-    renderer.render(scene, camera, &Options::new(method).counting())
+    renderer.render(scene, camera, &Options::new(method).count(true))
 }
 
 /// Of both eyes, by counters.

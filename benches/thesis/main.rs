@@ -13,12 +13,13 @@ mod report;
 use std::{
     error::Error,
     fs,
+    num::NonZeroU32,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 
 use clap::Parser;
-use stereotrace::{BufferDepth, Gpu, Method, Overlap, Renderer, Verify};
+use stereotrace::{BufferDepth, Check, Gpu, Method, Renderer};
 
 use crate::{
     common::{
@@ -170,8 +171,9 @@ fn measure_steps(
     Ok(())
 }
 
-fn buffer(depth: u32) -> Method {
-    Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(depth)), verify: Verify::All }
+fn buffer(slots: u32) -> Method {
+    let slots = NonZeroU32::new(slots).expect("a buffer has slots");
+    Method::Buffer(BufferDepth::Fixed(slots), Check::All)
 }
 
 /// What is measured everywhere: the thesis's methods, and this project's own.
@@ -182,8 +184,8 @@ fn main_methods() -> Vec<Method> {
 
 /// The main methods, and the choices within them.
 fn all_methods() -> Vec<Method> {
-    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
-    let twice = Method::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All };
+    let edges = Method::Atomic(Check::Edges);
+    let twice = Method::Buffer(BufferDepth::TwiceInteraxial, Check::All);
     let mut methods = main_methods();
     methods.extend([buffer(2), buffer(4), buffer(8), twice, Method::ADELSON_HODGES, edges]);
     methods

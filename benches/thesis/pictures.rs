@@ -4,7 +4,7 @@ use std::{error::Error, io::Cursor};
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use stereotrace::{
-    Method, Options, Overlap, PixelSource, Renderer, ShadowSource, StereoPair, Verify, View, metrics,
+    Check, Method, Options, PixelSource, Renderer, ShadowSource, StereoPair, View, metrics,
     output::{Anaglyph, Picture as Pixels},
 };
 
@@ -23,12 +23,12 @@ pub(crate) fn of(
     side: u32,
     e_px: f32,
 ) -> Result<Vec<Picture>, Box<dyn Error>> {
-    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
+    let edges = Method::Atomic(Check::Edges);
     let mut pictures = Vec::new();
     for name in names {
         let Some(bench) = scenes::load_thesis(name, [side; 2], e_px, None)? else { continue };
         let uploaded = renderer.upload(&bench.scene)?;
-        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method).mapping_costs());
+        let mut render = |method| renderer.render(&uploaded, &bench.camera, &Options::new(method).cost_map(true));
         let naive = render(Method::Naive)?;
         let white = white(&naive.left);
         let mut add = |method: &str, kind: &str, caption: String, picture: &Pixels| {
@@ -115,7 +115,7 @@ fn difference(pair: &StereoPair, naive: &StereoPair) -> Pixels {
     let channel = |a: u8, b: u8| (u32::from(a.abs_diff(b)) * GAIN).min(255) as u8;
     let pixels = pair.right.rgba8.iter().zip(&naive.right.rgba8);
     let rgba8 = pixels.map(|(a, b)| [channel(a[0], b[0]), channel(a[1], b[1]), channel(a[2], b[2]), 255]).collect();
-    Pixels { width: pair.right.width, height: pair.right.height, rgba8 }
+    Pixels::new(pair.right.width, pair.right.height, rgba8)
 }
 
 fn png(picture: &Pixels) -> Result<Vec<u8>, image::ImageError> {

@@ -140,7 +140,7 @@ impl Arguments {
     }
 
     fn limits(&self) -> Limits {
-        let mut limits = Limits::default().raised_by("--max-file", "--max-sky");
+        let mut limits = Limits::default().option_names("--max-file", "--max-sky");
         if let Some(mebibytes) = self.max_file {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);
@@ -156,7 +156,7 @@ impl Arguments {
         match &self.sky {
             None => {}
             Some(name) if name.as_os_str() == "procedural" => scene.sky = Sky::Map(SkyMap::procedural(1024)?),
-            Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().within(gpu))?),
+            Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().gpu(gpu))?),
         }
         Ok(())
     }
@@ -171,7 +171,8 @@ impl Arguments {
         }
         if self.scene.is_dir() || !self.scene.exists() {
             let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
-            let names = Builtin::ALL.map(|builtin| format!("builtin:{builtin}")).join(", ");
+            let names = Builtin::ALL.iter().map(|builtin| format!("builtin:{builtin}"));
+            let names = Vec::from_iter(names).join(", ");
             return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", crate::shown(&self.scene)).into());
         }
         Ok(Scene::from_obj_within(&self.scene, &self.limits())?)

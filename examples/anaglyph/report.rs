@@ -74,7 +74,7 @@ impl Report<'_> {
             None => line(f, "passes", "no timestamps")?,
             Some(times) => {
                 let total = [("together", times.total())];
-                for (index, (pass, time)) in times.0.iter().chain(&total).enumerate() {
+                for (index, (pass, time)) in times.passes.iter().chain(&total).enumerate() {
                     let heading = if index == 0 { "passes" } else { "" };
                     line(f, heading, format!("{pass:<16}{:>10.2} ms", milliseconds(*time)))?;
                 }

@@ -1,4 +1,4 @@
-// A list of rays that start at one point, frame.source_eye: two texels of the table each, direction and t_min, then t_max.
+// A list of rays: two texels of the table each, direction and t_min, then origin and t_max. A lane's start at one point.
 // frame.image_size.x is their number.
 
 struct ListedRays {
@@ -8,6 +8,7 @@ struct ListedRays {
 }
 
 fn listed_rays(first: u32) -> ListedRays {
+    var origin: vec3f;
     var direction: F3;
     var t_min: F;
     var t_max = F(NEVER);
@@ -17,10 +18,12 @@ fn listed_rays(first: u32) -> ListedRays {
             let near = bitcast<vec4f>(table_texel(2u * (first + ray)));
             direction = with_ray3(direction, ray, near.xyz);
             t_min = with_ray(t_min, ray, near.w);
-            t_max = with_ray(t_max, ray, bitcast<f32>(table_texel(2u * (first + ray) + 1u).x));
+            let far = bitcast<vec4f>(table_texel(2u * (first + ray) + 1u));
+            origin = far.xyz;
+            t_max = with_ray(t_max, ray, far.w);
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    return ListedRays(Rays(frame.source_eye, direction), t_min, t_max);
+    return ListedRays(Rays(origin, direction), t_min, t_max);
 }

@@ -6,8 +6,7 @@ use crate::{MaterialId, Mesh, random::Random};
 fn scene_of(corners: Vec<Vec3>) -> Scene {
     let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let mut scene = Scene::new();
-    let mesh = Mesh { positions: corners, triangles, materials: vec![MaterialId(0)], ..Mesh::default() };
-    scene.add_mesh(&mesh).unwrap();
+    scene.add_mesh(&Mesh::new(corners, triangles)).unwrap();
     scene
 }
 
@@ -100,10 +99,10 @@ fn of_copies_the_first_is_traced_and_turned_copies_stay() {
         let apart = (0..40).map(|k| corners.map(|p| scale * (p + Vec3::Z * k as f32 + Vec3::X)));
         let mut scene = scene_of(apart.chain(turned).flatten().collect());
         for radius in [1.0, 2.0, 1.0, 1.0] {
-            scene.add_sphere(crate::Sphere { center: Vec3::X, radius, material: MaterialId(0) }).unwrap();
+            scene.add_sphere(crate::Sphere::new(Vec3::X, radius, MaterialId(0))).unwrap();
         }
         let spheres = scene.triangles().len() as u32;
-        for build_kind in BvhBuild::ALL {
+        for &build_kind in BvhBuild::ALL {
             let mut ids = build(&scene, build_kind, Boxes::F32).unwrap().ids;
             ids.sort_unstable();
             assert_eq!(ids, (0..43).chain([spheres, spheres + 1]).collect::<Vec<_>>(), "{copies} at {scale}");

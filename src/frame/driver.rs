@@ -56,6 +56,7 @@ impl Driver<'_> {
         for stage in &plan.stages {
             match stage {
                 Stage::Bands(steps) => self.bands(steps).await?,
+                Stage::Wait => {}
                 Stage::Host(host) => {
                     let steps = host.run(self).await?;
                     if !steps.is_empty() {

@@ -129,7 +129,7 @@ mod tests {
 
     /// A hall by its own lights, spheres among triangles under a gradient, and lights so far off that rays start at surfaces.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
-        let far = PointLight { position: Vec3::new(3e5, 8e5, 2e5), intensity: Vec3::splat(0.4) };
+        let far = PointLight::new(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
         let (hall, near) = (Builtin::Hall, Builtin::Near);
@@ -171,7 +171,7 @@ mod tests {
 
     /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
-        let options = |method| Options { cost_map: costs, ..Options::new(method).linear() };
+        let options = |method| Options { cost_map: costs, ..Options::new(method).linear(true) };
         let uploaded = renderer.upload(scene).unwrap();
         renderer.steps = Steps::default();
         let expected = shown(renderer.render(&uploaded, camera, &options(Method::Naive)).unwrap());
@@ -198,7 +198,7 @@ mod tests {
     fn every_traversal_goes_on_where_it_stopped() {
         let gpu = gpu();
         let read = [(Fetch::Texture, Boxes::Grid16), (Fetch::Buffer, Boxes::F32)];
-        for traversal in Traversal::ALL.into_iter().filter(|way| read.contains(&(way.fetch, way.boxes))) {
+        for traversal in Traversal::ALL.iter().copied().filter(|way| read.contains(&(way.fetch, way.boxes))) {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             assert_alike("near", &Builtin::Near.scene(), &Builtin::Near.camera(37, 23), &mut renderer, false);
         }
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_step_too_long_for_the_adapter_is_an_error_and_ends() {
         let (scene, camera) = (&mut Scene::new(), Builtin::Hall.camera(9, 5));
-        scene.lights = vec![PointLight { position: Vec3::Y, intensity: Vec3::ONE }; 70_000];
+        scene.lights = vec![PointLight::new(Vec3::Y, Vec3::ONE); 70_000];
         let mut renderer = Renderer::new(gpu());
         let uploaded = renderer.upload(scene).unwrap();
         let options = Options::new(Method::Naive);
@@ -228,7 +228,7 @@ mod tests {
         let mut renderer = Renderer::new(gpu());
         let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
         for g_buffer in [GBuffer::Ids, GBuffer::Depth, GBuffer::None] {
-            let options = Options::new(Method::Naive).keeping(g_buffer);
+            let options = Options::new(Method::Naive).g_buffer(g_buffer);
             renderer.steps = Steps::default();
             let expected = shown(renderer.render(&uploaded, &camera, &options).unwrap());
             renderer.steps = Steps { threads: 48 * 16, ..in_steps_of(1024) };
@@ -251,16 +251,17 @@ mod tests {
     fn ray_lists_in_steps_hit_what_they_hit_at_once() {
         let gpu = gpu();
         let mut random = Random::new(5);
-        let rays: Vec<Ray> = (0..1501).map(|_| Ray { t_min: 0.1, t_max: 9.0, ..Ray::new(random.point(1.0)) }).collect();
+        let directions: Vec<Vec3> = (0..1501).map(|_| random.point(1.0)).collect();
         for traversal in [Traversal::ALL[0], Traversal::ALL[5]] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), traversal);
             for (name, scene, camera) in scenes() {
                 let uploaded = renderer.upload(&scene).unwrap();
                 let eye = camera.pose().unwrap().eye;
+                let rays: Vec<_> = directions.iter().map(|&way| Ray::new(eye, way).t_min(0.1).t_max(9.0)).collect();
                 let mut hits = |steps| {
                     renderer.steps = steps;
-                    let closest = renderer.closest_hits(&uploaded, eye, &rays).unwrap().hits;
-                    (closest, renderer.any_hits(&uploaded, eye, &rays).unwrap().hits)
+                    let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
+                    (closest, renderer.any_hits(&uploaded, &rays).unwrap().hits)
                 };
                 let expected = hits(Steps::default());
                 assert!(name == "nothing" || expected.1.contains(&true) && expected.1.contains(&false), "{name}");
@@ -274,7 +275,7 @@ mod tests {
     #[test]
     fn lanes_are_as_large_as_their_shader_says() {
         let scene = Builtin::Hall.scene();
-        for (traversal, stack_size) in Traversal::ALL.into_iter().flat_map(|t| [8, 40, 256].map(|size| (t, size))) {
+        for (traversal, stack_size) in Traversal::ALL.iter().flat_map(|&t| [8, 40, 256].map(|size| (t, size))) {
             let packed = crate::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
             let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
             let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.text(&with)).unwrap();

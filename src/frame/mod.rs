@@ -14,7 +14,7 @@ use std::{ops::ControlFlow, sync::Arc, time::Duration};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, Options, Overlap, Progress, Renderer, UploadedScene,
+    Choice, Error, Method, Options, Progress, Renderer, UploadedScene,
     layout::{self, WORKGROUP},
     message::counted,
     pair::PassTimes,
@@ -64,7 +64,6 @@ impl Renderer {
     ) -> Result<Traced, Error> {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, eyes, scene);
-        method.check()?;
         if !self.steps.always
             && let Some(traced) = self.trace_at_once(scene, eyes, options, method, progress).await?
         {
@@ -106,7 +105,7 @@ impl Renderer {
         }
         let mut times = self.times().await?;
         if let Some(times) = times.as_mut().filter(|_| !host.is_zero()) {
-            times.0.insert(1, ("reproject_on_the_host", host));
+            times.passes.insert(1, ("reproject_on_the_host", host));
         }
         let intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
         let eyes = eyes.clone();
@@ -197,7 +196,7 @@ fn effective(method: Method, eyes: &Eyes, scene: &UploadedScene) -> Method {
     match method {
         Method::Naive => Method::Naive,
         _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
-        Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. } if scene.ids.is_empty() => Method::Naive,
+        Method::Auto | Method::Bracket(_) if scene.ids.is_empty() => Method::Naive,
         method => method,
     }
 }

@@ -5,9 +5,8 @@ use super::{
     targets::{Target, Used},
 };
 use crate::{
-    Error, Method, Overlap, ShadowReuse,
+    BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
     kernels::{Access, Kernel, Touches},
-    method::{BufferDepth, Verify},
     steps::{bracket, host, reproject, resolve, trace},
     variant::Variant,
 };
@@ -46,6 +45,8 @@ pub(crate) enum Stage {
     Bands(Vec<Step>),
     /// What the host does once all bands are done. It may add steps, over all bands.
     Host(Host),
+    /// Nothing, once all bands are done: what follows looks into the rows above and below.
+    Wait,
 }
 
 /// What a step does to a band.
@@ -123,32 +124,25 @@ impl Plan {
     pub(crate) fn of(method: Method, sources: &[usize]) -> Self {
         let (bits, samples) = match method {
             Method::Auto => (ShadowReuse::Two, true),
-            Method::Reuse { overlap: Overlap::Bracket(shadows), .. } => (shadows, true),
+            Method::Bracket(shadows) => (shadows, true),
             _ => (ShadowReuse::Rays, false),
         };
         let made = match method {
             Method::Auto | Method::Naive => Made::Traced,
             Method::Ideal => Made::Copied,
-            Method::Reuse { overlap: Overlap::Bracket(_), .. } => Made::Bracketed,
-            Method::Reuse { .. } => Made::Marked,
+            Method::Bracket(_) => Made::Bracketed,
+            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) => Made::Marked,
         };
         let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
-        let targets = || views(sources).filter(|&view| sources[view] != view);
-        let stages = match method {
-            Method::Naive => vec![Stage::Bands(join([traced, targets().flat_map(trace::target).collect()]))],
-            Method::Ideal => vec![Stage::Bands(join([traced, targets().map(Step::Copy).collect()]))],
-            Method::Auto => {
-                vec![
-                    Stage::Bands(join([traced, targets().flat_map(bracket::bound).collect()])),
-                    Stage::Host(Host::Choose),
-                ]
-            }
-            Method::Reuse { overlap, verify } => {
-                by_reuse(overlap, verify, traced, targets().map(|view| (view, sources[view])))
-            }
-        };
+        let mut stages = vec![Stage::Bands(traced)];
+        for (view, &source) in sources.iter().enumerate().filter(|(view, source)| *view != **source) {
+            stages.extend(target(method, view, source));
+        }
+        if method == Method::Auto {
+            stages.push(Stage::Host(Host::Choose));
+        }
         let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
-        Self { stages, bits, samples, made, sources: sources.to_vec() }
+        Self { stages: joined(stages), bits, samples, made, sources: sources.to_vec() }
     }
 
     /// Its steps, with those that the host may add.
@@ -159,7 +153,7 @@ impl Plan {
             Stage::Host(Host::Choose) => {
                 targets().flat_map(|view| join([trace::target(view), bracket::resolve(view)])).collect()
             }
-            Stage::Host(_) => Vec::new(),
+            Stage::Host(_) | Stage::Wait => Vec::new(),
         })
     }
 
@@ -203,7 +197,7 @@ impl Plan {
 
     /// How often the picture is gone over.
     pub(crate) fn sweeps(&self) -> u32 {
-        let goes_over = |stage: &&Stage| !matches!(stage, Stage::Host(Host::Sweep(_) | Host::SizeSlots(..)));
+        let goes_over = |stage: &&Stage| matches!(stage, Stage::Bands(_) | Stage::Host(Host::Choose));
         self.stages.iter().filter(goes_over).count() as u32
     }
 }
@@ -212,43 +206,46 @@ fn views(sources: &[usize]) -> std::ops::Range<usize> {
     0..sources.len()
 }
 
-/// The stages of a method that carries samples from view to view, after the steps by which the sources are traced.
-fn by_reuse(
-    overlap: Overlap,
-    verify: Verify,
-    traced: Vec<Step>,
-    targets: impl Iterator<Item = (usize, usize)>,
-) -> Vec<Stage> {
-    // An edge, and a block of a source's samples, reach into the rows above and below: these must be there.
-    let reaches = verify == Verify::Edges || overlap == Overlap::Bracket(ShadowReuse::Block);
-    let mut stages = Vec::new();
-    let mut steps = traced;
-    for (view, source) in targets {
-        match overlap {
-            Overlap::Atomic => steps.extend(reproject::atomic(view)),
-            Overlap::Scanline => steps.extend(reproject::scanline(view)),
-            Overlap::Sequential => {
-                stages.extend([Stage::Bands(std::mem::take(&mut steps)), Stage::Host(Host::Sweep(view))])
-            }
-            Overlap::Buffer(depth) => {
-                if depth == BufferDepth::Adaptive {
-                    steps.extend(reproject::depth_range(source));
-                }
-                stages.extend([Stage::Bands(std::mem::take(&mut steps)), Stage::Host(Host::SizeSlots(depth, view))]);
-                steps.extend(reproject::slots(view));
-            }
-            Overlap::Bracket(_) => steps.extend(bracket::bound(view)),
+/// The stages by which a method makes a view from its source.
+fn target(method: Method, view: usize, source: usize) -> Vec<Stage> {
+    match method {
+        Method::Naive => vec![Stage::Bands(trace::target(view))],
+        Method::Ideal => vec![Stage::Bands(vec![Step::Copy(view)])],
+        Method::Auto => vec![Stage::Bands(bracket::bound(view))],
+        Method::Atomic(check) => banded(reproject::atomic(view), resolve::of(view, check), check == Check::Edges),
+        Method::Buffer(depth, check) => {
+            let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
+            let sized = vec![Stage::Bands(range), Stage::Host(Host::SizeSlots(depth, view))];
+            [sized, banded(reproject::slots(view), resolve::of(view, check), check == Check::Edges)].concat()
         }
-        if reaches {
-            stages.push(Stage::Bands(std::mem::take(&mut steps)));
+        // What the sweep leaves is trusted: it has cleared the gaps.
+        Method::Sweep(Sweep::Scanline) => banded(reproject::scanline(view), resolve::of(view, Check::None), false),
+        Method::Sweep(Sweep::Sequential) => {
+            vec![Stage::Host(Host::Sweep(view)), Stage::Bands(resolve::of(view, Check::None))]
         }
-        steps.extend(match overlap {
-            Overlap::Bracket(_) => bracket::resolve(view),
-            _ => resolve::of(view, verify),
-        });
+        Method::Bracket(shadows) => banded(bracket::bound(view), bracket::resolve(view), shadows == ShadowReuse::Block),
     }
-    stages.push(Stage::Bands(steps));
-    stages
+}
+
+/// What is carried to a view, and then the rest: where that reaches into the rows above and below, as an edge and a block of a
+/// source's samples do, only once all of these are there.
+fn banded(carried: Vec<Step>, rest: Vec<Step>, reaches: bool) -> Vec<Stage> {
+    match reaches {
+        true => vec![Stage::Bands(carried), Stage::Wait, Stage::Bands(rest)],
+        false => vec![Stage::Bands(join([carried, rest]))],
+    }
+}
+
+/// With steps over bands that follow each other as one stage.
+fn joined(stages: Vec<Stage>) -> Vec<Stage> {
+    let mut all: Vec<Stage> = Vec::new();
+    for stage in stages {
+        match (all.last_mut(), stage) {
+            (Some(Stage::Bands(steps)), Stage::Bands(more)) => steps.extend(more),
+            (_, stage) => all.push(stage),
+        }
+    }
+    all
 }
 
 fn join<const N: usize>(parts: [Vec<Step>; N]) -> Vec<Step> {

@@ -6,8 +6,8 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    Error, GBuffer, Method, Options, Overlap, PixelSource, Rays, Renderer, ShadowSource, Statistics, StereoPair,
-    UploadedScene, Verify, View, Work, layout,
+    Check, Error, GBuffer, Method, Options, PixelSource, Rays, Renderer, ShadowSource, Statistics, StereoPair,
+    UploadedScene, View, Work, layout,
 };
 
 /// What was counted of a view.
@@ -64,9 +64,10 @@ impl Traced {
         let (primary, verification, reused) = match self.method_of(view) {
             Method::Naive | Method::Auto => (pixels, 0, 0),
             Method::Ideal => (0, 0, pixels),
-            Method::Reuse { overlap, verify } => {
+            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) | Method::Bracket(_) => {
                 let landed = pixels - counts.missed;
-                let checked = verify == Verify::All && !matches!(overlap, Overlap::Bracket(_));
+                let checked =
+                    matches!(self.method_of(view), Method::Atomic(Check::All) | Method::Buffer(_, Check::All));
                 (counts.bad + counts.missed, if checked { landed } else { 0 }, landed - counts.bad)
             }
         };

@@ -1,7 +1,9 @@
+use std::num::NonZeroU32;
+
 use glam::Vec3;
 
 use super::{plan::Stage, targets::Target, *};
-use crate::{BufferDepth, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, Verify, random::Random};
+use crate::{BufferDepth, Check, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, random::Random};
 
 #[test]
 fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
@@ -47,7 +49,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     // Counting traces one ray a lane; those of the tiles' search are to be seen as they ship.
     let counted = [Method::Naive, Method::Ideal, Method::ATOMIC, Method::BUFFER, Method::BRACKET];
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
-    let counted = counted.map(|method| Options::new(method).counting());
+    let counted = counted.map(|method| Options::new(method).count(true));
     for options in counted.into_iter().chain(shipped.map(Options::new)) {
         let method = options.method;
         let [whole, banded] = [BAND_PIXELS, 130 * 16].map(|band_pixels| {
@@ -74,27 +76,33 @@ fn every_traversal_gives_the_same_pair() {
     let spheres_and_triangles = Builtin::Near;
     for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
         let camera = builtin.camera(65, 40);
-        let pairs = Traversal::ALL.map(|traversal| {
+        let pairs = Vec::from_iter(Traversal::ALL.iter().map(|&traversal| {
             let mut renderer = Renderer::with_traversal(renderer(BAND_PIXELS).gpu, traversal);
             let uploaded = renderer.upload(&builtin.scene()).unwrap();
             let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
             // Which of several occluders is kept, and so how many rays it spares, is the traversal's.
             pair.statistics = Statistics::default();
             pair
-        });
+        }));
         for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
             assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
         }
     }
 }
 
+const TRUSTING: Method = Method::Atomic(Check::None);
+
+fn buffer(depth: BufferDepth) -> Method {
+    Method::Buffer(depth, Check::None)
+}
+
 /// Runs reprojection alone on given depths of the source: keys of samples, and candidates that were lost.
-fn reproject(eyes: &Eyes, depths: &[f32], overlap: Overlap) -> (Vec<u32>, u64) {
+fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, by which the source is traced.
-        let mut plan = Plan::of(Method::Reuse { overlap, verify: Verify::None }, &eyes.sources);
+        let mut plan = Plan::of(method, &eyes.sources);
         let Stage::Bands(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let variant = renderer.variant(&scene, eyes, &Options::default());
@@ -136,8 +144,8 @@ fn the_index_buffer_equals_a_sequential_computation() {
             .collect();
         let expected = crate::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
-        for overlap in [Overlap::Atomic, Overlap::Buffer(BufferDepth::Adaptive)] {
-            assert_eq!(reproject(&eyes, &depths, overlap).0, expected, "{overlap:?} {interaxial_px}");
+        for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
+            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {interaxial_px}");
         }
     }
 }
@@ -149,7 +157,7 @@ fn samples_land_where_the_closed_form_says_ties_included() {
     let land = |column: usize, z: f32| {
         let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
         depths[column] = z;
-        let source = reproject(&eyes, &depths, Overlap::Atomic).0;
+        let source = reproject(&eyes, &depths, TRUSTING).0;
         source.iter().position(|&source| source == column as u32 + 1)
     };
     assert_eq!(land(20, 4.0), Some(20), "on the screen");
@@ -172,10 +180,10 @@ fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
     let eyes = eyes([40, 1], 8.0);
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
-    let (source, lost) = reproject(&eyes, &depths, Overlap::Buffer(BufferDepth::TwiceInteraxial));
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
     // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
-    let (source, lost) = reproject(&eyes, &depths, Overlap::Buffer(BufferDepth::Fixed(18)));
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
     assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
 }
 

@@ -73,9 +73,9 @@ impl Timestamps {
         for (name, pair) in self.names.iter().zip(ticks.chunks_exact(2)) {
             let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * period;
             let time = std::time::Duration::from_nanos(nanoseconds as u64);
-            match times.0.iter_mut().find(|(known, _)| known == name) {
+            match times.passes.iter_mut().find(|(known, _)| known == name) {
                 Some((_, sum)) => *sum += time,
-                None => times.0.push((name, time)),
+                None => times.passes.push((name, time)),
             }
         }
         Ok(Some(times))

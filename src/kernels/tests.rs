@@ -70,7 +70,7 @@ fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
 
 /// Not all combinations, which are tens of thousands, but any two choices together.
 fn variants() -> Vec<Variant> {
-    let traversals = Traversal::ALL.into_iter().flat_map(|traversal| [(traversal, false), (traversal, true)]);
+    let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
     let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
     // Spheres, triangles, normals.
     let kinds = [[true, false, false], [false, true, false], [false, true, true], [true, true, false], [true; 3]];

@@ -14,7 +14,7 @@ const LARGEST_EXACT_ID: u32 = 1 << 24;
 /// holds little-endian f32, bottom row first. Unknown values are `f32::INFINITY`.
 ///
 /// # Errors
-/// [`Error::File`] if there are not `width * height` values, [`Error::Io`] if the file cannot be written.
+/// [`Error::Io`] if there are not `width * height` values, or the file cannot be written.
 pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32]) -> Result<(), Error> {
     let path = path.as_ref();
     write_whole(path, &pfm(path, width, height, values)?)
@@ -23,7 +23,7 @@ pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32])
 /// Writes one id a pixel as [`save_pfm`] does; [`MISS`] becomes -1.
 ///
 /// # Errors
-/// Those of [`save_pfm`], and [`Error::File`] naming an id over 2^24: from there on f32 skips whole numbers.
+/// Those of [`save_pfm`], and [`Error::Io`] naming an id over 2^24: from there on f32 skips whole numbers.
 pub fn save_ids_pfm(path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
     let path = path.as_ref();
     save_pfm(path, width, height, &id_values(path, ids)?)
@@ -45,9 +45,8 @@ fn id_values(path: &Path, ids: &[u32]) -> Result<Vec<f32>, Error> {
     let number = |&id: &u32| match id {
         MISS => Ok(-1.0),
         0..=LARGEST_EXACT_ID => Ok(id as f32),
-        _ => Err(Error::file(
+        _ => Err(Error::unwritable(
             path,
-            None,
             format!("id {id} is over {LARGEST_EXACT_ID}, the largest that a PFM file's f32 holds exactly"),
         )),
     };
@@ -59,7 +58,7 @@ fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(),
         return Ok(());
     }
     let pixels = counted(count, "pixel", "pixels");
-    Err(Error::file(path, None, format!("a picture of {width}x{height} cannot be written from {pixels}")))
+    Err(Error::unwritable(path, format!("a picture of {width}x{height} cannot be written from {pixels}")))
 }
 
 impl View {
@@ -93,8 +92,7 @@ impl Picture {
     /// Writes the picture as a PNG file with 8 bits a channel.
     ///
     /// # Errors
-    /// [`Error::File`] if there are not `width * height` pixels or none at all, [`Error::Io`] if the file cannot be
-    /// written.
+    /// [`Error::Io`] if there are not `width * height` pixels or none at all, or the file cannot be written.
     pub fn save_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         write_whole(path, &self.png(path)?)
@@ -108,7 +106,7 @@ impl Picture {
         let mut bytes = Vec::new();
         PngEncoder::new(&mut bytes)
             .write_image(self.rgba8.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8)
-            .map_err(|error| Error::file(path, None, error.to_string()))?;
+            .map_err(|error| Error::unwritable(path, error))?;
         Ok(bytes)
     }
 }

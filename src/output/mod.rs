@@ -18,6 +18,7 @@ use crate::{StereoPair, View};
 
 /// A finished picture: sRGB with alpha, row-major, `[height][width]`, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Picture {
     /// Width in pixels.
     pub width: u32,
@@ -25,6 +26,13 @@ pub struct Picture {
     pub height: u32,
     /// The pixels, sRGB-encoded; alpha is 255 in every picture this library makes.
     pub rgba8: Vec<[u8; 4]>,
+}
+
+impl Picture {
+    /// A picture of `width * height` pixels, row-major, top row first; writing it refuses another number.
+    pub fn new(width: u32, height: u32, rgba8: Vec<[u8; 4]>) -> Self {
+        Self { width, height, rgba8 }
+    }
 }
 
 impl View {

@@ -14,7 +14,7 @@ use self::{
     shapes::Shape,
     spheres::{CLOUD_SCREEN, spheres},
 };
-use super::{MaterialId, PointLight, Scene};
+use super::{Material, MaterialId, PointLight, Scene};
 use crate::{Error, StereoCamera};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
@@ -48,7 +48,7 @@ pub enum Builtin {
 
 impl Builtin {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
+    pub const ALL: &'static [Self] = &[Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
 
     /// The name it has on a command line.
     pub fn name(self) -> &'static str {
@@ -98,8 +98,8 @@ impl FromStr for Builtin {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.into_iter().find(|scene| scene.name() == name);
-        found.ok_or_else(|| Error::unknown_name("built-in scene", name, &Self::ALL))
+        let found = Self::ALL.iter().copied().find(|scene| scene.name() == name);
+        found.ok_or_else(|| Error::unknown_name("built-in scene", name, Self::ALL))
     }
 }
 
@@ -110,11 +110,11 @@ pub(super) fn add(scene: &mut Scene, shape: Shape) {
 /// A colour as painters give it: sRGB, 0 to 255.
 pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
     let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
-    scene.add_material(name, Vec3::from_array(linear))
+    scene.add_material(Material::new(Vec3::from_array(linear)).name(name))
 }
 
 pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
-    PointLight { position: Vec3::from_array(position), intensity: Vec3::from_array(color) * strength }
+    PointLight::new(Vec3::from_array(position), Vec3::from_array(color) * strength)
 }
 
 #[cfg(test)]
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn every_scene_builds_and_has_lights_and_a_valid_camera() {
-        for builtin in Builtin::ALL {
+        for &builtin in Builtin::ALL {
             let scene = builtin.scene();
             scene.check().unwrap();
             assert_eq!(scene.lights.len(), 5, "{builtin}");
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_name_parses_back_and_an_unknown_one_lists_the_names() {
-        for builtin in Builtin::ALL {
+        for &builtin in Builtin::ALL {
             assert_eq!(builtin.to_string().parse::<Builtin>().unwrap(), builtin);
         }
         let message = "sponza".parse::<Builtin>().unwrap_err().to_string();

@@ -51,9 +51,7 @@ mod tests {
         let mut scene = Scene::new();
         let mut add = |corners: [[f32; 3]; 3]| {
             let positions = corners.map(Vec3::from_array).to_vec();
-            let mesh =
-                Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![MaterialId(0)], ..Mesh::default() };
-            scene.add_mesh(&mesh).unwrap();
+            scene.add_mesh(&Mesh::new(positions, vec![[0, 1, 2]])).unwrap();
         };
         let (o, x, y, z) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         let far = [9.0; 3];
@@ -64,7 +62,7 @@ mod tests {
         add([z, [5.0, 1.0, 0.0], [2.0, 2.0, 2.0]]); // joins 2 to 3, and so to 1
         add([o, o, far]); // degenerate: joins nothing
         for _ in 0..2 {
-            scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: MaterialId(0) }).unwrap();
+            scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap();
         }
         assert_eq!(of(&scene), [0, 1, 1, 1, 1, 5, 6, 7]);
     }

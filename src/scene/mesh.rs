@@ -12,7 +12,16 @@ use crate::{
 };
 
 /// Indexed triangles that make one object.
+///
+/// ```
+/// use stereotrace::{Mesh, Scene, glam::Vec3};
+///
+/// let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+/// Scene::new().add_mesh(&Mesh::new(corners, vec![[0, 1, 2]]).name("sail"))?;
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Mesh {
     /// The object's name, or empty.
     pub name: String,
@@ -27,6 +36,32 @@ pub struct Mesh {
     pub normals: Vec<[Vec3; 3]>,
 }
 
+impl Mesh {
+    /// Flat triangles of a scene's grey, without a name: world positions, and the corners of each triangle as indices into
+    /// them.
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { name: String::new(), positions, triangles, materials: vec![MaterialId::default()], normals: Vec::new() }
+    }
+
+    /// The object's name.
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// One material a triangle, or a single one for all.
+    pub fn materials(mut self, materials: Vec<MaterialId>) -> Self {
+        self.materials = materials;
+        self
+    }
+
+    /// Three unit normals a triangle for smooth shading, or none.
+    pub fn normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
+        self.normals = normals;
+        self
+    }
+}
+
 /// A primitive's place in its scene: which object it belongs to, and where objects begin.
 #[derive(Clone, Debug)]
 pub(crate) struct Object {
@@ -36,6 +71,7 @@ pub(crate) struct Object {
 
 /// A triangle with everything a renderer asks of it.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Triangle {
     /// Corners in world space.
     pub corners: [Vec3; 3],

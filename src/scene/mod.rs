@@ -38,12 +38,13 @@ const DEFAULT_AMBIENT: f32 = 0.15;
 /// Of like warnings so many are logged; the rest are counted.
 const PRINTED_WARNINGS: usize = 5;
 
-/// Index of a [`Material`] in its [`Scene`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Index of a [`Material`] in its [`Scene`]; the default is the grey that every scene begins with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MaterialId(pub u32);
 
 /// A diffuse (Lambertian) surface.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Material {
     /// The material's name in its file, or empty.
     pub name: String,
@@ -51,13 +52,34 @@ pub struct Material {
     pub albedo: Vec3,
 }
 
+impl Material {
+    /// A diffuse material without a name: reflectance in linear RGB, 0 to 1.
+    pub fn new(albedo: Vec3) -> Self {
+        Self { name: String::new(), albedo }
+    }
+
+    /// Its name, for messages.
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+}
+
 /// An omnidirectional point light without falloff (thesis, chapter 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PointLight {
     /// World position.
     pub position: Vec3,
     /// Radiance it adds to a white surface that faces it, linear RGB.
     pub intensity: Vec3,
+}
+
+impl PointLight {
+    /// A light at a world position: the radiance that it adds to a white surface that faces it, linear RGB.
+    pub fn new(position: Vec3, intensity: Vec3) -> Self {
+        Self { position, intensity }
+    }
 }
 
 /// What a ray sees that hits nothing, linear RGB.
@@ -79,6 +101,7 @@ pub enum Sky {
 
 /// A sphere, given by its equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sphere {
     /// World position of its centre.
     pub center: Vec3,
@@ -88,15 +111,22 @@ pub struct Sphere {
     pub material: MaterialId,
 }
 
+impl Sphere {
+    /// A sphere about a world position; the radius is in world units, above 0.
+    pub fn new(center: Vec3, radius: f32, material: MaterialId) -> Self {
+        Self { center, radius, material }
+    }
+}
+
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
 /// their number), then spheres.
 ///
 /// ```
-/// use stereotrace::{Scene, Sphere, glam::Vec3};
+/// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
 ///
 /// let mut scene = Scene::new();
-/// let red = scene.add_material("red", Vec3::new(0.8, 0.1, 0.1));
-/// scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: red })?;
+/// let red = scene.add_material(Material::new(Vec3::new(0.8, 0.1, 0.1)));
+/// scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, red))?;
 /// assert_eq!(scene.primitive_count(), 1);
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
@@ -136,7 +166,7 @@ impl Scene {
             shadows: true,
             ambient: None,
             sky: Sky::Constant(Vec3::ZERO),
-            materials: vec![Material { name: String::new(), albedo: Vec3::splat(0.7) }],
+            materials: vec![Material::new(Vec3::splat(0.7))],
             triangles: Vec::new(),
             spheres: Vec::new(),
             mesh_objects: Vec::new(),
@@ -147,8 +177,8 @@ impl Scene {
     }
 
     /// Adds a material and returns its id.
-    pub fn add_material(&mut self, name: impl Into<String>, albedo: Vec3) -> MaterialId {
-        self.materials.push(Material { name: name.into(), albedo });
+    pub fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
         MaterialId(self.materials.len() as u32 - 1)
     }
 
@@ -178,8 +208,8 @@ impl Scene {
     /// lines and points, and the like. The scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read; [`Error::File`], naming the line where it is known, if it is no regular
-    /// file, larger than [`Limits`] says, or UTF-16, or if its content is wrong: numbers that don't parse or are not
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
+    /// [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is wrong: numbers that don't parse or are not
     /// finite, indices out of range, no faces at all.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {

@@ -69,7 +69,7 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
     let prepared = prepare(&text, &mut warnings).map_err(|bad_index| {
         let bad_number = find_bad_number(&text).filter(|bad_number| bad_number.0 < bad_index.0);
         let (line, reason) = bad_number.unwrap_or(bad_index);
-        Error::file(path, Some(line), reason)
+        Error::parse(path, Some(line), reason)
     })?;
     let library = mtl::read(path, &prepared.libraries, limits, &mut warnings);
     let models = parse(path, &text, &prepared, &library)?;
@@ -84,12 +84,12 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
     scene.materials.extend(library.materials);
     let (meshes, fanned) = join_models(&models, &prepared);
     for mesh in meshes {
-        scene.push_mesh(&mesh)?;
+        scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     }
     if scene.triangles.is_empty() {
         let vertices = counted(prepared.vertices, "vertex", "vertices");
         let reason = format!("no faces and {vertices}; a scene needs `f` lines of 3 corners or more");
-        return Err(Error::file(path, None, reason));
+        return Err(Error::parse(path, None, reason));
     }
     if let Some(first) = fanned.first() {
         let text =
@@ -113,16 +113,19 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
         let indices = library.index_of.iter().map(|(name, &index)| (key(name), index)).collect();
         Ok((Vec::new(), indices))
     });
-    let fault = |place: Option<Fault>, otherwise: String| match place {
-        Some((line, reason)) => Error::file(path, Some(line), reason),
-        None => Error::file(path, None, otherwise),
+    let fault = |place: Option<Fault>, otherwise: &str| match place {
+        Some((line, reason)) => Error::parse(path, Some(line), reason),
+        None => Error::parse(path, None, otherwise),
     };
     let (models, _) = loaded.map_err(|error| match error {
         tobj::LoadError::FaceColorOutOfBounds => {
             let place = find_bad_number(text).or_else(|| find_mixed_color(text));
-            fault(place, "vertex colours are incomplete".into())
+            fault(place, "vertex colours are incomplete")
         }
-        error => fault(find_bad_number(text), error.to_string()),
+        error => match find_bad_number(text) {
+            Some((line, reason)) => Error::parse(path, Some(line), reason),
+            None => Error::parse_from(path, None, error.to_string(), error),
+        },
     })?;
     let usable = |model: &tobj::Model| {
         model.mesh.positions.iter().all(|value| value.abs() <= MAX_COORDINATE)
@@ -131,13 +134,13 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
     if models.iter().all(usable) {
         return Ok(models);
     }
-    Err(fault(find_bad_number(text), "a coordinate is no usable number".into()))
+    Err(fault(find_bad_number(text), "a coordinate is no usable number"))
 }
 
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
 fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
-    let mut bytes = input::read(path, limits.file_bytes, limits.raised_by[0])?;
+    let mut bytes = input::read(path, limits.file_bytes, limits.option_names[0])?;
     let count = bytes.len() as u64;
     // A carriage return alone ends a line, as it did on the Mac before its system X.
     for at in 0..bytes.len() {

@@ -81,24 +81,23 @@ impl SkyMap {
     /// decoded; decoding takes 12 bytes a pixel, beside what the format itself needs.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read, [`Error::File`] if it is no such picture or no sky, no regular file, or
-    /// larger than [`Limits`] says, as a file or in pixels.
+    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
+    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or no sky.
     #[cfg(feature = "sky")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
     }
 
-    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::within`] knows an adapter's.
+    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::gpu`] knows an adapter's.
     ///
     /// # Errors
     /// Those of [`SkyMap::open`].
     #[cfg(feature = "sky")]
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
-        let (file, _) = input::open(path, limits.file_bytes, limits.raised_by[0])?;
-        let (width, height, pixels) = picture::decode(file, limits)
-            .map_err(|reason| Error::file(path, None, format!("no picture of a sky: {reason}")))?;
-        Self::new(width, height, pixels).map_err(|error| Error::file(path, None, error.to_string()))
+        let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
+        let (width, height, pixels) = picture::decode(path, file, limits)?;
+        Self::new(width, height, pixels).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
     }
 
     /// Width and height in pixels.
@@ -141,7 +140,7 @@ mod tests {
         let gpu = Gpu::open(&wanted).unwrap();
         // The larger one is uploaded in pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
-            let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal { fetch, ..Traversal::of(&gpu) });
+            let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
             let mut scene = Scene::new();
             scene.sky = Sky::Map(compass(width));
             let uploaded = renderer.upload(&scene).unwrap();
@@ -154,7 +153,7 @@ mod tests {
     fn assert_colours_are_directions(renderer: &mut Renderer, uploaded: &UploadedScene, target: Vec3) {
         let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
         let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
-        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive).linear()).unwrap();
+        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
         let frame = cpu::Frame::new(&pair.pose);
         for (index, color) in pair.left.linear.iter().enumerate() {
             let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();

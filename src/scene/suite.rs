@@ -84,7 +84,7 @@ pub enum Trial {
 
 impl Trial {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: &'static [Self] = &[
         Self::Fence,
         Self::Hidden,
         Self::Near,
@@ -215,8 +215,8 @@ impl FromStr for Trial {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.into_iter().find(|trial| trial.name() == name);
-        found.ok_or_else(|| Error::unknown_name("trial", name, &Self::ALL))
+        let found = Self::ALL.iter().copied().find(|trial| trial.name() == name);
+        found.ok_or_else(|| Error::unknown_name("trial", name, Self::ALL))
     }
 }
 

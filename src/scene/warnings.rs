@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
 use super::PRINTED_WARNINGS;
-use crate::{Error, message::escaped};
+use crate::{Error, error::located, message::escaped};
 
 /// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
 pub(super) struct Warnings<'a> {
@@ -56,7 +56,7 @@ impl<'a> Warnings<'a> {
 
     /// As errors are written, so that both quote files alike.
     fn log(&self, line: Option<usize>, text: String) {
-        log::warn!("{}", Error::file(self.path, line, text));
+        log::warn!("{}", located(self.path, line, &text));
     }
 }
 

@@ -11,7 +11,7 @@ use crate::{
         Kernel, Touches,
     },
     layout::TO_TRACE,
-    method::Verify,
+    method::Check,
     variant::part,
 };
 
@@ -45,15 +45,15 @@ pub(crate) const TAKE_OVER: Kernel = Kernel {
     main: part!("take_over.wgsl"),
 };
 
-pub(crate) fn of(view: usize, verify: Verify) -> Vec<Step> {
-    let mut steps = if verify == Verify::Edges { edges::mark(view) } else { Vec::new() };
-    let check = match verify {
-        Verify::All => step(&RESOLVE_RIGHT, view, Launch::Pixels),
-        Verify::Gaps | Verify::Edges | Verify::None => step(&RESOLVE_TRUSTED, view, Launch::Pixels),
+pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
+    let mut steps = if check == Check::Edges { edges::mark(view) } else { Vec::new() };
+    let checked = match check {
+        Check::All => step(&RESOLVE_RIGHT, view, Launch::Pixels),
+        Check::Edges | Check::None => step(&RESOLVE_TRUSTED, view, Launch::Pixels),
     };
     steps.extend([
         Step::EmptyLists,
-        check.named(RESOLVE_RIGHT.name),
+        checked.named(RESOLVE_RIGHT.name),
         step(&TRACE_LISTED, view, Launch::Listed(TO_TRACE)),
         step(&TAKE_OVER, view, Launch::Pixels),
     ]);

@@ -65,12 +65,7 @@ pub fn is_exact(renderer: &Renderer) -> bool {
 pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method).linear()).unwrap()
-}
-
-/// A mesh of one grey material.
-pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh { positions, triangles, materials: vec![MaterialId(0)], ..Mesh::default() }
+    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
 }
 
 /// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.
@@ -102,5 +97,5 @@ pub fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
             }
         }
     }
-    mesh(positions, triangles)
+    Mesh::new(positions, triangles)
 }

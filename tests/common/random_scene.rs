@@ -1,8 +1,8 @@
 //! Random scenes: one to find hits wrong in, one to find shadows wrong in.
 
-use stereotrace::{MaterialId, PointLight, Scene, Sphere, glam::Vec3};
+use stereotrace::{Material, MaterialId, Mesh, PointLight, Scene, Sphere, glam::Vec3};
 
-use super::{mesh, random::Random};
+use super::random::Random;
 
 /// Triangles and spheres without order, in a cube of two units or so about the origin. Some triangles stand there twice
 /// (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are large;
@@ -33,7 +33,7 @@ impl RandomScene {
         let corners: Vec<Vec3> = self.corners(&mut random).into_iter().map(place).collect();
         if !corners.is_empty() {
             let faces = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-            let mut mesh = mesh(corners, faces);
+            let mut mesh = Mesh::new(corners, faces);
             if self.smooth {
                 mesh.normals = mesh.triangles.iter().map(|_| [(); 3].map(|()| random.point(1.0).normalize())).collect();
             }
@@ -41,7 +41,7 @@ impl RandomScene {
         }
         for _ in 0..self.spheres {
             let (center, radius) = (place(random.point(1.0)), random.between(0.02, 0.3) * self.scale);
-            let sphere = Sphere { center, radius, material: MaterialId(0) };
+            let sphere = Sphere::new(center, radius, MaterialId(0));
             scene.add_sphere(sphere).unwrap();
             scene.add_sphere(sphere).unwrap();
         }
@@ -69,21 +69,21 @@ impl RandomScene {
 pub fn random_stage(seed: u32) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
-    scene.add_material("grey", Vec3::splat(0.5));
+    scene.add_material(Material::new(Vec3::splat(0.5)));
     let floor = [[-4.0, -1.0, -6.0], [4.0, -1.0, -6.0], [4.0, -1.0, 3.0], [-4.0, -1.0, 3.0]].map(Vec3::from_array);
-    scene.add_mesh(&mesh(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.add_mesh(&Mesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     for _ in 0..12 {
         let middle = random.point(1.5) + Vec3::NEG_Z;
         let corners: Vec<Vec3> = std::iter::once(middle).chain((0..4).map(|_| middle + random.point(0.8))).collect();
-        scene.add_mesh(&mesh(corners, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]])).unwrap();
+        scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]])).unwrap();
     }
     for _ in 0..6 {
         let (center, radius) = (random.point(1.5), random.between(0.1, 0.4));
-        scene.add_sphere(Sphere { center, radius, material: MaterialId(0) }).unwrap();
+        scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
     }
     scene.ambient = Some(Vec3::splat(0.1));
     for position in [[3.0, 4.0, 2.0], [-3.0, 3.0, 1.0], [0.5, 5.0, -2.0], [0.0, 0.5, 5.0]] {
-        scene.lights.push(PointLight { position: Vec3::from_array(position), intensity: Vec3::splat(0.4) });
+        scene.lights.push(PointLight::new(Vec3::from_array(position), Vec3::splat(0.4)));
     }
     scene
 }

@@ -70,7 +70,7 @@ impl Folder {
     /// The line and the reason of the error that `content` gives.
     pub(crate) fn error(&self, content: impl AsRef<[u8]>) -> (Option<usize>, String) {
         match self.read(content) {
-            Err(Error::File { path, line, reason }) => {
+            Err(Error::Parse { path, line, reason, .. }) => {
                 assert_eq!(path, self.file("scene.obj"));
                 (line, reason)
             }

@@ -1,8 +1,6 @@
 //! Frames: what one keeps, counts and says of its progress, and that the next one is not changed by it.
 
-use stereotrace::{
-    Error, GBuffer, Method, Options, Overlap, PixelSource, Verify, metrics::compare, scene::builtin::Builtin,
-};
+use stereotrace::{Check, Error, GBuffer, Method, Options, PixelSource, metrics::compare, scene::builtin::Builtin};
 
 use crate::{
     SIZE,
@@ -64,15 +62,15 @@ fn progress_runs_up_to_one_and_may_cancel() {
     let mut stop = |_| std::ops::ControlFlow::Break(());
     let error = renderer.render_with(&uploaded, &camera, &Options::default(), &mut stop).unwrap_err();
     assert!(matches!(error, Error::Cancelled));
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let mut last = 0.0;
         let mut watch = |progress: stereotrace::Progress| {
-            assert!(progress.done > last, "{name}");
+            assert!(progress.done > last, "{method}");
             last = progress.done;
             std::ops::ControlFlow::Continue(())
         };
         renderer.render_with(&uploaded, &camera, &Options::new(method), &mut watch).unwrap();
-        assert_eq!(last, 1.0, "{name}");
+        assert_eq!(last, 1.0, "{method}");
     }
 }
 
@@ -81,23 +79,24 @@ fn a_smaller_g_buffer_changes_no_picture() {
     let camera = Builtin::Fence.camera(61, 45);
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
-    for (name, method) in Method::ALL {
-        let mut render =
-            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).linear().keeping(g_buffer)).unwrap();
+    for &method in Method::ALL {
+        let mut render = |g_buffer| {
+            renderer.render(&uploaded, &camera, &Options::new(method).linear(true).g_buffer(g_buffer)).unwrap()
+        };
         let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
         for less in [&depth, &none] {
-            assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{name}");
-            assert_eq!((&less.left.rgba8, &less.right.rgba8), (&full.left.rgba8, &full.right.rgba8), "{name}");
-            assert_eq!(less.source, full.source, "{name}");
-            assert!(less.left.primitive.is_empty() && less.right.object.is_empty(), "{name}");
+            assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{method}");
+            assert_eq!((&less.left.rgba8, &less.right.rgba8), (&full.left.rgba8, &full.right.rgba8), "{method}");
+            assert_eq!(less.source, full.source, "{method}");
+            assert!(less.left.primitive.is_empty() && less.right.object.is_empty(), "{method}");
             // Edges are told by objects, and bracket by primitives: they are kept on the device.
             let bytes = [less, &full].map(|pair| pair.statistics.intermediate_bytes);
-            let keeps_all = name == "atomic-edges"
-                || matches!(method, Method::Auto | Method::Reuse { overlap: Overlap::Bracket(_), .. });
-            assert!(bytes[0] < bytes[1] || (keeps_all && bytes[0] == bytes[1]), "{name}");
+            let keeps_all =
+                method == Method::Atomic(Check::Edges) || matches!(method, Method::Auto | Method::Bracket(_));
+            assert!(bytes[0] < bytes[1] || (keeps_all && bytes[0] == bytes[1]), "{method}");
         }
-        assert_eq!((&depth.left.depth, &depth.right.depth), (&full.left.depth, &full.right.depth), "{name}");
-        assert!(none.left.depth.is_empty() && none.right.depth.is_empty(), "{name}");
+        assert_eq!((&depth.left.depth, &depth.right.depth), (&full.left.depth, &full.right.depth), "{method}");
+        assert!(none.left.depth.is_empty() && none.right.depth.is_empty(), "{method}");
         let error = compare(&none.right, &full.right, &full.pose).unwrap_err().to_string();
         assert!(error.contains("0 pixels"), "{error}");
     }
@@ -108,19 +107,22 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
     let camera = Builtin::Hall.camera(61, 45);
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
-    for (name, method) in Method::ALL {
-        let plain = renderer.render(&uploaded, &camera, &Options::new(method).linear()).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear().mapping_costs()).unwrap();
-        assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{name}");
+    for &method in Method::ALL {
+        let plain = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true).cost_map(true)).unwrap();
+        assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{method}");
         assert!(plain.left.cost.is_empty() && plain.left.cost_picture(100).is_none());
         for (view, work) in [(&pair.left, pair.statistics.left), (&pair.right, pair.statistics.right)] {
             let sum: u64 = view.cost.iter().map(|&cost| u64::from(cost)).sum();
-            assert_eq!(sum, work.nodes + work.primitive_tests, "{name}");
+            assert_eq!(sum, work.nodes + work.primitive_tests, "{method}");
         }
         // A pixel that is traced costs; one that is copied does not.
-        let checked = matches!(method, Method::Auto | Method::Reuse { verify: Verify::All, .. });
+        let checked = matches!(
+            method,
+            Method::Auto | Method::Atomic(Check::All) | Method::Buffer(_, Check::All) | Method::Bracket(_)
+        );
         for (source, cost) in pair.source.iter().zip(&pair.right.cost) {
-            assert_eq!(*cost > 0, *source != PixelSource::Reused || checked, "{name} {source:?}");
+            assert_eq!(*cost > 0, *source != PixelSource::Reused || checked, "{method} {source:?}");
         }
         let picture = pair.left.cost_picture(pair.left.cost.iter().copied().max().unwrap()).unwrap();
         assert!(picture.rgba8.contains(&[255; 4]) && picture.rgba8.iter().any(|pixel| pixel[0] < 128));
@@ -130,13 +132,13 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
 #[test]
 fn the_picture_that_the_device_composes_is_the_linear_one_encoded() {
     // The host follows right_source on its own.
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render_builtin(Builtin::Hall, method);
         for view in [&pair.left, &pair.right] {
             for (encoded, linear) in view.rgba8.iter().zip(&view.linear) {
                 for (byte, value) in encoded.iter().zip(&linear[..3]) {
                     let srgb = if *value <= 0.0031308 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
-                    assert!((f32::from(*byte) - 255.0 * srgb).abs() <= 0.51, "{name}: {byte} for {value}");
+                    assert!((f32::from(*byte) - 255.0 * srgb).abs() <= 0.51, "{method}: {byte} for {value}");
                 }
             }
         }

@@ -1,7 +1,9 @@
 //! The methods against each other and against `Naive` of the same run.
 
+use std::num::NonZeroU32;
+
 use stereotrace::{
-    BufferDepth, MISS, Method, Options, Overlap, PixelSource, Scene, StereoCamera, StereoPair, Verify,
+    BufferDepth, Check, MISS, Method, Options, PixelSource, StereoCamera, StereoPair,
     glam::Vec3,
     method::lemma1,
     metrics::{Difference, compare},
@@ -14,8 +16,8 @@ use crate::{
     render_builtin,
 };
 
-const BUFFER_2E: Method = Method::Reuse { overlap: Overlap::Buffer(BufferDepth::TwiceInteraxial), verify: Verify::All };
-const TRUSTING: Method = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::None };
+const BUFFER_2E: Method = Method::Buffer(BufferDepth::TwiceInteraxial, Check::All);
+const TRUSTING: Method = Method::Atomic(Check::None);
 
 #[test]
 fn ideal_copies_the_left_view() {
@@ -28,9 +30,9 @@ fn ideal_copies_the_left_view() {
 fn zero_interaxial_gives_identical_eyes_by_every_method() {
     let scene = Builtin::Spheres.scene();
     let camera = Builtin::Spheres.camera(63, 65).interaxial(0.0);
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render(&scene, &camera, method);
-        assert_eq!(pair.left, pair.right, "{name}");
+        assert_eq!(pair.left, pair.right, "{method}");
     }
 }
 
@@ -38,14 +40,14 @@ fn zero_interaxial_gives_identical_eyes_by_every_method() {
 fn left_differs_from_right_and_every_method_has_the_same_left() {
     let naive = render_builtin(Builtin::Hall, Method::Naive);
     assert_ne!(naive.left.rgba8, naive.right.rgba8);
-    for (name, method) in Method::ALL {
-        assert_eq!(render_builtin(Builtin::Hall, method).left, naive.left, "{name}");
+    for &method in Method::ALL {
+        assert_eq!(render_builtin(Builtin::Hall, method).left, naive.left, "{method}");
     }
 }
 
 #[test]
 fn atomic_and_buffer_choose_the_same_candidate_everywhere() {
-    for builtin in Builtin::ALL {
+    for &builtin in Builtin::ALL {
         let atomic = render_builtin(builtin, Method::ATOMIC);
         let buffer = render_builtin(builtin, Method::BUFFER);
         assert_eq!(atomic.source, buffer.source, "{builtin}");
@@ -62,8 +64,8 @@ fn a_buffer_of_2e_slots_loses_candidates_nearer_than_half_the_screen_and_one_slo
     assert_eq!(near.right, render_builtin(Builtin::Near, Method::BUFFER).right);
     let far = render_builtin(Builtin::Fence, BUFFER_2E);
     assert_eq!(far.statistics.lost_candidates, 0, "nothing nearer than 0.65 d");
-    let shallow = Method::Reuse { overlap: Overlap::Buffer(BufferDepth::Fixed(2)), verify: Verify::All };
-    let shallow = render_builtin(Builtin::Near, shallow);
+    let shallow = BufferDepth::Fixed(NonZeroU32::new(2).unwrap());
+    let shallow = render_builtin(Builtin::Near, Method::Buffer(shallow, Check::All));
     assert!(shallow.statistics.lost_candidates > near.statistics.lost_candidates);
     assert_eq!(shallow.statistics.buffer_depth, 2);
 }
@@ -132,12 +134,12 @@ fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
 
 #[test]
 fn the_right_view_follows_the_map_and_the_counts_follow_both() {
-    for builtin in Builtin::ALL {
+    for &builtin in Builtin::ALL {
         let naive = render_builtin(builtin, Method::Naive);
         let mut renderer = renderer();
         let uploaded = renderer.upload(&builtin.scene()).unwrap();
         let camera = builtin.camera(SIZE.0, SIZE.1);
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC).linear().counting()).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC).linear(true).count(true)).unwrap();
         let count = |kind| pair.source.iter().filter(|source| **source == kind).count() as u64;
         let (s, pixels) = (&pair.statistics, u64::from(SIZE.0 * SIZE.1));
         let fates = [PixelSource::Reused, PixelSource::Bad, PixelSource::Missed].map(count);
@@ -169,7 +171,7 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
 
 #[test]
 fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
-    for builtin in Builtin::ALL {
+    for &builtin in Builtin::ALL {
         let es_isler = render_builtin(builtin, Method::ES_ISLER);
         let adelson_hodges = render_builtin(builtin, Method::ADELSON_HODGES);
         assert_eq!(es_isler.source, adelson_hodges.source, "{builtin}");
@@ -192,7 +194,7 @@ fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
 
 #[test]
 fn edges_are_traced_and_the_rest_is_trusted() {
-    let edges = Method::Reuse { overlap: Overlap::Atomic, verify: Verify::Edges };
+    let edges = Method::Atomic(Check::Edges);
     let width = SIZE.0 as usize;
     for builtin in [Builtin::Hall, Builtin::Spheres, Builtin::Fence] {
         let pair = render_builtin(builtin, edges);
@@ -235,14 +237,4 @@ fn edges_are_traced_and_the_rest_is_trusted() {
         let error = |pair: &StereoPair| compare(&pair.right, &naive.right, &naive.pose).unwrap().mse;
         assert!(error(&pair) < 0.8 * error(&trusting), "{builtin}: {} {}", error(&pair), error(&trusting));
     }
-}
-
-#[test]
-fn choices_that_do_not_go_together_are_refused() {
-    let method = Method::Reuse { overlap: Overlap::Scanline, verify: Verify::All };
-    let mut renderer = renderer();
-    let uploaded = renderer.upload(&Scene::new()).unwrap();
-    let camera = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(8, 8);
-    let message = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap_err().to_string();
-    assert!(message.contains("overlap Scanline does not go with verification All, but with gaps"), "{message}");
 }

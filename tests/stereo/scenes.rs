@@ -1,7 +1,8 @@
 //! Scenes that are odd: empty, without shadows, of many lights, with triangles that no ray can hit.
 
 use stereotrace::{
-    BvhBuild, MISS, Method, Options, PointLight, Scene, StereoCamera, glam::Vec3, scene::builtin::Builtin,
+    BvhBuild, MISS, Material, Mesh, Method, Options, PointLight, Scene, StereoCamera, glam::Vec3,
+    scene::builtin::Builtin,
 };
 
 use crate::common::{self, render, renderer};
@@ -11,9 +12,13 @@ fn an_empty_scene_and_one_without_lights_render() {
     let mut scene = Scene::new();
     scene.sky = stereotrace::Sky::Constant(Vec3::new(0.5, 0.25, 0.0));
     let camera = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(17, 9);
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render(&scene, &camera, method);
-        assert!(pair.right.rgba8.iter().all(|pixel| *pixel == [188, 137, 0, 255]), "{name} {:?}", pair.right.rgba8[0]);
+        assert!(
+            pair.right.rgba8.iter().all(|pixel| *pixel == [188, 137, 0, 255]),
+            "{method} {:?}",
+            pair.right.rgba8[0]
+        );
     }
     let mut dark = Builtin::Hall.scene();
     dark.lights.clear();
@@ -27,11 +32,11 @@ fn an_eye_in_the_plane_of_a_wall_is_no_fault() {
     // Every hit is at depth 0 or none: Lemma 1's bound is no number.
     let mut scene = Scene::new();
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
-    scene.add_mesh(&common::mesh(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
     let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(16, 16).interaxial(0.1);
-    for (name, method) in Method::ALL {
+    for &method in Method::ALL {
         let pair = render(&scene, &camera, method);
-        assert_eq!(pair.left.depth.len(), 256, "{name}");
+        assert_eq!(pair.left.depth.len(), 256, "{method}");
     }
 }
 
@@ -43,10 +48,10 @@ fn many_lights_add_up_to_one() {
     let one = render(&scene, &camera, Method::Naive);
     let light = scene.lights[0];
     for count in [100, 1000] {
-        scene.lights = vec![PointLight { intensity: light.intensity / count as f32, ..light }; count];
+        scene.lights = vec![PointLight::new(light.position, light.intensity / count as f32); count];
         let mut renderer = renderer();
         let uploaded = renderer.upload(&scene).unwrap();
-        let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear()).unwrap();
+        let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
         assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);
         for (many, one) in many.left.linear.iter().zip(&one.left.linear) {
             // Roundings of a sum below 2.
@@ -60,7 +65,7 @@ fn degenerate_triangles_are_counted_and_not_traced_and_ids_keep_their_numbers() 
     let point = |x: f32, y: f32| Vec3::new(x, y, 0.0);
     let positions = vec![point(-1.0, -1.0), point(1.0, -1.0), point(0.0, 1.0)];
     let mut scene = Scene::new();
-    scene.add_mesh(&common::mesh(positions, vec![[0, 0, 1], [0, 1, 1], [0, 1, 2]])).unwrap();
+    scene.add_mesh(&Mesh::new(positions, vec![[0, 0, 1], [0, 1, 1], [0, 1, 2]])).unwrap();
     assert_eq!((scene.degenerate_count(), scene.primitive_count()), (2, 3));
     let camera = StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO).size(21, 21);
     let pair = render(&scene, &camera, Method::Naive);
@@ -84,9 +89,9 @@ fn without_shadows_every_light_in_front_of_a_surface_reaches_it() {
     assert_eq!(with.left.depth, without.left.depth);
     // A surface that no light is hidden from looks the same: a lone sphere lit from the eye.
     let mut lone = Scene::new();
-    let grey = lone.add_material("grey", Vec3::splat(0.5));
-    lone.add_sphere(stereotrace::Sphere { center: Vec3::ZERO, radius: 1.0, material: grey }).unwrap();
-    lone.lights = vec![PointLight { position: 5.0 * Vec3::Z, intensity: Vec3::ONE }];
+    let grey = lone.add_material(Material::new(Vec3::splat(0.5)));
+    lone.add_sphere(stereotrace::Sphere::new(Vec3::ZERO, 1.0, grey)).unwrap();
+    lone.lights = vec![PointLight::new(5.0 * Vec3::Z, Vec3::ONE)];
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(48, 48);
     let with = render(&lone, &camera, Method::Naive);
     lone.shadows = false;
@@ -98,13 +103,13 @@ fn every_effort_at_the_tree_gives_the_same_picture() {
     let camera = Builtin::Hall.camera(64, 48);
     let mut renderer = renderer();
     let exact = common::is_exact(&renderer);
-    let pairs = BvhBuild::ALL.map(|build| {
+    let pairs = Vec::from_iter(BvhBuild::ALL.iter().map(|&build| {
         let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).unwrap();
         let info = uploaded.info();
         assert!(info.node_bytes > 0 && info.primitive_bytes > 0 && !info.build.is_zero() && !info.upload.is_zero());
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear().counting()).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true).count(true)).unwrap();
         (pair.left.linear, pair.right.primitive, pair.statistics.left.nodes)
-    });
+    }));
     for (build, pair) in BvhBuild::ALL.iter().zip(&pairs) {
         assert!(!exact || (&pair.0, &pair.1) == (&pairs[0].0, &pairs[0].1), "{build:?}");
     }

@@ -61,7 +61,7 @@ pub(super) fn spheres() -> Scene {
             other.center.distance_squared(center) < reach * reach
         };
         if inside && !placed.iter().any(touches) {
-            placed.push(Sphere { center, radius, material });
+            placed.push(Sphere::new(center, radius, material));
         }
     }
     for sphere in placed {

@@ -134,7 +134,7 @@ pub(super) fn near() -> Scene {
     let ball = paint(&mut scene, "ball", [240, 180, 50]);
     let posts = [[70, 130, 90], [60, 90, 150]].map(|color| paint(&mut scene, "post", color));
     let center = EYE - Vec3::Z * (NEAR_SCREEN / NEAR_FACTOR + RADIUS);
-    scene.add_sphere(Sphere { center, radius: RADIUS, material: ball }).expect("the ball has a radius");
+    scene.add_sphere(Sphere::new(center, RADIUS, ball)).expect("the ball has a radius");
     for (k, (x, z)) in [(-2.2, 6.0), (1.6, 7.0), (-0.7, 9.0), (3.0, 9.5)].into_iter().enumerate() {
         let mut post = Shape::new(format!("post {k}"), Vec3::new(x, 0.0, -z));
         post.lathe([32, 1], |t| Vec2::new(0.25, 3.3 * t), |_, _| posts[k % 2]);

@@ -95,7 +95,7 @@ impl Library {
     /// Of several materials of one name the last holds.
     fn finish(&mut self, draft: Draft, warnings: &mut Warnings) {
         let albedo = draft.albedo(warnings).clamp(Vec3::ZERO, Vec3::ONE);
-        let material = Material { name: draft.name.clone(), albedo };
+        let material = Material::new(albedo).name(draft.name.clone());
         match self.index_of.get(&draft.name) {
             Some(&index) => self.materials[index] = material,
             None => {

@@ -1,9 +1,11 @@
 //! Pictures of skies, decoded into linear colours.
 
+use std::path::Path;
+
 use glam::Vec3;
 
 use super::is_map;
-use crate::{Limits, message::counted};
+use crate::{Error, Limits, message::counted};
 
 /// Bytes of an HDR file, as the image crate asks for them.
 struct HdrBytes<R> {
@@ -30,43 +32,47 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
 }
 
 /// Reads a picture into linear colours.
-pub(super) fn decode(file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), String> {
+pub(super) fn decode(path: &Path, file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), Error> {
     let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
         .with_guessed_format()
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| Error::io(path, error))?;
     if reader.format() == Some(image::ImageFormat::Hdr) {
         let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
-        return colors(image::codecs::hdr::HdrDecoder::new(bytes), limits);
+        return colors(path, image::codecs::hdr::HdrDecoder::new(bytes), limits);
     }
     let mut format_limits = image::Limits::default();
-    format_limits.max_alloc = Some(limits.sky_pixels.saturating_mul(size_of::<Vec3>() as u64));
+    format_limits.max_alloc = Some(limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64));
     reader.limits(format_limits);
-    colors(reader.into_decoder(), limits)
+    colors(path, reader.into_decoder(), limits)
 }
 
 /// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of
 /// colours itself and spread out there.
 fn colors(
+    path: &Path,
     decoder: image::ImageResult<impl image::ImageDecoder>,
     limits: &Limits,
-) -> Result<(u32, u32, Vec<Vec3>), String> {
-    let said = |error: image::ImageError| error.to_string();
+) -> Result<(u32, u32, Vec<Vec3>), Error> {
+    let no_sky = |reason: String| Error::parse(path, None, format!("no picture of a sky: {reason}"));
+    let said = |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a sky: {error}"), error);
     let decoder = decoder.map_err(said)?;
     let (width, height) = decoder.dimensions();
     let count = u64::from(width) * u64::from(height);
     if !is_map(width, height) {
-        return Err(format!("{width}x{height} pixels make no map, which has an even width"));
+        return Err(no_sky(format!("{width}x{height} pixels make no map, which has an even width")));
     }
-    if count > limits.sky_pixels {
-        let (limit, [_, raised_by]) = (limits.sky_pixels, limits.raised_by);
-        return Err(format!(
-            "it has {width}x{height} pixels, {count} in all and over the limit of {limit}; raise it by {raised_by}, up to what the adapter holds"
-        ));
+    if count > limits.largest_sky() {
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("the picture has {width}x{height} pixels, {count} in all"),
+            limit: limits.largest_sky(),
+            remedy: format!("raise it by {}, up to what the adapter holds", limits.option_names[1]),
+        });
     }
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());
     if sample > size_of::<Vec3>() {
-        return Err(format!("pixels of {}", counted(sample, "byte", "bytes")));
+        return Err(no_sky(format!("pixels of {}", counted(sample, "byte", "bytes"))));
     }
     // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
@@ -75,7 +81,7 @@ fn colors(
     // From the last pixel on, whose place no sample but its own reaches into that is still to be read.
     for index in (0..pixels.len()).rev() {
         let bytes: &[u8] = bytemuck::cast_slice(&pixels);
-        pixels[index] = linear_color(kind, &bytes[index * sample..][..sample])?;
+        pixels[index] = linear_color(kind, &bytes[index * sample..][..sample]).map_err(no_sky)?;
     }
     Ok((width, height, pixels))
 }
@@ -107,7 +113,7 @@ fn linear(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Error, Gpu, SkyMap};
+    use crate::{Gpu, SkyMap};
 
     #[test]
     fn a_sky_is_read_from_png_and_a_broken_file_is_named() {
@@ -209,12 +215,12 @@ mod tests {
         let read = |pixels| through_file("limit.png", &picture, &Limits::default().sky_pixels(pixels));
         assert_eq!(read(2048).unwrap().size(), [64, 32]);
         let message = read(2047).unwrap_err().to_string();
-        assert!(message.contains("64x32 pixels, 2048 in all and over the limit of 2047"), "{message}");
+        assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
         // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
         let gpu = Gpu::open(&wanted).unwrap();
-        let most = Limits::default().sky_pixels(u64::MAX).within(&gpu).sky_pixels;
-        assert!(most < u64::MAX && most >= Limits::default().sky_pixels, "{most}");
-        assert_eq!(Limits::default().sky_pixels(9).within(&gpu).sky_pixels, 9);
+        let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
+        assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
+        assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);
     }
 }

@@ -77,7 +77,7 @@ fn composition() -> Scene {
     .into_iter()
     .enumerate()
     {
-        let sphere = Sphere { center: Vec3::new(x, y, -z), radius, material: colors[k % colors.len()] };
+        let sphere = Sphere::new(Vec3::new(x, y, -z), radius, colors[k % colors.len()]);
         scene.add_sphere(sphere).expect("it has a radius");
     }
     scene
@@ -126,7 +126,7 @@ pub(super) fn mixed_sizes() -> Scene {
     }
     for (k, (x, depth)) in [(-1.6, 5.0), (1.2, 6.0), (3.4, 9.0), (-6.0, 16.0), (5.0, 40.0)].into_iter().enumerate() {
         let radius = 0.7 + 0.05 * depth;
-        let sphere = Sphere { center: Vec3::new(x, radius, -depth), radius, material: colors[k % colors.len()] };
+        let sphere = Sphere::new(Vec3::new(x, radius, -depth), radius, colors[k % colors.len()]);
         scene.add_sphere(sphere).expect("it has a radius");
     }
     // Triangles with sides of 0.0001 to 0.0005, from an eighth of a pixel of 600 to one and a half.

@@ -47,7 +47,7 @@ pub(super) fn septum() -> Scene {
             column.lathe([32, 12], |t| Vec2::new(0.5 * radius, 3.0 * t), |_, row| colors[1 + row % 2]);
             add(&mut scene, column);
             let center = Vec3::new(side * x, 3.0 + radius, -z);
-            scene.add_sphere(Sphere { center, radius, material: colors[0] }).expect("it has a radius");
+            scene.add_sphere(Sphere::new(center, radius, colors[0])).expect("it has a radius");
         }
     }
     let mut edges = Shape::new("septum, edges", EYE);
@@ -90,7 +90,7 @@ pub(super) fn checkerboard() -> Scene {
         let radius = 0.06 * z;
         if k % 2 == 0 {
             let center = Vec3::new(x, radius, -z);
-            scene.add_sphere(Sphere { center, radius, material }).expect("it has a radius");
+            scene.add_sphere(Sphere::new(center, radius, material)).expect("it has a radius");
         } else {
             let mut block = Shape::new(format!("block {k}"), Vec3::new(x, 0.0, -z));
             block.cuboid(Vec3::new(-radius, 0.0, -radius), Vec3::new(radius, 3.0 * radius, radius), material);
@@ -122,7 +122,7 @@ pub(super) fn half_width() -> Scene {
         let material = colors[thing % colors.len()];
         if thing % 2 == 0 {
             let center = Vec3::new(x, random.between(radius, 0.6 * depth), -depth);
-            scene.add_sphere(Sphere { center, radius, material }).expect("it has a radius");
+            scene.add_sphere(Sphere::new(center, radius, material)).expect("it has a radius");
         } else {
             let mut column = Shape::new(format!("column {thing}"), Vec3::new(x, 0.0, -depth));
             let height = random.between(1.2, 4.0);
@@ -149,7 +149,7 @@ pub(super) fn inside() -> Scene {
     let sky = paint(&mut scene, "sphere around it all", [120, 150, 190]);
     let lining = [[150, 40, 50], [220, 180, 150], [90, 60, 110]].map(|srgb| paint(&mut scene, "lining", srgb));
     let colors = [[60, 140, 110], [230, 190, 70], [70, 110, 180]].map(|srgb| paint(&mut scene, "thing", srgb));
-    scene.add_sphere(Sphere { center: EYE, radius: SKY, material: sky }).expect("it has a radius");
+    scene.add_sphere(Sphere::new(EYE, SKY, sky)).expect("it has a radius");
     let mut ball = Shape::new("ball around the left eye", EYE - Vec3::X * (0.5 * INTERAXIAL));
     // From the window's rim, before the eye, to the point behind it.
     let point = |s: f32, t: f32| {
@@ -164,7 +164,7 @@ pub(super) fn inside() -> Scene {
         post.lathe([32, 10], |t| Vec2::new(0.3, 3.4 * t), |_, row| colors[(k + row) % colors.len()]);
         add(&mut scene, post);
         let center = Vec3::new(x + 0.8, 2.3, -z + 0.4);
-        scene.add_sphere(Sphere { center, radius: 0.35, material: colors[k % colors.len()] }).expect("it has a radius");
+        scene.add_sphere(Sphere::new(center, 0.35, colors[k % colors.len()])).expect("it has a radius");
     }
     scene
 }

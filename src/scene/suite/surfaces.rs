@@ -48,7 +48,7 @@ pub(super) fn shells() -> Scene {
             }
             add(&mut scene, shape);
         }
-        let core = Sphere { center: EYE + center, radius: 0.2 * radius, material: heart };
+        let core = Sphere::new(EYE + center, 0.2 * radius, heart);
         scene.add_sphere(core).expect("it has a radius");
     }
     scene
@@ -112,7 +112,7 @@ pub(super) fn coincident() -> Scene {
         // The second pair in the other order, so that the later one is not always the same colour.
         let [first, second] = if k == 1 { [pairs[k][1], pairs[k][0]] } else { pairs[k] };
         for material in [first, second] {
-            let twin = Sphere { center: Vec3::new(x, y, -z), radius: 0.45, material };
+            let twin = Sphere::new(Vec3::new(x, y, -z), 0.45, material);
             scene.add_sphere(twin).expect("it has a radius");
         }
     }

@@ -56,7 +56,7 @@ fn chain(scene: &mut Scene, [from, to]: [Vec3; 2], radius: f32, material: Materi
     let count = (from.distance(to) / (3.0 * radius)) as usize;
     for bead in 0..count {
         let center = from.lerp(to, bead as f32 / count as f32);
-        scene.add_sphere(Sphere { center, radius, material }).expect("a bead has a radius");
+        scene.add_sphere(Sphere::new(center, radius, material)).expect("a bead has a radius");
     }
 }
 
