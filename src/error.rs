@@ -4,17 +4,22 @@ use std::path::{Path, PathBuf};
 
 use crate::message::{escaped, tidy};
 
+/// A browser brings its own.
+const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
+    ""
+} else {
+    ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+};
+
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
-    #[error(
-        "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
-    )]
+    #[error("no graphics adapter found{wanted}: {reason}{ADAPTER_REMEDY}")]
     NoAdapter {
-        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
+        /// What was asked for, as ` for the name '…', WGPU_BACKEND=…`, or empty.
         wanted: String,
         /// What the driver loader said, or which adapters there are.
         reason: String,

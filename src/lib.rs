@@ -46,8 +46,8 @@
 //!
 //! # Adapters
 //!
-//! Any adapter that wgpu offers will do, software ones included; the environment variable `STEREOTRACE_ADAPTER`
-//! (`software`, or a part of a name) chooses, and `WGPU_BACKEND` (`vulkan`, `gl`, …) the backend. The tests of pictures
+//! Any adapter that wgpu offers will do, software ones included. [`Gpu::open`] takes an [`Adapter`]; [`Gpu::new`] asks the
+//! environment variable `STEREOTRACE_ADAPTER` (`software`, or a part of a name), and `WGPU_BACKEND` (`vulkan`, `gl`, …) chooses the backend. The tests of pictures
 //! pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL (`scripts/other_drivers.sh`). A device of the caller's must
 //! have [`Gpu::required_limits`]. The library prints nothing: messages go through the `log` facade. (Mesa prints a line
 //! about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
@@ -99,7 +99,7 @@ pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use error::Error;
-pub use gpu::Gpu;
+pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Method, Overlap, ShadowReuse, Verify};

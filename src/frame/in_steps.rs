@@ -106,7 +106,7 @@ mod tests {
     };
 
     fn gpu() -> Gpu {
-        Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
     }
 
     fn in_steps_of(rounds: u32) -> Steps {

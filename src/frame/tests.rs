@@ -35,7 +35,7 @@ fn every_row_of_workgroups_comes_once_and_every_part_of_them_is_spread() {
 
 fn renderer(band_pixels: u32) -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
     renderer.band_pixels = band_pixels;
     renderer
 }
