@@ -74,25 +74,16 @@ impl Renderer {
     /// The nearest hit of each ray within its limits; of equal t the smallest primitive id. Rays that are neighbours in
     /// the list are traced together: the more alike they are, the faster.
     ///
-    /// ```
-    /// use stereotrace::{Gpu, Ray, Renderer, Scene, Sphere, glam::Vec3};
-    ///
-    /// let mut scene = Scene::new();
-    /// let grey = scene.add_material("grey", Vec3::splat(0.5));
-    /// scene.add_sphere(Sphere { center: Vec3::ZERO, radius: 1.0, material: grey })?;
-    /// let mut renderer = Renderer::new(Gpu::new()?);
-    /// let uploaded = renderer.upload(&scene)?;
-    /// let cast = renderer.closest_hits(&uploaded, 4.0 * Vec3::Z, &[Ray::new(-Vec3::Z), Ray::new(Vec3::Z)])?;
-    /// assert_eq!([cast.hits[0].t, cast.hits[1].t], [3.0, f32::INFINITY]);
-    /// # Ok::<(), stereotrace::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::Scene`] for a scene that
     /// another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
-    pub fn closest_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
-        let cast =
-            pollster::block_on(self.cast::<[u32; 2]>(scene, origin, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;
+    pub async fn closest_hits_async(
+        &mut self,
+        scene: &UploadedScene,
+        origin: Vec3,
+        rays: &[Ray],
+    ) -> Result<Cast<RayHit>, Error> {
+        let cast = self.cast::<[u32; 2]>(scene, origin, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]).await?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
             MISS => RayHit { t: f32::INFINITY, primitive },
             _ => RayHit { t: f32::from_bits(t), primitive },
@@ -101,12 +92,17 @@ impl Renderer {
     }
 
     /// Whether each ray hits anything within its limits: for shadows and visibility, faster than
-    /// [`Renderer::closest_hits`].
+    /// [`Renderer::closest_hits_async`].
     ///
     /// # Errors
-    /// As [`Renderer::closest_hits`].
-    pub fn any_hits(&mut self, scene: &UploadedScene, origin: Vec3, rays: &[Ray]) -> Result<Cast<bool>, Error> {
-        let cast = pollster::block_on(self.cast::<u32>(scene, origin, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]))?;
+    /// As [`Renderer::closest_hits_async`].
+    pub async fn any_hits_async(
+        &mut self,
+        scene: &UploadedScene,
+        origin: Vec3,
+        rays: &[Ray],
+    ) -> Result<Cast<bool>, Error> {
+        let cast = self.cast::<u32>(scene, origin, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]).await?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
@@ -164,8 +160,8 @@ impl<'a> List<'a> {
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
         let frame = layout::Frame { left_eye: origin.to_array(), image_size: [count, 1], ..Default::default() };
-        let upload = || {
-            let table = gpu.upload("rays", &texels(rays), fetch)?;
+        let table = gpu.upload("rays", &texels(rays), fetch).await?;
+        let make = || {
             let layout = &renderer.kernels.layouts(fetch).table;
             Ok(Self {
                 renderer,
@@ -179,7 +175,7 @@ impl<'a> List<'a> {
                 timestamps: Timestamps::new(gpu),
             })
         };
-        gpu.checked(upload).await
+        gpu.checked(make).await
     }
 
     fn threads(&self) -> u32 {

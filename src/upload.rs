@@ -73,12 +73,10 @@ impl UploadedScene {
             return Ok(());
         }
         let fetch = self.variant.traversal.fetch;
-        let upload = || {
-            let table = gpu.upload("object_table", &object_texels(&self.objects), fetch)?;
-            let layout = &kernels.layouts(fetch).table;
-            Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())))
-        };
-        let table = gpu.checked(upload).await?;
+        let table = gpu.upload("object_table", &object_texels(&self.objects), fetch).await?;
+        let layout = &kernels.layouts(fetch).table;
+        let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
+        let table = gpu.checked(bind).await?;
         let _ = self.object_table.set(table); // another frame's is as good
         Ok(())
     }
@@ -103,22 +101,6 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
-        self.upload_with(scene, BvhBuild::Balanced)
-    }
-
-    /// Builds a scene's BVH with a given effort and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
-        pollster::block_on(self.upload_async(scene, build))
-    }
-
     /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
     /// textures, and the other way round.
     ///
@@ -134,14 +116,14 @@ impl Renderer {
         let traversal = Traversal { fetch, ..self.traversal };
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
-        let upload = || {
-            let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
-            let primitives = match fetch {
-                Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch)?,
-                Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch)?,
-            };
-            let texels = texels_before_sky(scene) + sky_pixels(scene).len();
-            let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch)?;
+        let nodes = gpu.upload("nodes", &packed.nodes, fetch).await?;
+        let primitives = match fetch {
+            Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch).await?,
+            Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch).await?,
+        };
+        let texels = texels_before_sky(scene) + sky_pixels(scene).len();
+        let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch).await?;
+        let bind = || {
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
@@ -165,7 +147,7 @@ impl Renderer {
                 ids: packed.ids,
             })
         };
-        let mut uploaded = gpu.checked(upload).await?;
+        let mut uploaded = gpu.checked(bind).await?;
         uploaded.info.upload = started.elapsed() - built;
         Ok(uploaded)
     }

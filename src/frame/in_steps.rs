@@ -1,14 +1,12 @@
 //! A frame that no bound on a thread's loops can end: both views traced in steps.
 
-use std::ops::ControlFlow;
-
 use super::{
     Traced,
     driver::Driver,
     plan::{Eye, Launch, Plan, RightView},
 };
 use crate::{
-    Error, Method, Options, Pose, Progress, RaysPerLane, Renderer, UploadedScene,
+    Error, Method, OnProgress, Options, Pose, RaysPerLane, Renderer, UploadedScene,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
     steps::{compose, trace::TRACE_IN_STEPS},
@@ -22,7 +20,7 @@ impl Renderer {
         scene: &UploadedScene,
         pose: &Pose,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
         let (shape, used) = (self.shape(scene, pose, options, Method::Naive), Plan::of(Method::Naive).targets());
         let targets = self.targets(shape, &used).await?;
@@ -95,9 +93,11 @@ impl Driver<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::{
-        BvhBuild, GBuffer, Gpu, PointLight, Ray, Scene, StereoCamera, StereoPair, Traversal,
+        BvhBuild, GBuffer, Gpu, PointLight, Progress, Ray, Scene, StereoCamera, StereoPair, Traversal,
         glam::Vec3,
         random::Random,
         scene::builtin::Builtin,

@@ -9,12 +9,12 @@ pub(crate) mod targets;
 mod tests;
 pub(crate) mod uniform;
 
-use std::{collections::BTreeSet, ops::ControlFlow, sync::Arc, time::Duration};
+use std::{collections::BTreeSet, sync::Arc, time::Duration};
 
 pub(crate) use targets::Cache;
 
 use crate::{
-    Error, Method, Options, Overlap, Pose, Progress, Renderer, Statistics, UploadedScene,
+    Error, Method, OnProgress, Options, Overlap, Pose, Renderer, Statistics, UploadedScene,
     layout::WORKGROUP,
     variant::{Kept, Variant},
 };
@@ -43,12 +43,12 @@ fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
 
 impl Renderer {
     /// The steps of a frame; its buffers then hold the pair.
-    pub(crate) async fn trace_async(
+    pub(crate) async fn trace_frame(
         &mut self,
         scene: &UploadedScene,
         pose: &Pose,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, pose, scene);
@@ -68,7 +68,7 @@ impl Renderer {
         pose: &Pose,
         options: &Options,
         method: Method,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Option<Traced>, Error> {
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, pose) } else { None };
         let method = early.map_or(method, |choice| choice.method);
@@ -125,7 +125,7 @@ impl Renderer {
         pose: &'a Pose,
         options: &Options,
         targets: &'a Targets,
-        progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &'a mut OnProgress<'a>,
     ) -> Driver<'a> {
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();

@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use glam::Vec3;
 
 use super::{plan::Stage, *};

@@ -25,28 +25,12 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Gpu {
-    /// Opens a device, blocking: see [`Gpu::new_async`].
-    ///
-    /// # Errors
-    /// As [`Gpu::open_async`].
-    pub fn new() -> Result<Self, Error> {
-        pollster::block_on(Self::new_async())
-    }
-
     /// Opens a device of its own on [`Adapter::FromEnv`].
     ///
     /// # Errors
     /// As [`Gpu::open_async`].
     pub async fn new_async() -> Result<Self, Error> {
         Self::open_async(Adapter::FromEnv).await
-    }
-
-    /// Opens an adapter, blocking: see [`Gpu::open_async`].
-    ///
-    /// # Errors
-    /// As [`Gpu::open_async`].
-    pub fn open(adapter: impl Into<Adapter>) -> Result<Self, Error> {
-        pollster::block_on(Self::open_async(adapter))
     }
 
     /// Opens an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Where several fit, it is the
@@ -195,17 +179,9 @@ impl Gpu {
         }
     }
 
-    /// Blocks until all submitted work is done, or until a submission is. In a browser it returns at once.
-    pub(crate) fn wait(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<(), Error> {
-        let wait = wgpu::PollType::Wait { submission_index: submission, timeout: None };
-        match self.device.poll(wait) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(Error::DeviceLost(self.loss_or(error.to_string()))),
-        }
-    }
-
-    pub(super) fn loss_or(&self, otherwise: String) -> String {
-        lock(&self.lost).clone().unwrap_or(otherwise)
+    /// Why the device was lost, if it was.
+    pub(super) fn loss(&self) -> Option<String> {
+        lock(&self.lost).clone()
     }
 }
 

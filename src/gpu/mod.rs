@@ -5,6 +5,7 @@ mod device;
 mod pipelines;
 mod timing;
 mod transfer;
+mod wait;
 
 pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;

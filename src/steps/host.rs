@@ -19,7 +19,8 @@ use crate::{
 /// Pass 2 of `AdelsonHodges`, row after row.
 pub(crate) async fn sweep(driver: &mut Driver<'_>) -> Result<(), Error> {
     let (gpu, targets) = (driver.gpu, driver.targets);
-    gpu.wait(None)?;
+    let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
+    gpu.finished(submission).await?;
     let begin = Instant::now();
     let pixels = driver.pose.size[0] as usize * driver.pose.size[1] as usize;
     let stride = targets.shape.kept.bytes() as usize / 4;
@@ -55,7 +56,7 @@ pub(crate) async fn size_slots(driver: &mut Driver<'_>, depth: BufferDepth) -> R
 }
 
 /// Nearest and farthest depth of the left view; the farthest is infinite as soon as one pixel is sky.
-async fn depth_range(driver: &Driver<'_>) -> Result<(f32, f32), Error> {
+async fn depth_range(driver: &mut Driver<'_>) -> Result<(f32, f32), Error> {
     let words = counters(driver).await?;
     let rows = words.chunks_exact(layout::COUNTERS);
     Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
@@ -81,6 +82,6 @@ pub(crate) async fn choose(driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> 
     Ok(steps)
 }
 
-async fn counters(driver: &Driver<'_>) -> Result<Vec<u32>, Error> {
+async fn counters(driver: &mut Driver<'_>) -> Result<Vec<u32>, Error> {
     driver.gpu.read(driver.targets.get(Target::Counters), driver.pose.size[1] as usize * layout::COUNTERS).await
 }
