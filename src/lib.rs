@@ -61,8 +61,13 @@
 //! # Features
 //!
 //! On by default, and none of them needed by the core:
+//! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
 //! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras).
+//! - `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras). On
+//!   wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//!
+//! Off by default: `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
+//! ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
 pub use glam;

@@ -1,11 +1,9 @@
 //! A scene on a device: its BVH and primitives, and the table that shading reads.
 
-use std::{
-    sync::OnceLock,
-    time::{Duration, Instant},
-};
+use std::{sync::OnceLock, time::Duration};
 
 use glam::Vec3;
+use web_time::Instant;
 
 use crate::{
     BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,

@@ -1,6 +1,8 @@
 //! What the host does between bands.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
+
+use web_time::Instant;
 
 use crate::{
     Error, Method,
