@@ -8,7 +8,7 @@ use crate::{
     Error, MISS, Renderer, UploadedScene,
     bvh::Texel,
     frame::targets::Target,
-    gpu::{Timestamps, bind_group, bind_group_at},
+    gpu::{Texels, Timestamps, bind_group, bind_group_at},
     kernels::{Access::Write, Kernel, STEPS_BINDING, Touches},
     lanes::{DISPATCHES, Lanes},
     layout::{self, LIST_WORKGROUP},
@@ -143,6 +143,8 @@ struct List<'a> {
     count: u32,
     frame: wgpu::Buffer,
     table: wgpu::BindGroup,
+    /// What it binds.
+    _rays: Texels,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
     timestamps: Option<Timestamps>,
@@ -170,6 +172,7 @@ impl<'a> List<'a> {
                 count,
                 frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
                 table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
+                _rays: table,
                 found: gpu.storage_buffer("found", (answer_bytes * rays.len()) as u64),
                 counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
                 timestamps: Timestamps::new(gpu),
@@ -242,6 +245,14 @@ impl<'a> List<'a> {
         cast.hits.extend(gpu.read::<T>(&self.found, self.count as usize).await?);
         cast.time = cast.time.zip(time).map(|(sum, time)| sum + time);
         Ok(())
+    }
+}
+
+impl Drop for List<'_> {
+    fn drop(&mut self) {
+        for buffer in [&self.frame, &self.found, &self.counters] {
+            buffer.destroy(); // as Texels
+        }
     }
 }
 

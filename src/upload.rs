@@ -9,7 +9,7 @@ use crate::{
     BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,
     auto::CostModel,
     bvh,
-    gpu::{self, Gpu, bind_group},
+    gpu::{self, Gpu, Texels, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
     traversal::{Fetch, Traversal},
@@ -21,8 +21,10 @@ use crate::{
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
+    /// What these two bind.
+    _texels: [Texels; 3],
     /// Made when edges are first asked for.
-    pub(crate) object_table: OnceLock<wgpu::BindGroup>,
+    pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
     pub(crate) objects: Vec<u32>,
     /// The scene's id of each primitive, in the BVH's order.
@@ -74,8 +76,8 @@ impl UploadedScene {
         let table = gpu.upload("object_table", &object_texels(&self.objects), fetch).await?;
         let layout = &kernels.layouts(fetch).table;
         let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
-        let table = gpu.checked(bind).await?;
-        let _ = self.object_table.set(table); // another frame's is as good
+        let group = gpu.checked(bind).await?;
+        let _ = self.object_table.set((group, table)); // another frame's is as good
         Ok(())
     }
 
@@ -127,8 +129,9 @@ impl Renderer {
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
-                object_table: OnceLock::new(),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
+                _texels: [nodes, primitives, table],
+                object_table: OnceLock::new(),
                 variant: Variant::of(scene, traversal, &packed),
                 lights: scene.lights.iter().map(|light| light.position).collect(),
                 large: LargePrimitives::of(scene),

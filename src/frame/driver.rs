@@ -189,7 +189,7 @@ impl Driver<'_> {
         pass.set_bind_group(1, &own, &[]);
         if kernel.touches.table() {
             let table = match kernel.touches {
-                Touches::Objects => self.scene.object_table.get().expect("uploaded before the step that reads it"),
+                Touches::Objects => &self.scene.object_table.get().expect("uploaded before the step that reads it").0,
                 _ => &self.scene.shading,
             };
             pass.set_bind_group(2, table, &[]);

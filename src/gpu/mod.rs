@@ -14,4 +14,4 @@ pub(crate) use pipelines::{
     Pipeline, Pipelines, Program, bind_group, bind_group_at, entry, layout_of, storage_type, texture_type, uniform_type,
 };
 pub(crate) use timing::Timestamps;
-pub(crate) use transfer::{TEXTURE_WIDTH, check_bytes};
+pub(crate) use transfer::{TEXTURE_WIDTH, Texels, check_bytes};

@@ -195,7 +195,10 @@ impl Gpu {
         let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss().unwrap_or(error.to_string()));
         receiver.await.map_err(|error| lost(&error))?;
         let range = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
-        Ok(bytemuck::pod_collect_to_vec(&range[..bytes as usize]))
+        let values = bytemuck::pod_collect_to_vec(&range[..bytes as usize]);
+        drop(range);
+        staging.destroy(); // as Texels
+        Ok(values)
     }
 }
 
@@ -214,7 +217,8 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static
     })
 }
 
-/// A part of a scene on the device.
+/// A part of a scene on the device, freed when it is dropped. Of itself a browser frees nothing before it collects garbage, which
+/// the device's memory does not make it do.
 #[derive(Debug)]
 pub(crate) enum Texels {
     Texture(wgpu::TextureView),
@@ -230,9 +234,60 @@ impl Texels {
     }
 }
 
+impl Drop for Texels {
+    fn drop(&mut self) {
+        match self {
+            Self::Texture(view) => view.texture().destroy(),
+            Self::Buffer(buffer) => buffer.destroy(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn gpu() -> Gpu {
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+    }
+
+    #[test]
+    fn what_is_uploaded_in_pieces_arrives_whole() {
+        let gpu = gpu();
+        let texels: Vec<Texel> = (0..2 * PIECE as u32 + 3).map(|index| [index, 1, 2, !index]).collect();
+        let there_and_back = async {
+            let uploaded = gpu.upload("texels", &texels, Fetch::Buffer).await?;
+            let Texels::Buffer(buffer) = &uploaded else { panic!("{uploaded:?}") };
+            gpu.read::<Texel>(buffer, texels.len()).await
+        };
+        assert!(pollster::block_on(there_and_back).unwrap() == texels);
+    }
+
+    #[test]
+    fn texels_are_freed_when_they_are_dropped_whoever_still_holds_the_buffer() {
+        let gpu = gpu();
+        let freed_then_used = async {
+            let texels = gpu.upload("texels", &[[7; 4]; 3], Fetch::Buffer).await?;
+            let Texels::Buffer(buffer) = &texels else { panic!("{texels:?}") };
+            let buffer = buffer.clone();
+            assert_eq!(gpu.read::<u32>(&buffer, 12).await?, [7; 12]);
+            drop(texels);
+            assert!(gpu.read::<u32>(&buffer, 12).await.is_err());
+
+            let texels = gpu.upload("texels", &[[7; 4]; 3], Fetch::Texture).await?;
+            let Texels::Texture(view) = &texels else { panic!("{texels:?}") };
+            let texture = view.texture().clone();
+            let write = || {
+                gpu.write_rows(&texture, 0, &[[8; 4]; 3]);
+                Ok(())
+            };
+            gpu.checked(write).await?;
+            drop(texels);
+            assert!(gpu.checked(write).await.is_err());
+            Ok::<_, Error>(())
+        };
+        pollster::block_on(freed_then_used).unwrap();
+    }
 
     #[test]
     fn a_binding_over_the_limit_names_sizes_and_limit() {
