@@ -4,6 +4,13 @@ use std::path::{Path, PathBuf};
 
 use crate::message::{counted, escaped, tidy};
 
+/// A browser brings its own.
+const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
+    ""
+} else {
+    ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+};
+
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
 ///
@@ -14,13 +21,9 @@ use crate::message::{counted, escaped, tidy};
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
     #[non_exhaustive]
-    #[error(
-        "no graphics adapter found{}: {}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one",
-        tidy(wanted),
-        tidy(reason)
-    )]
+    #[error("no graphics adapter found{}: {}{ADAPTER_REMEDY}", tidy(wanted), tidy(reason))]
     NoAdapter {
-        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
+        /// What was asked for, as ` for the name '…', WGPU_BACKEND=…`, or empty.
         wanted: String,
         /// What the driver loader said, or which adapters there are.
         reason: String,

@@ -2,8 +2,10 @@
 
 use std::{ops::ControlFlow, sync::Once};
 
+#[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
+pub use crate::blocking::render_stereo;
 use crate::{
-    Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
+    BvhBuild, Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
     kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
 };
 
@@ -91,6 +93,15 @@ pub struct Progress {
     pub done: f32,
 }
 
+/// A callback that is told how far a frame is, and may stop it. It can go to another thread with its frame, but for wasm32,
+/// where nothing of a browser's can.
+#[cfg(not(target_arch = "wasm32"))]
+pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a;
+
+/// A callback that is told how far a frame is, and may stop it.
+#[cfg(target_arch = "wasm32")]
+pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+
 /// Renders stereo pairs; keeps kernels and buffers from frame to frame.
 ///
 /// ```no_run
@@ -148,33 +159,6 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Renders a pair, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::render_async`].
-    pub fn render(
-        &mut self,
-        scene: &UploadedScene,
-        camera: &StereoCamera,
-        options: &Options,
-    ) -> Result<StereoPair, Error> {
-        self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Renders a pair, blocking, with a callback for progress.
-    ///
-    /// # Errors
-    /// As [`Renderer::render_async`].
-    pub fn render_with(
-        &mut self,
-        scene: &UploadedScene,
-        camera: &StereoCamera,
-        options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
-    ) -> Result<StereoPair, Error> {
-        pollster::block_on(self.render_async(scene, camera, options, progress))
-    }
-
     /// Renders a pair; `progress` is called after every band of rows, and may stop the frame.
     ///
     /// # Errors
@@ -186,10 +170,10 @@ impl Renderer {
         scene: &UploadedScene,
         camera: &StereoCamera,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
         let eyes = Eyes::pair(&camera.pose()?);
-        let traced = self.trace_async(scene, &eyes, options, progress).await?;
+        let traced = self.trace_frame(scene, &eyes, options, progress).await?;
         self.read_pair(scene, options, traced).await
     }
 
@@ -197,16 +181,15 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
-    pub fn trace(
+    pub async fn trace_async(
         &mut self,
         scene: &UploadedScene,
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<Statistics, Error> {
         let eyes = Eyes::pair(&camera.pose()?);
-        let mut go_on = |_| ControlFlow::Continue(());
-        let traced = self.trace_async(scene, &eyes, options, &mut go_on);
-        pollster::block_on(traced).map(|traced| traced.pair_statistics())
+        let traced = self.trace_frame(scene, &eyes, options, &mut |_| ControlFlow::Continue(())).await?;
+        Ok(traced.pair_statistics())
     }
 }
 
@@ -214,9 +197,10 @@ impl Renderer {
 /// more than one picture keep a [`Renderer`].
 ///
 /// # Errors
-/// As [`Gpu::new`], [`Renderer::upload`] and [`Renderer::render`].
-pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let uploaded = renderer.upload(scene)?;
-    renderer.render(&uploaded, camera, &Options::default())
+/// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_async`].
+pub async fn render_stereo_async(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    let mut renderer = Renderer::new(Gpu::new_async().await?);
+    let uploaded = renderer.upload_async(scene, BvhBuild::Balanced).await?;
+    let mut go_on = |_| ControlFlow::Continue(());
+    renderer.render_async(&uploaded, camera, &Options::default(), &mut go_on).await
 }

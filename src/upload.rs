@@ -1,17 +1,15 @@
 //! A scene on a device: its BVH and primitives, and the table that shading reads.
 
-use std::{
-    sync::OnceLock,
-    time::{Duration, Instant},
-};
+use std::{sync::OnceLock, time::Duration};
 
 use glam::Vec3;
+use web_time::Instant;
 
 use crate::{
     BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,
     auto::CostModel,
     bvh,
-    gpu::{self, Gpu, bind_group},
+    gpu::{self, Gpu, Texels, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
     message::counted,
@@ -24,8 +22,10 @@ use crate::{
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
+    /// What these two bind.
+    _texels: [Texels; 3],
     /// Made when edges are first asked for.
-    pub(crate) object_table: OnceLock<wgpu::BindGroup>,
+    pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
     pub(crate) objects: Vec<u32>,
     /// The scene's id of each primitive, in the BVH's order.
@@ -75,13 +75,11 @@ impl UploadedScene {
         }
         let fetch = self.variant.traversal.fetch;
         let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
-        let upload = || {
-            let table = gpu.upload("object_table", &object_texels(&objects), fetch)?;
-            let layout = &kernels.layouts(fetch).table;
-            Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())))
-        };
-        let table = gpu.checked(upload).await?;
-        let _ = self.object_table.set(table); // another frame's is as good
+        let table = gpu.upload("object_table", &object_texels(&objects), fetch).await?;
+        let layout = &kernels.layouts(fetch).table;
+        let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
+        let group = gpu.checked(bind).await?;
+        let _ = self.object_table.set((group, table)); // another frame's is as good
         Ok(())
     }
 
@@ -104,22 +102,6 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
-        self.upload_with(scene, BvhBuild::Balanced)
-    }
-
-    /// Builds a scene's BVH with a given effort and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
-        pollster::block_on(self.upload_async(scene, build))
-    }
-
     /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
     /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
     /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
@@ -139,21 +121,22 @@ impl Renderer {
         let traversal = self.traversal.fetch(fetch);
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
-        let upload = || {
-            let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
-            let primitives = match fetch {
-                Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch)?,
-                Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch)?,
-            };
-            let texels = texels_before_sky(scene) + sky_pixels(scene).len();
-            let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch)?;
+        let nodes = gpu.upload("nodes", &packed.nodes, fetch).await?;
+        let primitives = match fetch {
+            Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch).await?,
+            Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch).await?,
+        };
+        let texels = texels_before_sky(scene) + sky_pixels(scene).len();
+        let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch).await?;
+        let bind = || {
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
-                object_table: OnceLock::new(),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
+                _texels: [nodes, primitives, table],
+                object_table: OnceLock::new(),
                 variant: Variant::of(scene, traversal, &packed),
                 lights: scene.lights.iter().map(|light| light.position).collect(),
                 large: LargePrimitives::of(scene),
@@ -170,7 +153,7 @@ impl Renderer {
                 ids: packed.ids,
             })
         };
-        let mut uploaded = gpu.checked(upload).await?;
+        let mut uploaded = gpu.checked(bind).await?;
         uploaded.info.upload = started.elapsed() - built;
         Ok(uploaded)
     }

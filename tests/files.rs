@@ -172,7 +172,7 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     use stereotrace::{Gpu, Renderer, Sky, SkyMap, glam::Vec3};
 
     let _alone = Folder::new("upload");
-    let gpu = Gpu::open(&std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
+    let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
     let renderer = Renderer::new(gpu);
     let mut scene = Scene::new();
     renderer.upload(&scene).unwrap();

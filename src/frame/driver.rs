@@ -7,7 +7,7 @@ use super::{
     targets::{FRAME_STRIDE, Target, Targets},
 };
 use crate::{
-    Choice, Error, Progress, UploadedScene,
+    Choice, Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
     kernels::{Access, Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
     layout::{self, WORKGROUP},
@@ -42,7 +42,7 @@ pub(crate) struct Driver<'a> {
     pub(crate) made: Vec<Made>,
     pub(crate) rows_done: f32,
     pub(crate) rows_total: f32,
-    pub(crate) progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    pub(crate) progress: &'a mut OnProgress<'a>,
 }
 
 impl Driver<'_> {
@@ -68,8 +68,9 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// What steps add to.
-    pub(crate) async fn clear(&self) -> Result<(), Error> {
+    /// What steps add to. (By `&mut self`, since a reference that is shared would keep the frame's future from other threads: the
+    /// callback for progress is no `Sync`.)
+    pub(crate) async fn clear(&mut self) -> Result<(), Error> {
         let clear = || {
             let mut encoder = self.encoder();
             for (view, source) in self.eyes.sources.iter().enumerate() {
@@ -92,25 +93,25 @@ impl Driver<'_> {
     pub(crate) async fn bands(&mut self, steps: &[Step]) -> Result<(), Error> {
         let gpu = self.gpu;
         let name = steps.iter().rev().find_map(|step| step.name()).unwrap_or_default();
-        let submit_all = || {
-            let height = self.eyes.pose.size[1];
-            let mut before = None;
-            for begin in (0..height).step_by(self.rows as usize) {
+        let height = self.eyes.pose.size[1];
+        let mut before = None;
+        for begin in (0..height).step_by(self.rows as usize) {
+            let submit = || {
                 self.write_frames(begin, height.min(begin + self.rows));
                 let mut encoder = self.encoder();
                 for step in steps {
                     self.encode(&mut encoder, *step);
                 }
-                let submission = gpu.queue.submit([encoder.finish()]);
-                if let Some(before) = before.replace(submission) {
-                    gpu.wait(Some(before))?;
-                }
-                self.rows_done += (height.min(begin + self.rows) - begin) as f32;
-                self.tell(name, 0.0)?;
+                Ok(gpu.submit([encoder.finish()]))
+            };
+            let submission = gpu.checked(submit).await?;
+            if let Some(before) = before.replace(submission) {
+                gpu.finished(before).await?;
             }
-            Ok(())
-        };
-        gpu.checked(submit_all).await
+            self.rows_done += self.at_work()[1] as f32;
+            self.tell(name, 0.0)?;
+        }
+        Ok(())
     }
 
     /// Tells the caller how far the frame is, with so many rows more than are done.
@@ -201,7 +202,7 @@ impl Driver<'_> {
         pass.set_bind_group(1, &own, &[]);
         if kernel.touches.table() {
             let table = match kernel.touches {
-                Touches::Objects => self.scene.object_table.get().expect("uploaded before the step that reads it"),
+                Touches::Objects => &self.scene.object_table.get().expect("uploaded before the step that reads it").0,
                 _ => &self.scene.shading,
             };
             pass.set_bind_group(2, table, &[]);
@@ -250,13 +251,13 @@ impl Driver<'_> {
     /// Waits for the last band and lets the timestamps be read.
     pub(crate) async fn finish(&mut self) -> Result<(), Error> {
         let resolve = || {
+            let mut encoder = self.encoder();
             if let Some(timestamps) = &self.timestamps {
-                let mut encoder = self.encoder();
                 timestamps.resolve(&mut encoder);
-                self.gpu.queue.submit([encoder.finish()]);
             }
-            self.gpu.wait(None)
+            Ok(self.gpu.submit([encoder.finish()]))
         };
-        self.gpu.checked(resolve).await
+        let submission = self.gpu.checked(resolve).await?;
+        self.gpu.finished(submission).await
     }
 }

@@ -1,7 +1,5 @@
 //! A frame that no bound on a thread's loops can end: both views traced in steps.
 
-use std::ops::ControlFlow;
-
 use super::{
     Traced,
     driver::Driver,
@@ -9,7 +7,7 @@ use super::{
     targets::Used,
 };
 use crate::{
-    Error, Method, Options, Progress, RaysPerLane, Renderer, UploadedScene,
+    Error, Method, OnProgress, Options, RaysPerLane, Renderer, UploadedScene,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
     rig::Eyes,
@@ -24,7 +22,7 @@ impl Renderer {
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
         let (method, steps) = (Method::Naive, self.steps);
         let mut variant = self.variant(scene, eyes, options);
@@ -109,9 +107,11 @@ impl Driver<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::{
-        BvhBuild, GBuffer, Gpu, PointLight, Ray, Scene, StereoCamera, StereoPair, Traversal,
+        BvhBuild, GBuffer, Gpu, PointLight, Progress, Ray, Scene, StereoCamera, StereoPair, Traversal,
         glam::Vec3,
         random::Random,
         scene::builtin::Builtin,
@@ -120,7 +120,7 @@ mod tests {
     };
 
     fn gpu() -> Gpu {
-        Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
     }
 
     fn in_steps_of(rounds: u32) -> Steps {

@@ -9,12 +9,12 @@ pub(crate) mod targets;
 mod tests;
 pub(crate) mod uniform;
 
-use std::{ops::ControlFlow, sync::Arc, time::Duration};
+use std::{sync::Arc, time::Duration};
 
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, Options, Progress, Renderer, UploadedScene,
+    Choice, Error, Method, OnProgress, Options, Renderer, UploadedScene,
     layout::{self, WORKGROUP},
     message::counted,
     pair::PassTimes,
@@ -55,12 +55,12 @@ fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
 
 impl Renderer {
     /// The steps of a frame; its buffers then hold the views.
-    pub(crate) async fn trace_async(
+    pub(crate) async fn trace_frame(
         &mut self,
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
         scene.belongs_to(&self.gpu)?;
         let method = effective(options.method, eyes, scene);
@@ -79,7 +79,7 @@ impl Renderer {
         eyes: &Eyes,
         options: &Options,
         method: Method,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Option<Traced>, Error> {
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
         let method = early.map_or(method, |choice| choice.method);
@@ -160,7 +160,7 @@ impl Renderer {
         eyes: &'a Eyes,
         variant: Variant,
         targets: &'a Targets,
-        progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &'a mut OnProgress<'a>,
     ) -> Driver<'a> {
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();

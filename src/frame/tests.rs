@@ -1,4 +1,4 @@
-use std::num::NonZeroU32;
+use std::{num::NonZeroU32, ops::ControlFlow};
 
 use glam::Vec3;
 
@@ -35,7 +35,7 @@ fn the_parts_that_rows_are_dealt_to_change_no_picture() {
 
 fn renderer(band_pixels: u32) -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
     renderer.band_pixels = band_pixels;
     renderer
 }

@@ -209,7 +209,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 
 #[test]
 fn every_specialised_kernel_makes_a_pipeline() {
-    let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
     let make = || {
         let pipelines = Kernels::new(&gpu);
         let mut built = BTreeSet::new();

@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn every_direction_has_its_colour_poles_and_seam_included() {
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(&wanted).unwrap();
+        let gpu = Gpu::open(wanted).unwrap();
         // The larger one is uploaded in pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));

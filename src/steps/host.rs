@@ -1,6 +1,8 @@
 //! What the host does between bands.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
+
+use web_time::Instant;
 
 use crate::{
     Error, Method,
@@ -20,7 +22,8 @@ use crate::{
 /// Pass 2 of `AdelsonHodges`, row after row.
 pub(crate) async fn sweep(driver: &mut Driver<'_>, view: usize) -> Result<(), Error> {
     let (gpu, targets) = (driver.gpu, driver.targets);
-    gpu.wait(None)?;
+    let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
+    gpu.finished(submission).await?;
     let begin = Instant::now();
     let pixels = driver.eyes.pose.size[0] as usize * driver.eyes.pose.size[1] as usize;
     let source: Vec<layout::Pixel> = gpu.read(targets.get(Target::View, driver.eyes.sources[view]), pixels).await?;
@@ -57,7 +60,7 @@ pub(crate) async fn size_slots(driver: &mut Driver<'_>, depth: BufferDepth, view
 }
 
 /// Nearest and farthest depth of a view; the farthest is infinite as soon as one pixel is sky.
-async fn depth_range(driver: &Driver<'_>, view: usize) -> Result<(f32, f32), Error> {
+async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32), Error> {
     let words = counters(driver, view).await?;
     let rows = words.chunks_exact(layout::COUNTERS);
     Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
@@ -87,7 +90,7 @@ pub(crate) async fn choose(driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> 
     Ok(steps)
 }
 
-async fn counters(driver: &Driver<'_>, view: usize) -> Result<Vec<u32>, Error> {
+async fn counters(driver: &mut Driver<'_>, view: usize) -> Result<Vec<u32>, Error> {
     let words = driver.eyes.pose.size[1] as usize * layout::COUNTERS;
     driver.gpu.read(driver.targets.get(Target::Counters, view), words).await
 }

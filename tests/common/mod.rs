@@ -21,7 +21,7 @@ pub use self::random_scene::{RandomScene, random_stage};
 /// failure with a remedy, not a skip.
 pub fn gpu() -> Gpu {
     let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
-    Gpu::open(&wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
+    Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
 }
 
 /// A device of the tests' adapter with limits of the caller's choice.

@@ -218,7 +218,7 @@ mod tests {
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
         // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(&wanted).unwrap();
+        let gpu = Gpu::open(wanted).unwrap();
         let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
         assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
         assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);
