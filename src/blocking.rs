@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 use crate::{
-    BvhBuild, Cast, Error, Gpu, Options, Ray, RayHit, Renderer, Scene, Statistics, StereoCamera, StereoPair,
-    UploadedScene, gpu::Adapter, render_stereo_async, renderer::OnProgress,
+    BvhBuild, Cast, Error, Gpu, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera, StereoPair,
+    UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async, renderer::OnProgress,
 };
 
 impl Gpu {
@@ -93,6 +93,25 @@ impl Renderer {
         block_on(self.trace_async(scene, camera, options))
     }
 
+    /// Renders the views of a rig, blocking: see [`Renderer::render_views_async`].
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Options, Renderer, Rig, output::quilt};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 64).interaxial_pixels(2.0));
+    /// let mut renderer = Renderer::new(Gpu::new()?);
+    /// let uploaded = renderer.upload(&scene)?;
+    /// let views = renderer.render_views(&uploaded, &Rig::row(camera, 6), &Options::default())?;
+    /// assert_eq!(quilt(&views, 3, 2)?.width, 3 * 96);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Renderer::render_views_async`].
+    pub fn render_views(&mut self, scene: &UploadedScene, rig: &Rig, options: &Options) -> Result<Views, Error> {
+        block_on(self.render_views_async(scene, rig, options, &mut |_| ControlFlow::Continue(())))
+    }
+
     /// The nearest hit of each ray, blocking: see [`Renderer::closest_hits_async`].
     ///
     /// ```
@@ -122,6 +141,14 @@ impl Renderer {
     pub fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
         block_on(self.any_hits_async(scene, rays))
     }
+}
+
+/// Renders the views of a rig in one call, blocking: see [`render_views_async`].
+///
+/// # Errors
+/// As [`render_views_async`].
+pub fn render_views(scene: &Scene, rig: &Rig) -> Result<Views, Error> {
+    block_on(render_views_async(scene, rig))
 }
 
 /// Renders a stereo pair in one call, blocking: see [`render_stereo_async`].

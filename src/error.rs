@@ -79,6 +79,13 @@ pub enum Error {
         /// What is expected of it.
         reason: &'static str,
     },
+    /// A rig of eyes that can't be rendered, or a quilt that its views don't fill.
+    #[non_exhaustive]
+    #[error("invalid rig: {reason}")]
+    Rig {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Views, or a view and its camera, that don't have one size.
     #[non_exhaustive]
     #[error("sizes that don't fit: {sizes}; {reason}")]

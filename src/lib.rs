@@ -102,7 +102,7 @@ pub mod output;
 pub mod pair;
 mod random;
 pub mod renderer;
-mod rig;
+pub mod rig;
 pub mod scene;
 mod steps;
 pub mod traversal;
@@ -112,7 +112,7 @@ mod variant;
 
 pub use auto::Choice;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
-pub use blocking::render_stereo;
+pub use blocking::{render_stereo, render_views};
 pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
@@ -122,7 +122,8 @@ pub use gpu::{Adapter, Gpu};
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
-pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async};
+pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async};
+pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};

@@ -5,8 +5,8 @@ use std::{ops::ControlFlow, sync::Once};
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use crate::blocking::render_stereo;
 use crate::{
-    BvhBuild, Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
-    kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
+    BvhBuild, Error, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views, frame,
+    gpu::Timestamps, kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
 };
 
 /// What to render with.
@@ -191,6 +191,33 @@ impl Renderer {
         let traced = self.trace_frame(scene, &eyes, options, &mut |_| ControlFlow::Continue(())).await?;
         Ok(traced.pair_statistics())
     }
+
+    /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`]; [`Error::Rig`] for a rig that can't be rendered.
+    pub async fn render_views_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<Views, Error> {
+        let traced = self.trace_frame(scene, &rig.eyes()?, options, progress).await?;
+        self.read_views(scene, options, traced).await
+    }
+}
+
+/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`]. For more than
+/// one frame keep a [`Renderer`].
+///
+/// # Errors
+/// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_views_async`].
+pub async fn render_views_async(scene: &Scene, rig: &Rig) -> Result<Views, Error> {
+    let mut renderer = Renderer::new(Gpu::new_async().await?);
+    let uploaded = renderer.upload_async(scene, BvhBuild::Balanced).await?;
+    let mut go_on = |_| ControlFlow::Continue(());
+    renderer.render_views_async(&uploaded, rig, &Options::default(), &mut go_on).await
 }
 
 /// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`]. For

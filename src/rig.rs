@@ -1,6 +1,136 @@
 //! Eyes on one line behind one screen: which are traced, and from which the others are made.
 
-use crate::{Pose, cpu, frame::uniform::frame_uniform, layout};
+use crate::{
+    Choice, Error, Method, PassTimes, PixelSource, Pose, ShadowSource, StereoCamera, View, Work, cpu,
+    frame::uniform::frame_uniform, layout,
+};
+
+/// Views of a rig at most.
+pub const MAX_VIEWS: usize = 1024;
+
+/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two.
+///
+/// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's offset. All look
+/// through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 - d/Z)`, of either sign. Some views
+/// are traced, their sources; each other view is made from the source nearest to it.
+///
+/// ```
+/// use stereotrace::{Rig, StereoCamera, glam::Vec3};
+///
+/// let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 5.0), Vec3::ZERO).interaxial_pixels(2.0);
+/// let rig = Rig::row(camera, 5);
+/// assert_eq!(rig.offsets(), [-2.0, -1.0, 0.0, 1.0, 2.0]);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    camera: StereoCamera,
+    offsets: Vec<f32>,
+    traced: Option<Vec<usize>>,
+}
+
+impl Rig {
+    /// Left and right, an interaxial apart; the right view is made from the left one.
+    pub fn pair(camera: StereoCamera) -> Self {
+        Self { camera, offsets: vec![-0.5, 0.5], traced: Some(vec![0]) }
+    }
+
+    /// So many eyes from left to right, an interaxial between neighbours, the camera's midpoint in their middle.
+    pub fn row(camera: StereoCamera, eyes: usize) -> Self {
+        let middle = 0.5 * eyes.saturating_sub(1) as f32;
+        // What is too many is refused when it is rendered; until then it must not fill memory.
+        Self::at(camera, (0..eyes.min(MAX_VIEWS + 1)).map(|eye| eye as f32 - middle).collect())
+    }
+
+    /// Eyes at given offsets from the camera's midpoint, in interaxials, to the right; in any order.
+    pub fn at(camera: StereoCamera, offsets: Vec<f32>) -> Self {
+        Self { camera, offsets, traced: None }
+    }
+
+    /// The views that are traced, by their places among the offsets. Without it, one is for every [`Rig::REACH`] of the picture's
+    /// width that the eyes reach to both sides.
+    pub fn traced(mut self, views: Vec<usize>) -> Self {
+        self.traced = Some(views);
+        self
+    }
+
+    /// The eyes' offsets from the camera's midpoint, in interaxials.
+    pub fn offsets(&self) -> &[f32] {
+        &self.offsets
+    }
+
+    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity), unless
+    /// [`Rig::traced`] says otherwise.
+    pub const REACH: f32 = 1.0 / 8.0;
+
+    /// # Errors
+    /// [`Error::Rig`] for no eyes, too many, two in one place, and sources that are no eyes; [`Error::Camera`] for a camera whose
+    /// outermost or closest eyes f32 does not hold.
+    pub(crate) fn eyes(&self) -> Result<Eyes, Error> {
+        let fault = |reason| Err(Error::Rig { reason });
+        let count = self.offsets.len();
+        if count == 0 || count > MAX_VIEWS {
+            let count = if count == 0 { "no eyes".into() } else { format!("more than {MAX_VIEWS} eyes") };
+            return fault(format!("it has {count}; 1 to {MAX_VIEWS} can be rendered"));
+        }
+        if let Some(offset) = self.offsets.iter().find(|offset| !offset.is_finite()) {
+            return fault(format!("an eye's offset is {offset}"));
+        }
+        let mut sorted = self.offsets.clone();
+        sorted.sort_by(f32::total_cmp);
+        if let Some(two) = sorted.windows(2).find(|two| two[0] == two[1]) {
+            return fault(format!("two eyes have the offset {}", two[0]));
+        }
+        let pose = self.camera.pose()?;
+        if pose.interaxial > 0.0 && count > 1 {
+            // The outermost eyes, and the closest ones, must be a pair that a camera may have.
+            let span = 2.0 * sorted[0].abs().max(sorted[count - 1].abs());
+            let gap = sorted.windows(2).map(|two| two[1] - two[0]).fold(f32::INFINITY, f32::min);
+            for apart in [span, gap] {
+                self.camera.interaxial(apart * pose.interaxial).pose()?;
+            }
+        }
+        let sources = match &self.traced {
+            Some(traced) => self.sources(traced)?,
+            None => self.sources_by_rule(&pose),
+        };
+        Ok(Eyes { pose, offsets: self.offsets.clone(), sources })
+    }
+
+    /// Of each view the nearest one of these.
+    fn sources(&self, traced: &[usize]) -> Result<Vec<usize>, Error> {
+        if traced.is_empty() {
+            return Err(Error::Rig { reason: "no view is to be traced; at least one must be".into() });
+        }
+        if let Some(view) = traced.iter().find(|&&view| view >= self.offsets.len()) {
+            let views = crate::message::counted(self.offsets.len(), "view", "views");
+            return Err(Error::Rig { reason: format!("view {view} is to be traced, but there are {views}, from 0") });
+        }
+        let apart = |a: usize, b: usize| (self.offsets[a] - self.offsets[b]).abs();
+        let nearest = |view| traced.iter().copied().min_by(|&a, &b| apart(a, view).total_cmp(&apart(b, view)));
+        Ok((0..self.offsets.len()).filter_map(nearest).collect())
+    }
+
+    /// As few traced views as bring each other one within [`Rig::REACH`], from left to right.
+    fn sources_by_rule(&self, pose: &Pose) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.offsets.len()).collect();
+        order.sort_by(|&a, &b| self.offsets[a].total_cmp(&self.offsets[b]));
+        let reach = Self::REACH * pose.size[0] as f32 / pose.interaxial_px.max(f32::MIN_POSITIVE);
+        let ends = |group: &[usize]| (self.offsets[group[0]], self.offsets[group[group.len() - 1]]);
+        let mut sources = vec![0; order.len()];
+        // Groups of equal numbers of eyes, so many that none is wider than twice the reach.
+        let fits = |groups: &usize| {
+            order.chunks(order.len().div_ceil(*groups)).all(|group| ends(group).1 - ends(group).0 <= 2.0 * reach)
+        };
+        let groups = (1..=order.len()).find(fits).unwrap_or(order.len());
+        for group in order.chunks(order.len().div_ceil(groups)) {
+            let middle = 0.5 * (ends(group).0 + ends(group).1);
+            let off = |view: &usize| (self.offsets[*view] - middle).abs();
+            let source = group.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(group[0]);
+            group.iter().for_each(|&view| sources[view] = source);
+        }
+        sources
+    }
+}
 
 /// The eyes of a frame, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,5 +168,103 @@ impl Eyes {
         let apart = (self.offsets[view] - self.offsets[self.sources[view]]).abs();
         let Pose { interaxial, interaxial_px, .. } = self.pose;
         Pose { interaxial: apart * interaxial, interaxial_px: apart * interaxial_px, ..self.pose }
+    }
+}
+
+/// The views of a rig.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Views {
+    /// One an eye, in the rig's order.
+    pub views: Vec<RigView>,
+    /// The camera in the middle of the rig.
+    pub pose: Pose,
+    /// Time of each pass in order; `None` where the adapter has no timestamps, or too few for so many passes.
+    pub times: Option<PassTimes>,
+    /// Whether threads left work to further dispatches: see [`Statistics::in_steps`](crate::Statistics::in_steps).
+    pub in_steps: bool,
+    /// Device memory of the buffers between the passes in bytes, without the views themselves.
+    pub intermediate_bytes: u64,
+}
+
+impl Views {
+    /// The cost of all views that are not traced relative to that of one traced view, by counters and a view (DESIGN, section 7).
+    /// NaN unless counting was asked for.
+    pub fn other_views(&self) -> f64 {
+        let sum = |traced: bool| {
+            let costs = self.views.iter().enumerate().filter(|(index, view)| (view.made_from == *index) == traced);
+            costs.fold((0.0, 0.0), |(cost, views), (_, view)| (cost + view.work.cost() as f64, views + 1.0))
+        };
+        let ((traced, sources), (made, others)) = (sum(true), sum(false));
+        (made / others) / (traced / sources)
+    }
+}
+
+/// A view of a rig, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RigView {
+    /// What the eye sees.
+    pub view: View,
+    /// The eye's offset from the rig's midpoint, in interaxials.
+    pub offset: f32,
+    /// The view that it was made from; its own place if it was traced.
+    pub made_from: usize,
+    /// The method that made it; why, where [`Method::Auto`] chose.
+    pub method: Method,
+    /// Why [`Method::Auto`] chose it; `None` by other methods.
+    pub choice: Option<Choice>,
+    /// Where each pixel came from, row-major.
+    pub source: Vec<PixelSource>,
+    /// How it is known which lights each pixel sees, row-major; by `bracket` only, else empty.
+    pub shadow_source: Vec<ShadowSource>,
+    /// What it cost.
+    pub work: Work,
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn camera() -> StereoCamera {
+        StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(512, 512).interaxial_pixels(2.0)
+    }
+
+    #[test]
+    fn no_view_is_farther_from_its_source_than_the_rule_says() {
+        for (eyes, traced) in [(1, 1), (2, 1), (45, 1), (65, 1), (66, 2), (200, 4)] {
+            let rig = Rig::row(camera(), eyes);
+            let sources = rig.eyes().unwrap().sources;
+            let found: std::collections::BTreeSet<_> = sources.iter().copied().collect();
+            assert_eq!(found.len(), traced, "{eyes} eyes: {found:?}");
+            for (view, &source) in sources.iter().enumerate() {
+                assert_eq!(sources[source], source, "{eyes}: {view}'s source is none");
+                let apart = (rig.offsets[view] - rig.offsets[source]).abs() * 2.0;
+                assert!(apart <= Rig::REACH * 512.0, "{eyes}: {view} from {source}, {apart} px");
+            }
+        }
+    }
+
+    #[test]
+    fn rigs_that_cannot_be_rendered_are_refused_by_name() {
+        let refused = |rig: Rig| rig.eyes().unwrap_err().to_string();
+        assert!(refused(Rig::row(camera(), 0)).contains("no eyes"));
+        assert!(refused(Rig::row(camera(), usize::MAX)).contains("more than 1024 eyes"));
+        assert!(refused(Rig::at(camera(), vec![1.0, 0.0, 1.0])).contains("two eyes have the offset 1"));
+        assert!(refused(Rig::at(camera(), vec![f32::NAN])).contains("NaN"));
+        assert!(
+            refused(Rig::row(camera(), 3).traced(vec![3])).contains("view 3 is to be traced, but there are 3 views")
+        );
+        assert!(refused(Rig::row(camera(), 3).traced(vec![])).contains("at least one"));
+        assert!(refused(Rig::at(camera(), vec![0.0, 1e9])).contains("interaxial"));
+        assert!(refused(Rig::at(camera().eye(Vec3::splat(1e7)), vec![0.0, 1e-3])).contains("interaxial"));
+    }
+
+    #[test]
+    fn the_sources_that_are_asked_for_serve_the_views_beside_them() {
+        let rig = Rig::row(camera(), 6).traced(vec![4, 1]);
+        assert_eq!(rig.eyes().unwrap().sources, [1, 1, 1, 4, 4, 4]);
     }
 }

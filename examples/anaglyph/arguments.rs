@@ -59,6 +59,13 @@ pub(crate) struct Arguments {
     /// Render N pictures of builtin:spheres, which turn once about their axis, into numbered files
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10000))]
     pub(crate) frames: Option<u32>,
+    /// Render N views from left to right in place of a pair, the interaxial between neighbours
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024),
+        conflicts_with_all = ["frames", "packing", "swap", "dump", "anaglyph"])]
+    pub(crate) views: Option<u32>,
+    /// Write the views as one picture for light-field displays, so many across and down, the first at the bottom left
+    #[arg(long, value_name = "CxR", value_parser = size, requires = "views", allow_hyphen_values = true)]
+    pub(crate) quilt: Option<[u32; 2]>,
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(crate) display_width: f32,

@@ -5,6 +5,7 @@
 //! cargo run --release --example anaglyph -- bunny.obj                     # a camera that fits the object
 //! cargo run --release --example anaglyph -- sponza.obj --eye -13.5,2.2,-0.3 --target 10,3.2,0.2 --screen 6
 //! cargo run --release --example anaglyph -- builtin:spheres --method naive --packing cross-eyed --out out/spheres
+//! cargo run --release --example anaglyph -- --size 512x512 --interaxial-px 2 --views 45 --quilt 9x5
 //! ```
 //!
 //! It writes `left.png`, `right.png` and `anaglyph.png` into the folder `out`, and says what they cost. Steps are in
@@ -17,6 +18,7 @@ mod message;
 mod report;
 #[cfg(test)]
 mod tests;
+mod views;
 
 use std::{
     error::Error,
@@ -123,6 +125,9 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let begin = Instant::now();
     let uploaded = renderer.upload(&scene)?;
     let build = begin.elapsed();
+    if let Some(eyes) = arguments.views {
+        return views::run(arguments, &mut renderer, &uploaded, camera, eyes);
+    }
 
     let begin = Instant::now();
     let mut options = Options::new(arguments.method);

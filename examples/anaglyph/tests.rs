@@ -47,6 +47,19 @@ fn one_of_anything_is_singular() {
 }
 
 #[test]
+fn views_become_pictures_or_a_quilt_that_they_fill() {
+    let folder = Folder::new("views");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| printed(&[&["builtin:hall", "--out", &out, "--views", "6"], arguments].concat());
+    assert!(run(&[]).starts_with("6 views of which 1 traced, in 6 files of "));
+    assert!(run(&["--quilt", "3x2", "--compare"]).contains("wrong surface at most 0.000%"));
+    assert_eq!(run(&["--quilt", "4x2"]), "a quilt of 4x2 is not filled by 6 views");
+    let mut names: Vec<_> = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!((names[0].to_str(), names.len()), (Some("hall_qs3x2a1.3333.png"), 7));
+}
+
+#[test]
 fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let folder = Folder::new(STEERING);
     let scene = format!("scene{STEERING}.obj");

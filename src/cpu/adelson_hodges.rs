@@ -114,6 +114,20 @@ mod tests {
     }
 
     #[test]
+    fn to_the_left_it_is_the_sweep_to_the_right_in_a_mirror() {
+        let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
+        let pose = camera.size(97, 5).interaxial_pixels(9.0).pose().unwrap();
+        let mut random = Random::new(7);
+        let depths: Vec<f32> = (0..97 * 5).map(|index| 1.0 + (index / 7 % 5) as f32 + 0.1 * random.unit()).collect();
+        let mirrored: Vec<f32> = depths.chunks_exact(97).flat_map(|row| row.iter().rev().copied()).collect();
+        let to_right = sweep(&Frame::between(&pose, -0.5, 0.5), &depths);
+        let to_left = sweep(&Frame::between(&pose, 0.5, -0.5), &mirrored);
+        let back: Vec<u32> = to_left.chunks_exact(97).flat_map(|row| row.iter().rev().copied()).collect();
+        assert!(to_right.contains(&0) && to_right.iter().filter(|key| **key > 0).count() > 300);
+        assert_eq!(to_right, back);
+    }
+
+    #[test]
     fn a_gap_that_the_background_had_covered_is_cleared() {
         // e_px = 8, d = 4: z = 8 moves by 4, z = 4 by 0, the sky by 8.
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);

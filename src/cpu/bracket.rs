@@ -8,10 +8,8 @@ use crate::{FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource, layout::TI
 
 /// Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;
-/// Parallaxes of samples and point differ by no more than this, pixels.
-const SAME_PARALLAX: f32 = 0.75;
 /// `GROOVE` of `bits_two.wgsl`.
-const GROOVE: f32 = 1.0 / 128.0;
+const GROOVE: f32 = 1.0 / 96.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
@@ -93,7 +91,7 @@ pub fn shadow_sources(
             let (its_depth, its_id) = left[at];
             let same = its_id != MISS
                 && components[its_id as usize] == components[id as usize]
-                && (parallax(its_depth) - point_parallax).abs() <= SAME_PARALLAX;
+                && (parallax(its_depth) - point_parallax).abs() <= frame.raw.same_parallax;
             let smooth = || {
                 let its_normal = || surface_normal(scene, frame, Eye::Left, at, left[at]);
                 reuse != ShadowReuse::Block || its_id == id || its_normal().dot(normal).abs() >= SAME_NORMAL
@@ -115,7 +113,7 @@ pub fn shadow_sources(
         let in_groove = || {
             let at = row * width + position as usize;
             let [before, after] = [left[at].0, left[at + 1].0].map(parallax);
-            point_parallax - (before + (after - before) * (place - position)) > GROOVE
+            point_parallax - (before + (after - before) * (place - position)) > GROOVE * frame.raw.same_parallax
         };
         let open = if reuse == ShadowReuse::Two && beside && in_groove() { samples[0].lit } else { 0 };
         let agreed = agreed & !open;

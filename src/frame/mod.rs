@@ -92,7 +92,9 @@ impl Renderer {
         driver.run(&plan).await?;
         driver.finish().await?;
         let (slot_bytes, host, made) = (driver.slot_bytes, driver.host, std::mem::take(&mut driver.made));
-        let choices = driver.choices.iter().map(|choice| choice.or(early)).collect();
+        let own = |view: usize| eyes.sources[view] == view;
+        let choose = |(view, choice): (usize, &Option<Choice>)| choice.or(early).filter(|_| !own(view));
+        let choices = driver.choices.iter().enumerate().map(choose).collect();
         let buffer_depth = driver.frames.iter().map(|frame| frame.buffer_depth).max().unwrap_or(0);
         let counts = self.counts(&targets).await?;
         let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();

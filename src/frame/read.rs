@@ -6,8 +6,8 @@ use super::{
     targets::{Target, Targets},
 };
 use crate::{
-    Check, Error, GBuffer, Method, Options, PixelSource, Rays, Renderer, ShadowSource, Statistics, StereoPair,
-    UploadedScene, View, Work, layout,
+    Check, Error, GBuffer, Method, Options, PixelSource, Rays, Renderer, RigView, ShadowSource, Statistics, StereoPair,
+    UploadedScene, View, Views, Work, layout,
 };
 
 /// What was counted of a view.
@@ -119,7 +119,31 @@ impl Renderer {
         Ok(StereoPair { left, right, source, shadow_source, statistics, pose: traced.eyes.pose })
     }
 
-    pub(crate) async fn read_view(
+    pub(crate) async fn read_views(
+        &self,
+        scene: &UploadedScene,
+        options: &Options,
+        traced: Traced,
+    ) -> Result<Views, Error> {
+        let mut views = Vec::new();
+        for index in 0..traced.eyes.sources.len() {
+            let ReadView { view, source, shadow_source } = self.read_view(scene, options, &traced, index).await?;
+            views.push(RigView {
+                view,
+                offset: traced.eyes.offsets[index],
+                made_from: traced.eyes.sources[index],
+                method: traced.method_of(index),
+                choice: traced.choices[index],
+                source,
+                shadow_source,
+                work: traced.work(index).0,
+            });
+        }
+        let Traced { times, in_steps, intermediate_bytes, .. } = traced;
+        Ok(Views { views, pose: traced.eyes.pose, times, in_steps, intermediate_bytes })
+    }
+
+    async fn read_view(
         &self,
         scene: &UploadedScene,
         options: &Options,

@@ -89,6 +89,16 @@ impl Shape {
         let what = format!("a {width}x{height} picture");
         let largest = used.places.iter().map(|(target, _)| self.bytes(*target)).max().unwrap_or(0);
         check_bytes(&what, largest, gpu.binding_limit(), "render a smaller one")?;
+        let all: u64 = used.places.iter().map(|(target, _)| self.bytes(*target)).sum();
+        if all > MOST_BYTES {
+            return Err(Error::Limit {
+                what: crate::message::counted(self.views, "view", "views") + &format!(" of {width}x{height}"),
+                needed: format!("{} MiB", all >> 20),
+                limit: "memory for a frame",
+                allowed: format!("{} MiB", MOST_BYTES >> 20),
+                remedy: "render fewer or smaller ones at a time",
+            });
+        }
         let limit = |what, needed, limit, allowed: u32, remedy| {
             Err(Error::Limit { what, needed, limit, allowed: allowed.to_string(), remedy })
         };
@@ -129,6 +139,9 @@ pub(crate) struct Used {
     /// The views of which samples are kept.
     pub(crate) samples: BTreeSet<usize>,
 }
+
+/// Bytes of a frame's buffers at most. Drivers don't say how much there is; a rig of many large views would take it all.
+const MOST_BYTES: u64 = 8 << 30;
 
 /// From one view's `layout::Frame` to the next, in bytes: WebGPU's default alignment of uniform offsets.
 pub(crate) const FRAME_STRIDE: u64 = 256;

@@ -131,8 +131,8 @@ fn eyes(size: [u32; 2], interaxial_px: f32) -> Eyes {
 fn the_index_buffer_equals_a_sequential_computation() {
     let size = [131, 37];
     let mut random = Random::new(9);
-    for interaxial_px in [0.5, 7.0, 40.0] {
-        let eyes = eyes(size, interaxial_px);
+    for (interaxial_px, offsets) in [0.5, 7.0, 40.0].into_iter().flat_map(|e| [(e, [-0.5, 0.5]), (e, [1.5, 0.0])]) {
+        let eyes = Eyes { offsets: offsets.to_vec(), ..eyes(size, interaxial_px) };
         let depths: Vec<f32> = (0..size[0] * size[1])
             .map(|index| match index % 7 {
                 0 => crate::FAR,
@@ -145,7 +145,7 @@ fn the_index_buffer_equals_a_sequential_computation() {
         let expected = crate::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
         for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
-            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {interaxial_px}");
+            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {interaxial_px} {offsets:?}");
         }
     }
 }

@@ -36,7 +36,7 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
         longest,
         parallax_px,
         shift: (target - source) * pose.interaxial,
-        same_parallax: SAME_PARALLAX,
+        same_parallax: same_parallax(pose, target - source),
         screen_distance: pose.screen_distance,
         image_size: pose.size,
         row_end: pose.size[1],
@@ -45,8 +45,17 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
     }
 }
 
-/// Parallaxes of a sample and a point that share shadow bits differ by no more than this, pixels.
-const SAME_PARALLAX: f32 = 0.75;
+/// A sample vouches for a point beside it, in shadow bits, if the surface between them may be one that recedes by no more than so many
+/// pixels a pixel, of a pixel's size on the screen: 88.4 degrees. (Nearer than the screen the angle is larger, beyond it less.)
+const STEEPEST: f32 = 36.0;
+const MOST_PARALLAX: f32 = 0.75;
+
+/// The same as a difference of parallaxes in pixels. It does not depend on the picture's size: with twice as many pixels neighbours lie
+/// half as far apart, and a pixel of parallax is half as much depth. With eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75,
+/// and never more.
+fn same_parallax(pose: &Pose, apart: f32) -> f32 {
+    MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.screen_distance)
+}
 
 /// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's corners
 /// may be rounded by, and never less than in an ordinary picture.

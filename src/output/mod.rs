@@ -7,12 +7,14 @@ mod anaglyph;
 mod batch;
 mod file;
 mod packing;
+mod quilt;
 mod stale;
 
 pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
 pub use batch::{Batch, write_whole};
 pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
+pub use quilt::{quilt, quilt_name};
 
 use crate::{StereoPair, View};
 
