@@ -67,6 +67,7 @@ pub mod camera;
 mod camera_file;
 pub mod cast;
 pub mod cpu;
+mod disparity;
 mod error;
 #[cfg(test)]
 #[path = "../tests/common/folder.rs"]
@@ -98,6 +99,7 @@ pub use auto::Choice;
 pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
+pub use disparity::Occlusion;
 pub use error::Error;
 pub use gpu::Gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
