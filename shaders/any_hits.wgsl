@@ -4,7 +4,7 @@
 // launch  one thread per ray, or per four; in steps, until all have finished
 // updates steps     a lane per thread, in steps
 // writes  found     [rays]      1 where something is hit
-// adds    counters  [COUNTERS]  as of the left view
+// adds    counters  [COUNTERS]  as of a view
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> found: array<u32>;
@@ -25,5 +25,5 @@ fn any_hits(@builtin(global_invocation_id) id: vec3u) {
         if ray >= RAYS { break; }
     }
     end_step();
-    count_view(0u, LEFT, 0u, nodes_visited, primitives_tested);
+    count_view(0u, 0u, nodes_visited, primitives_tested);
 }

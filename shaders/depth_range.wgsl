@@ -1,11 +1,11 @@
-// The left view's nearest and farthest depth in each row, for a 3D buffer of Lemma 1's size (DESIGN, section 2).
+// A view's nearest and farthest depth in each row, for a 3D buffer of Lemma 1's size (DESIGN, section 2).
 //
 // launch  one thread per row of the rows at work
-// reads   hits      [2 * height * width]  left half
+// reads   view      [height * width]
 // writes  counters  [height * COUNTERS]   NEAREST_DEPTH and FARTHEST_DEPTH, as bits of f32
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
+@group(1) @binding(1) var<storage, read> view: array<Pixel>;
 @group(1) @binding(2) var<storage, read_write> counters: array<u32>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -17,7 +17,7 @@ fn depth_range(@builtin(global_invocation_id) id: vec3u) {
     // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each width.
     let end = (row + 1u) * frame.image_size.x;
     for (var pixel = row * frame.image_size.x; pixel < end; pixel += 1u) {
-        let depth = hits[pixel].depth;
+        let depth = view[pixel].depth;
         nearest = min(nearest, depth);
         farthest = max(farthest, depth);
     }

@@ -1,12 +1,12 @@
-// Pass 2 of 4 of `Buffer`, second half: search each right pixel's slots for the largest left column, the nearest.
+// Pass 2 of 3 of `Buffer`, second half: search the slots of each of the target's pixels for the largest key, the nearest.
 //
-// launch  one thread per right pixel of a band of rows
-// reads   slots         [rows * width * depth]  left column + 1, or EMPTY
-// writes  right_source  [height * width]        left column + 1, or EMPTY
+// launch  one thread per pixel of the target in a band of rows
+// reads   slots  [rows * width * depth]  keys of samples, or EMPTY
+// writes  view   [height * width]        marks: key, or EMPTY
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> slots: array<u32>;
-@group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
@@ -19,5 +19,5 @@ fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
     for (var slot = cell * frame.buffer_depth; slot < end; slot += 1u) {
         nearest = max(nearest, slots[slot]);
     }
-    right_source[pixel_index(pixel)] = nearest;
+    view[pixel_index(pixel)].marks = nearest;
 }

@@ -1,14 +1,14 @@
-// Verification `edges` (thesis, 6.2): right pixels whose left sample lies at an edge are marked BAD, for resolve_right to list;
-// all others are trusted.
+// Verification `edges` (thesis, 6.2): pixels of the target whose sample lies at an edge of the source's view are marked BAD, for
+// resolve_right to list; all others are trusted.
 //
-// launch  one thread per right pixel of the rows at work
-// reads   hits          [2 * height * width]  left half
-// updates right_source  [height * width]      left column + 1, or EMPTY; BAD is added
-// table   objects of the primitives, four a texel
+// launch  one thread per pixel of the target in the rows at work
+// reads   source  [height * width]
+// updates view    [height * width]  marks: key, or EMPTY; BAD is added
+// table   objects of the primitives in the BVH's order, four a texel
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
-@group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
+@group(1) @binding(1) var<storage, read> source: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
 
 // Neighbours farther apart in parallax are no one surface, pixels.
 const EDGE_PX: f32 = 1.0;
@@ -17,25 +17,25 @@ const EDGE_PX: f32 = 1.0;
 fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let source = right_source[pixel_index(pixel)];
-    if source == EMPTY { return; }
-    let left = vec2i(i32(source) - 1, i32(pixel.y));
-    let hit = hits[pixel_index(vec2u(left))];
-    if differs(hit, left + vec2i(1, 0)) || differs(hit, left - vec2i(1, 0)) || differs(hit, left + vec2i(0, 1))
-        || differs(hit, left - vec2i(0, 1)) {
-        right_source[pixel_index(pixel)] = source | BAD;
+    let key = view[pixel_index(pixel)].marks;
+    if key == EMPTY { return; }
+    let at = vec2i(i32(column_of(key)), i32(pixel.y));
+    let hit = source[pixel_index(vec2u(at))];
+    if differs(hit, at + vec2i(1, 0)) || differs(hit, at - vec2i(1, 0)) || differs(hit, at + vec2i(0, 1))
+        || differs(hit, at - vec2i(0, 1)) {
+        view[pixel_index(pixel)].marks = key | BAD;
     }
 }
 
 // Beyond the picture's edge nothing differs.
-fn differs(hit: PixelHit, at: vec2i) -> bool {
+fn differs(hit: Pixel, at: vec2i) -> bool {
     if any(at < vec2i(0)) || any(at >= vec2i(frame.image_size)) { return false; }
-    let other = hits[pixel_index(vec2u(at))];
-    return object_of(primitive_of(hit)) != object_of(primitive_of(other))
+    let other = source[pixel_index(vec2u(at))];
+    return object_of(hit.slot) != object_of(other.slot)
         || abs(parallax(hit.depth) - parallax(other.depth)) > EDGE_PX;
 }
 
-fn object_of(primitive: u32) -> u32 {
-    if primitive == MISS { return MISS; }
-    return table_texel(primitive / 4u)[primitive % 4u];
+fn object_of(slot: u32) -> u32 {
+    if slot == MISS { return MISS; }
+    return table_texel(slot / 4u)[slot % 4u];
 }

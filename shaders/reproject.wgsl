@@ -1,20 +1,28 @@
-// Pass 2 of 4: carry each left-eye hit to the right-eye pixel that sees the same point.
+// Pass 2 of 3: carry each hit of the source to the target's pixel that sees the same point.
 //
-// launch  one thread per left pixel
-// reads   hits          [2 * height * width]  left half: depth, FAR = nothing hit
-// writes  right_source  [height * width]      left column + 1, or EMPTY; cleared by the host
+// launch  one thread per pixel of the source
+// reads   source  [height * width]
+// writes  view    [height * width]  marks: key of the sample, or EMPTY; cleared by the host
+
+// A Pixel whose marks many threads write.
+struct ContestedPixel {
+    depth: f32,
+    slot: u32,
+    marks: atomic<u32>,
+    color: u32,
+}
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
-@group(1) @binding(2) var<storage, read_write> right_source: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read> source: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> view: array<ContestedPixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let column = right_column(pixel.x, hits[pixel_index(pixel)].depth);
+    let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
-    // Among the left columns that land on one right column, the largest is the nearest surface (DESIGN, section 2;
-    // thesis, 3.1.2.2): the column is the depth key, and max commutes, so the order of the threads does not matter.
-    atomicMax(&right_source[pixel_index(vec2u(u32(column), pixel.y))], pixel.x + 1u);
+    // Among the samples that land on one column, the one that comes last in the sweep is the nearest surface (DESIGN, section 2;
+    // thesis, 3.1.2.2): its key is the depth key, and max commutes, so the order of the threads does not matter.
+    atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x));
 }

@@ -1,17 +1,16 @@
-// Pass 3 of 4, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then traces. A list
+// Pass 3 of 3, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then traces. A list
 // keeps the few traced pixels of neighbouring threads together: traced here, they would hold up whole subgroups of reused
-// ones. Of a good pixel nothing is copied: compose and the host follow right_source.
+// ones. Of a good pixel nothing is copied yet: take_over.wgsl follows its key.
 //
-// launch  one thread per block of right pixels (a pixel, or 2x2) of the rows at work
-// reads   hits          [2 * height * width]  left half: a point's depth is the same for both eyes
-// updates right_source  [height * width]      left column + 1, or EMPTY; BAD and MISSED are marked in the top bits (BAD
-//                                             may have been marked before, by mark_edges)
-// adds    counters      [height * COUNTERS]
+// launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
+// reads   source    [height * width]    a point's depth is the same for both eyes
+// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by mark_edges)
+// adds    counters  [height * COUNTERS]
 // appends lists
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> hits: array<PixelHit>;
-@group(1) @binding(2) var<storage, read_write> right_source: array<u32>;
+@group(1) @binding(1) var<storage, read> source: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(4) var<storage, read_write> lists: Lists;
 
@@ -20,34 +19,37 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let inside = inside_rows(pixels);
     if !any_ray(inside) { return; }
-    var source: U;
+    var columns: U;
+    var keys: U;
     var marked: U;
     var depth: F;
     var ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
             let pixel = pixel_of_ray(pixels, ray);
-            let mark = right_source[pixel_index(pixel)];
-            let column = mark & COLUMN;
-            source = with_ray_u(source, ray, column);
-            marked = with_ray_u(marked, ray, mark & BAD);
-            if column != EMPTY {
-                depth = with_ray(depth, ray, hits[pixel_index(vec2u(column - 1u, pixel.y))].depth);
+            let marks = view[pixel_index(pixel)].marks;
+            let key = marks & KEY;
+            keys = with_ray_u(keys, ray, key);
+            marked = with_ray_u(marked, ray, marks & BAD);
+            if key != EMPTY {
+                let column = column_of(key);
+                columns = with_ray_u(columns, ray, column);
+                depth = with_ray(depth, ray, source[pixel_index(vec2u(column, pixel.y))].depth);
             }
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    let landed = inside & (source != U(EMPTY));
-    let missed = inside & (source == U(EMPTY));
-    let bad = (marked != U(0u)) | are_bad(Pixels(source - 1u, pixels.y), depth, landed);
+    let landed = inside & (keys != U(EMPTY));
+    let missed = inside & (keys == U(EMPTY));
+    let bad = (marked != U(0u)) | are_bad(Pixels(columns, pixels.y), depth, landed);
     var place = reserve(TO_TRACE, count_rays(missed | bad));
     ray = 0u;
     loop {
         if of_ray_b(missed | bad, ray) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
-            let column = of_ray_u(source, ray);
-            right_source[index] = select(column | BAD, MISSED, column == EMPTY);
+            let key = of_ray_u(keys, ray);
+            view[index].marks = select(key | BAD, MISSED, key == EMPTY);
             append(TO_TRACE, place, index);
             place += 1u;
         }
@@ -58,6 +60,6 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
     let row = first.y * COUNTERS;
     if any_ray(missed) { atomicAdd(&counters[row + MISSED_PIXELS], count_rays(missed)); }
     if any_ray(bad) { atomicAdd(&counters[row + BAD_PIXELS], count_rays(bad)); }
-    count_pixel(right_index(first));
-    count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
 }

@@ -1,21 +1,19 @@
-// Pass 3 of 4 of `bracket`, second part: right pixels' own rays against the primitives that search_tiles found for them, by the
+// Pass 3 of 3 of `bracket`, second part: the target's own rays against the primitives that search_tiles found for them, by the
 // function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The bounds need not be
-// right: they set the cost only.) It is shaded with the left view's shadow bits. Two lists are left: pixels whose hit lies deeper or
+// right: they set the cost only.) It is shaded with the source's shadow bits. Two lists are left: pixels whose hit lies deeper or
 // who have no bound, and pixels that need a shadow ray.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   found        [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
-// writes  hits         [2 * height * width]  right half; of an unfinished pixel the depth up to which nothing is
-// writes  right_color  [height * width]      linear RGB, 1
+// writes  view         [height * width]      of an unfinished pixel the depth up to which nothing is
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_TRACE, TO_LIGHT; reads TO_RESOLVE
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> found: array<u32>;
-@group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
-@group(1) @binding(3) var<storage, read_write> right_color: array<vec4f>;
-@group(1) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(5) var<storage, read_write> lists: Lists;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> lists: Lists;
 
 // What is not finished is traced from a little before the bound: rounding.
 const BEFORE: f32 = 0.9999;
@@ -29,7 +27,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     let first = pixel_of_ray(pixels, 0u);
     let list = tile_lists(first) + block_of(first) * LIST_WORDS;
     let bound = bitcast<f32>(found[list + 1u]);
-    let rays = Rays(frame.right_eye, pixel_directions(frame.right_corner, pixels));
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
     var nearest = nearest_listed(rays, list, pixels);
     let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
     nearest.primitive = select(U(MISS), nearest.primitive, finished);
@@ -42,17 +40,17 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     var place_to_trace = reserve(TO_TRACE, count_rays(to_trace));
     var place_to_light = reserve(TO_LIGHT, count_rays(to_light));
     let mark = select(BAD, MISSED, bound == 0.0);
+    let packed = packed_srgb(samples.color);
     var ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
-            let pixel = pixel_of_ray(pixels, ray);
-            let index = pixel_index(pixel);
+            let index = pixel_index(pixel_of_ray(pixels, ray));
             let done = of_ray_b(finished, ray);
-            var hit = sample_hit(samples, ray);
-            hit.depth = select(bound * BEFORE, hit.depth, done);
-            hit.slot |= select(mark, select(0u, ASKED, of_ray_b(put_off, ray)), done);
-            hits[right_index(pixel)] = hit;
-            right_color[index] = vec4f(of_ray3(samples.color, ray), 1.0);
+            var pixel = pixel_of(samples, packed, ray);
+            pixel.depth = select(bound * BEFORE, pixel.depth, done);
+            pixel.marks = select(mark, select(0u, ASKED, of_ray_b(put_off, ray)), done);
+            view[index] = pixel;
+            keep_linear(index, of_ray3(samples.color, ray));
             if of_ray_b(to_trace, ray) {
                 append(TO_TRACE, place_to_trace, index);
                 place_to_trace += 1u;
@@ -68,8 +66,8 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     if any_ray(to_trace) {
         atomicAdd(&counters[first.y * COUNTERS + select(BAD_PIXELS, MISSED_PIXELS, bound == 0.0)], count_rays(to_trace));
     }
-    count_pixel(right_index(first));
-    count_view(first.y, RIGHT, 0u, nodes_visited, primitives_tested);
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
 }
 
 // The nearest hits among listed primitives.

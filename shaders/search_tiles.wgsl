@@ -1,5 +1,5 @@
-// Pass 3 of 4 of `bracket`, first part: one query of the BVH for each tile of right pixels (docs/BRACKET.md). The tile's frustum is
-// searched as deep as the left samples that land there; each of its blocks of 2x2 pixels gets a list of the primitives that may
+// Pass 3 of 3 of `bracket`, first part: one query of the BVH for each tile of the target's pixels (docs/BRACKET.md). The tile's frustum is
+// searched as deep as the source's samples that land there; each of its blocks of 2x2 pixels gets a list of the primitives that may
 // cover a pixel's centre in it.
 //
 // launch  one thread per tile
@@ -34,8 +34,7 @@ var<private> listed: array<u32, TILE_BLOCKS>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let row = spread_rows(id.y, frame.spread_64, WORKGROUP * TILE);
-    let corner = pixel_in_tile(vec2u(id.x, row)) * TILE + vec2u(0u, frame.row_begin);
+    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
     if outside(corner) { return; }
     let tile = Tile(corner, min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner));
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
@@ -58,13 +57,13 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let list = select(SKY, TO_RESOLVE, anything);
     let tile_index = (corner.y - frame.row_begin) / TILE * tiles_across() + corner.x / TILE;
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
-    count_pixel(right_index(corner));
-    count_view(corner.y, RIGHT, 0u, nodes_visited, primitives_tested);
+    count_pixel(corner);
+    count_view(corner.y, 0u, nodes_visited, primitives_tested);
 }
 
 fn search(tile: Tile, lists: u32, limit: f32) {
     let projection = projection_of(tile);
-    let offsets = offsets_from(frame.right_eye);
+    let offsets = offsets_from(frame.target_eye);
     var links: array<u32, STACK_SIZE + LEAVES>;
     links[0] = DONE;
     var top = 0u;

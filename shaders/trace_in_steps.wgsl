@@ -2,19 +2,17 @@
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work, until all have finished
 // updates steps     a lane per thread of the launch
-// writes  color     [height * width]      linear RGB, 1
-// writes  hits      [2 * height * width]  the eye's half: depth along the view axis, primitive id
-// adds    counters  [height * COUNTERS]   and a map of costs behind them, if one is asked for
+// writes  view      [height * width]
+// adds    counters  [height * COUNTERS], and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> color: array<vec4f>;
-@group(1) @binding(2) var<storage, read_write> hits: array<PixelHit>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
 
 // The lane of a thread: threads of a launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {
     let workgroups = (frame.image_size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
-    return id.y * workgroups * WORKGROUP + id.x;
+    return launched_row(id) * workgroups * WORKGROUP + id.x;
 }
 
 fn seen_by(rays: Rays, wanted: B) -> Hits {
@@ -32,17 +30,14 @@ fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     if !any_ray(wanted) || !begin_step(lane_of(id)) { return; }
-    let left = frame.eye == LEFT;
-    let eye = select(frame.right_eye, frame.left_eye, left);
-    let corner = select(frame.right_corner, frame.left_corner, left);
-    let rays = Rays(eye, pixel_directions(corner, pixels));
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
     let seen = seen_by(rays, wanted);
     if !paused {
         let samples = shade(rays, seen, surfaces_at(rays, seen));
-        if !paused { keep_pixels(pixels, wanted, samples); }
+        if !paused { keep_view(pixels, wanted, samples); }
     }
     end_step();
     let first = pixel_of_ray(pixels, 0u);
-    count_pixel(select(right_index(first), pixel_index(first), left));
-    count_view(first.y, frame.eye, shadow_rays - to_count_again, nodes_visited, primitives_tested);
+    count_pixel(first);
+    count_view(first.y, shadow_rays - to_count_again, nodes_visited, primitives_tested);
 }

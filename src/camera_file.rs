@@ -19,7 +19,7 @@ impl StereoCamera {
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line or the camera and its field, if it is no JSON, has no such camera, or the camera is
+    /// [`Error::Parse`], naming the line or the camera and its field, if it is UTF-16 or no JSON, has no such camera, or the camera is
     /// invalid; [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         Self::from_json_within(path, name, width, height, &Limits::default())

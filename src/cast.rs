@@ -8,7 +8,7 @@ use crate::{
     Error, MISS, RaysPerLane, Renderer, UploadedScene,
     bvh::Texel,
     frame::targets::Target,
-    gpu::{Timestamps, bind_group, bind_group_at},
+    gpu::{Texels, Timestamps, bind_group, bind_group_at},
     kernels::{Access::Write, Kernel, STEPS_BINDING, Touches},
     lanes::{DISPATCHES, Lanes},
     layout::{self, LIST_WORKGROUP},
@@ -101,25 +101,11 @@ impl Renderer {
     /// the list are traced together: the more alike they are, the faster. Where a thread traces four rays
     /// ([`RaysPerLane`]), lists in which each four have one origin take that way, and others a ray a thread.
     ///
-    /// ```
-    /// use stereotrace::{Gpu, Material, Ray, Renderer, Scene, Sphere, glam::Vec3};
-    ///
-    /// let mut scene = Scene::new();
-    /// let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
-    /// scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, grey))?;
-    /// let renderer = Renderer::new(Gpu::new()?);
-    /// let uploaded = renderer.upload(&scene)?;
-    /// let rays = [-Vec3::Z, Vec3::Z].map(|direction| Ray::new(4.0 * Vec3::Z, direction));
-    /// let cast = renderer.closest_hits(&uploaded, &rays)?;
-    /// assert_eq!([cast.hits[0].t, cast.hits[1].t], [3.0, f32::INFINITY]);
-    /// # Ok::<(), stereotrace::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::ForeignScene`] for a scene
     /// that another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
-    pub fn closest_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
-        let cast = pollster::block_on(self.cast::<[u32; 2]>(scene, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]))?;
+    pub async fn closest_hits_async(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
+        let cast = self.cast::<[u32; 2]>(scene, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]).await?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
             MISS => RayHit { t: f32::INFINITY, primitive },
             _ => RayHit { t: f32::from_bits(t), primitive },
@@ -128,12 +114,12 @@ impl Renderer {
     }
 
     /// Whether each ray hits anything within its limits: for shadows and visibility, faster than
-    /// [`Renderer::closest_hits`].
+    /// [`Renderer::closest_hits_async`].
     ///
     /// # Errors
-    /// As [`Renderer::closest_hits`].
-    pub fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
-        let cast = pollster::block_on(self.cast::<u32>(scene, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]))?;
+    /// As [`Renderer::closest_hits_async`].
+    pub async fn any_hits_async(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
+        let cast = self.cast::<u32>(scene, rays, [&ANY_HITS, &ANY_HITS_IN_STEPS]).await?;
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
@@ -173,6 +159,8 @@ struct List<'a> {
     count: u32,
     frame: wgpu::Buffer,
     table: wgpu::BindGroup,
+    /// What it binds.
+    _rays: Texels,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
     timestamps: Option<Timestamps>,
@@ -189,8 +177,8 @@ impl<'a> List<'a> {
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
         let frame = layout::Frame { image_size: [count, 1], ..Default::default() };
-        let upload = || {
-            let table = gpu.upload("rays", &texels(rays), fetch)?;
+        let table = gpu.upload("rays", &texels(rays), fetch).await?;
+        let make = || {
             let layout = &renderer.kernels.layouts(fetch).table;
             Ok(Self {
                 renderer,
@@ -199,12 +187,13 @@ impl<'a> List<'a> {
                 count,
                 frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
                 table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
+                _rays: table,
                 found: gpu.storage_buffer("found", (answer_bytes * rays.len()) as u64),
                 counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
                 timestamps: Timestamps::new(gpu),
             })
         };
-        gpu.checked(upload).await
+        gpu.checked(make).await
     }
 
     fn threads(&self) -> u32 {
@@ -247,7 +236,7 @@ impl<'a> List<'a> {
             match self.dispatch(kernel, Some(&lanes), DISPATCHES).await? {
                 0 if lanes.unfinished(gpu).await? == 0 => return Ok(()),
                 0 => {}
-                threads => return Err(Error::cut_short(u64::from(threads), "threads")),
+                threads => return Err(Error::cut_short(u64::from(threads))),
             }
         }
     }
@@ -271,6 +260,14 @@ impl<'a> List<'a> {
         cast.hits.extend(gpu.read::<T>(&self.found, self.count as usize).await?);
         cast.time = cast.time.zip(time).map(|(sum, time)| sum + time);
         Ok(())
+    }
+}
+
+impl Drop for List<'_> {
+    fn drop(&mut self) {
+        for buffer in [&self.frame, &self.found, &self.counters] {
+            buffer.destroy(); // as Texels
+        }
     }
 }
 

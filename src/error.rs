@@ -2,7 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::message::{escaped, tidy};
+use crate::message::{counted, escaped, tidy};
+
+/// A browser brings its own.
+const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
+    ""
+} else {
+    ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
+};
 
 /// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
 /// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
@@ -14,11 +21,9 @@ use crate::message::{escaped, tidy};
 pub enum Error {
     /// No graphics driver offers an adapter that fits.
     #[non_exhaustive]
-    #[error(
-        "no graphics adapter found{wanted}: {reason}. On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
-    )]
+    #[error("no graphics adapter found{}: {}{ADAPTER_REMEDY}", tidy(wanted), tidy(reason))]
     NoAdapter {
-        /// What was asked for, as ` for STEREOTRACE_ADAPTER=…, WGPU_BACKEND=…`, or empty.
+        /// What was asked for, as ` for the name '…', WGPU_BACKEND=…`, or empty.
         wanted: String,
         /// What the driver loader said, or which adapters there are.
         reason: String,
@@ -184,9 +189,9 @@ impl Error {
     }
 
     /// A driver ended a kernel's loops before their work was done.
-    pub(crate) fn cut_short(count: u64, what: &str) -> Self {
+    pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
-            what: format!("the tracing of {count} {what}"),
+            what: format!("the tracing of {}", counted(threads, "thread", "threads")),
             needed: "more rounds of its loops".into(),
             limit: "bound on the loops of a thread",
             allowed: "reached (llvmpipe's is 65535)".into(),
@@ -205,6 +210,7 @@ mod tests {
         let errors = [
             Error::parse(&odd, Some(3), &*odd),
             Error::Scene { element: odd.clone(), reason: odd.clone() },
+            Error::NoAdapter { wanted: odd.clone(), reason: odd.clone() },
             Error::unknown_name("method", &odd, &[&odd]),
             Error::io(&odd, std::io::Error::other("full")),
         ];

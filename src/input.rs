@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use crate::{Error, Gpu};
+use crate::{Error, Gpu, message::counted};
 
 /// How large a file may be that the library reads. A larger one is an error, before it takes memory.
 ///
@@ -100,7 +100,7 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     if bytes > limit {
         return Err(Error::TooLarge {
             path: path.into(),
-            size: format!("the file has {bytes} bytes"),
+            size: format!("the file has {}", counted(bytes, "byte", "bytes")),
             limit,
             remedy: format!("raise it by {raised_by}, if it is right"),
         });
@@ -108,7 +108,8 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     Ok((file, bytes))
 }
 
-/// A file's content, as much of it as the file said it had: what the system makes up as it is read (/proc) has no size.
+/// A text's bytes, as many of them as the file said it had: what the system makes up as it is read (/proc) has no size.
+/// UTF-16 is an error.
 #[cfg(any(feature = "obj", feature = "json"))]
 pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     use std::io::Read;
@@ -116,7 +117,12 @@ pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, 
     let (file, bytes) = open(path, limit, raised_by)?;
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(bytes).read_to_end(&mut content).map_err(|source| Error::io(path, source))?;
-    Ok(content)
+    let utf_16 = match content[..] {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, by its byte order mark",
+        [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",
+        _ => return Ok(content),
+    };
+    Err(Error::parse(path, None, format!("it is {utf_16}; save it as UTF-8")))
 }
 
 fn check_type(path: &Path, found: FileType) -> Result<(), Error> {

@@ -7,8 +7,9 @@ use crate::{
     frame::targets::Target,
     gpu::{Gpu, Pipeline, Pipelines, Program, entry, layout_of, storage_type, texture_type, uniform_type},
     layout,
+    steps::resolve::TAKE_OVER,
     traversal::Fetch,
-    variant::{Kept, Part, Variant},
+    variant::{Part, Variant},
 };
 
 /// How a kernel uses a storage buffer of its own.
@@ -53,7 +54,10 @@ pub(crate) struct Kernel {
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound what threads keep from step to step (`src/lanes.rs`), and the texture of left samples.
+/// Where in group 1 is bound linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
+/// and the texture of a source's samples.
+const SOURCE_LINEAR_BINDING: u32 = 12;
+const LINEAR_BINDING: u32 = 13;
 pub(crate) const STEPS_BINDING: u32 = 14;
 pub(crate) const SAMPLES_BINDING: u32 = 15;
 
@@ -87,10 +91,22 @@ impl Kernel {
         if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
     }
 
-    /// How a kernel uses the texture of left samples, at `SAMPLES_BINDING` of group 1.
+    /// Linear colour that it uses, where somebody wants it, and where that is bound in group 1.
+    pub(crate) fn linear(&self, with: &Variant) -> &'static [(Target, u32)] {
+        match self.touches {
+            _ if !with.linear => &[],
+            Touches::Shading => &[(Target::Linear, LINEAR_BINDING)],
+            Touches::Pixels if self.name == TAKE_OVER.name => {
+                &[(Target::SourceLinear, SOURCE_LINEAR_BINDING), (Target::Linear, LINEAR_BINDING)]
+            }
+            _ => &[],
+        }
+    }
+
+    /// How a kernel uses the texture of a source's samples, at `SAMPLES_BINDING` of group 1.
     pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
-            "trace_left" if with.hits == Kept::Samples => Some(Write),
+            "trace_left" if with.samples => Some(Write),
             "resolve_tiles" | "trace_bounded" | "shade_listed" => Some(Read),
             _ => None,
         }
@@ -155,6 +171,9 @@ impl Kernels {
         let mut own = vec![entry(0, uniform_type())];
         for (index, (_, access)) in kernel.storage.iter().enumerate() {
             own.push(entry(index as u32 + 1, storage_type(*access == Read)));
+        }
+        for (target, binding) in kernel.linear(with) {
+            own.push(entry(*binding, storage_type(*target == Target::SourceLinear)));
         }
         if kernel.in_steps() {
             own.push(entry(STEPS_BINDING, storage_type(false)));

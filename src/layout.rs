@@ -6,14 +6,14 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Frame {
-    pub(crate) left_eye: [f32; 3],
-    pub(crate) interaxial_px: f32,
-    pub(crate) right_eye: [f32; 3],
+    pub(crate) source_eye: [f32; 3],
+    pub(crate) parallax_px: f32,
+    pub(crate) target_eye: [f32; 3],
     pub(crate) screen_distance: f32,
-    pub(crate) left_corner: [f32; 3],
-    pub(crate) interaxial: f32,
-    pub(crate) right_corner: [f32; 3],
-    pub(crate) eye: u32,
+    pub(crate) source_corner: [f32; 3],
+    pub(crate) shift: f32,
+    pub(crate) target_corner: [f32; 3],
+    pub(crate) same_parallax: f32,
     pub(crate) step_x: [f32; 3],
     pub(crate) buffer_depth: u32,
     pub(crate) step_y: [f32; 3],
@@ -22,12 +22,9 @@ pub(crate) struct Frame {
     pub(crate) row_end: u32,
     pub(crate) image_size: [u32; 2],
     pub(crate) longest: f32,
-    pub(crate) spread_8: u32,
+    pub(crate) runs: u32,
     pub(crate) forward: [f32; 3],
     pub(crate) wider: f32,
-    pub(crate) spread_16: u32,
-    pub(crate) spread_64: u32,
-    pub(crate) _pad: [u32; 2],
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.
@@ -40,16 +37,15 @@ pub(crate) struct Bvh {
     pub(crate) zero: u32,
 }
 
-/// `PixelHit` of `shaders/shared/hits_ids.wgsl`.
+/// `Pixel` of shaders/shared/types.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct PixelHit {
+pub(crate) struct Pixel {
     pub(crate) depth: f32,
-    pub(crate) primitive: u32,
+    pub(crate) slot: u32,
+    pub(crate) marks: u32,
+    pub(crate) color: u32,
 }
-
-/// The place in `primitives` within the word that `hits_samples.wgsl` keeps of a pixel; all bits: nothing hit.
-pub(crate) const NO_SLOT: u32 = 0x0fff_ffff;
 
 /// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of nothing, and no entries.
 pub(crate) const EMPTY_LIST: [u32; 4] = [0, 1, 1, 0];
@@ -73,21 +69,20 @@ pub(crate) const LIST_WORKGROUP: u32 = 64;
 /// Pixels of a tile's side (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
 
-/// Words of `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
-pub(crate) const COUNTERS: usize = 13;
-pub(crate) const VIEW_WORDS: usize = 3;
+/// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
+pub(crate) const COUNTERS: usize = 10;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
 pub(crate) const PRIMITIVES_TESTED: usize = 2;
-pub(crate) const BAD_PIXELS: usize = 6;
-pub(crate) const MISSED_PIXELS: usize = 7;
-pub(crate) const LOST_CANDIDATES: usize = 8;
-pub(crate) const NEAREST_DEPTH: usize = 9;
-pub(crate) const FARTHEST_DEPTH: usize = 10;
-pub(crate) const CUT_SHORT: usize = 11;
-pub(crate) const GAP_PIXELS: usize = 12;
+pub(crate) const BAD_PIXELS: usize = 3;
+pub(crate) const MISSED_PIXELS: usize = 4;
+pub(crate) const LOST_CANDIDATES: usize = 5;
+pub(crate) const NEAREST_DEPTH: usize = 6;
+pub(crate) const FARTHEST_DEPTH: usize = 7;
+pub(crate) const CUT_SHORT: usize = 8;
+pub(crate) const GAP_PIXELS: usize = 9;
 
-/// Marks of right pixels (`shaders/shared/marks.wgsl`).
+/// Marks of pixels (`shaders/shared/marks.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;

@@ -29,7 +29,7 @@
 //! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
 //! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
 //! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (and `trace_listed`, its second half),
-//!    `compose`.
+//!    `take_over`.
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
@@ -38,7 +38,7 @@
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
 //!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky, trace_bounded and
 //!                                shade_listed for resolve_right)
-//!              ─▶ compose        8-bit sRGB of both views
+//!              ─▶ take_over      reused pixels become those of their source
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
@@ -46,21 +46,36 @@
 //!
 //! # Adapters
 //!
-//! Any adapter that wgpu offers will do, software ones included; the environment variable `STEREOTRACE_ADAPTER`
-//! (`software`, or a part of a name) chooses, and `WGPU_BACKEND` (`vulkan`, `gl`, …) the backend. The tests of pictures
+//! Any adapter that wgpu offers will do, software ones included. [`Gpu::open`] takes an [`Adapter`]; [`Gpu::new`] asks the
+//! environment variable `STEREOTRACE_ADAPTER` (`software`, or a part of a name), and `WGPU_BACKEND` (`vulkan`, `gl`, …) chooses the backend. The tests of pictures
 //! pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL (`scripts/other_drivers.sh`). A device of the caller's must
 //! have [`Gpu::required_limits`]. The library prints nothing: messages go through the `log` facade. (Mesa prints a line
 //! about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
 //!
+//! # Waiting
+//!
+//! Each operation that waits for the device is there twice: as an async function (`…_async`), and as one that blocks. Futures are
+//! `Send` but on wasm32. On native targets the thread that polls one is blocked while the device works, since nobody else
+//! drives it; in a browser nothing is.
+//!
 //! # Features
 //!
-//! `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras) are on by default; the core builds without.
+//! On by default, and none of them needed by the core:
+//! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
+//! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
+//! - `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras). On
+//!   wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//!
+//! Off by default: `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
+//! ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
 pub use glam;
 pub use wgpu;
 
 mod auto;
+#[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
+mod blocking;
 mod bvh;
 pub mod camera;
 #[cfg(feature = "json")]
@@ -88,6 +103,7 @@ pub mod output;
 pub mod pair;
 mod random;
 pub mod renderer;
+mod rig;
 pub mod scene;
 mod steps;
 pub mod traversal;
@@ -96,17 +112,19 @@ mod upload;
 mod variant;
 
 pub use auto::Choice;
+#[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
+pub use blocking::render_stereo;
 pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use disparity::Occlusion;
 pub use error::Error;
-pub use gpu::Gpu;
+pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
-pub use renderer::{GBuffer, Options, Progress, Renderer, render_stereo};
+pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};

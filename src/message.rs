@@ -1,5 +1,7 @@
 //! Text of files in messages: a name in a file must not steer a terminal, nor fill it.
 
+use std::fmt::Display;
+
 /// Longer words are cut in their middle, so that the quotation mark and colon at a name's end stay.
 const LONGEST_WORD: usize = 80;
 /// How much of a cut word stands behind the cut.
@@ -24,6 +26,16 @@ pub(crate) fn escaped(text: &str) -> String {
         if steers(c) { result.extend(c.escape_default()) } else { result.push(c) }
     }
     result
+}
+
+/// A number with its noun: `1 triangle`, `2 triangles`.
+pub(crate) fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+    format!("{count} {}", noun(count, one, many))
+}
+
+/// The noun behind a number.
+pub(crate) fn noun<'a, N: PartialEq + From<u8>>(count: N, one: &'a str, many: &'a str) -> &'a str {
+    if count == N::from(1) { one } else { many }
 }
 
 fn cut_word(word: &str) -> String {
@@ -55,6 +67,12 @@ mod tests {
         assert_eq!(cut.split(' ').nth(1).unwrap().chars().count(), 80);
         // Escaped first: a word of control characters is no way around.
         assert_eq!(tidy(&"\u{1}".repeat(50)).chars().count(), 80);
+    }
+
+    #[test]
+    fn one_is_singular_and_all_else_plural() {
+        let counts = [0, 1, 2, 11].map(|count: usize| counted(count, "vertex", "vertices"));
+        assert_eq!(counts, ["0 vertices", "1 vertex", "2 vertices", "11 vertices"]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How far two views differ: the accuracy figures of DESIGN, section 7.
 
-use crate::{Error, MISS, Pose, View};
+use crate::{Error, MISS, Pose, View, message::counted};
 
 /// Parallaxes of one surface differ by less than this, in pixels.
 const SAME_SURFACE_PX: f64 = 1.0;
@@ -99,7 +99,7 @@ fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error
     for one in [view, truth] {
         for count in [one.rgba8.len(), one.depth.len(), one.object.len()] {
             if count != pixels {
-                let value = format!("{} with {count} pixels", by(width, height));
+                let value = format!("{} with {}", by(width, height), counted(count, "pixel", "pixels"));
                 return fault(value, "every list of a view must have width * height entries");
             }
         }

@@ -1,6 +1,6 @@
 //! What a render returns: two views, where each right pixel came from, and what it cost.
 
-use std::time::Duration;
+use std::{borrow::Cow, sync::LazyLock, time::Duration};
 
 use crate::{Choice, Method, Pose};
 
@@ -17,7 +17,7 @@ pub struct View {
     pub height: u32,
     /// The picture, sRGB-encoded, alpha 255.
     pub rgba8: Vec<[u8; 4]>,
-    /// The picture, linear RGB in 0 to 1, alpha 1.
+    /// The picture, linear RGB in 0 to 1, alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
     pub linear: Vec<[f32; 4]>,
     /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` where nothing was hit.
     pub depth: Vec<f32>,
@@ -175,7 +175,28 @@ pub struct StereoPair {
     pub pose: Pose,
 }
 
+/// Linear values of 8-bit sRGB ones.
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let encoded = byte as f64 / 255.0;
+        let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
+        linear as f32
+    })
+});
+
 impl View {
+    /// The picture as linear RGB and alpha: [`View::linear`] if that was kept, else decoded from [`View::rgba8`].
+    pub fn light(&self) -> Cow<'_, [[f32; 4]]> {
+        if !self.linear.is_empty() {
+            return Cow::Borrowed(&self.linear);
+        }
+        let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
+            let [red, green, blue] = [red, green, blue].map(|byte| LINEAR[usize::from(byte)]);
+            [red, green, blue, f32::from(alpha) / 255.0]
+        };
+        self.rgba8.iter().map(decoded).collect()
+    }
+
     /// Nearest and farthest depth; the farthest is infinite where there is sky, both where there is nothing else.
     pub fn depth_range(&self) -> (f32, f32) {
         let fold = |(near, far): (f32, f32), &z: &f32| (near.min(z), far.max(z));

@@ -1,10 +1,12 @@
 //! The renderer: scenes and cameras in, pairs out.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Once};
 
+#[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
+pub use crate::blocking::render_stereo;
 use crate::{
-    Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
-    kernels::Kernels, lanes::Steps, traversal::Traversal,
+    BvhBuild, Error, Gpu, Method, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, frame, gpu::Timestamps,
+    kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
 };
 
 /// What to render with.
@@ -19,6 +21,8 @@ pub struct Options {
     pub cost_map: bool,
     /// What is kept of each pixel besides its colour.
     pub g_buffer: GBuffer,
+    /// Keep linear colour too, as [`View::linear`](crate::View::linear).
+    pub linear: bool,
 }
 
 /// What is kept of each pixel besides its colour.
@@ -30,14 +34,14 @@ pub enum GBuffer {
     Ids,
     /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
     Depth,
-    /// Nothing: [`View::depth`](crate::View::depth) stays empty too. The reuse methods keep depth on the device all the same.
+    /// Nothing: [`View::depth`](crate::View::depth) stays empty too.
     None,
 }
 
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids }
+        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, linear: false }
     }
 
     /// How the right view is made.
@@ -55,6 +59,12 @@ impl Options {
     /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
     pub fn cost_map(mut self, cost_map: bool) -> Self {
         self.cost_map = cost_map;
+        self
+    }
+
+    /// Whether [`View::linear`](crate::View::linear) is kept too.
+    pub fn linear(mut self, linear: bool) -> Self {
+        self.linear = linear;
         self
     }
 
@@ -83,13 +93,21 @@ pub struct Progress {
     pub done: f32,
 }
 
+/// A callback that is told how far a frame is, and may stop it. It can go to another thread with its frame, but for wasm32,
+/// where nothing of a browser's can.
+#[cfg(not(target_arch = "wasm32"))]
+pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a;
+
+/// A callback that is told how far a frame is, and may stop it.
+#[cfg(target_arch = "wasm32")]
+pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+
 /// Renders stereo pairs; keeps kernels and buffers from frame to frame.
 ///
 /// ```no_run
-/// use stereotrace::{Gpu, Method, Options, Renderer, Scene, StereoCamera};
+/// use stereotrace::{Builtin, Gpu, Method, Options, Renderer};
 ///
-/// let scene = Scene::from_obj("bunny.obj")?;
-/// let camera = StereoCamera::fitting(scene.bounds().expect("the file has triangles"), 800, 600);
+/// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(800, 600));
 /// let mut renderer = Renderer::new(Gpu::new()?);
 /// let uploaded = renderer.upload(&scene)?;
 /// for method in [Method::Naive, Method::ATOMIC] {
@@ -107,7 +125,11 @@ pub struct Renderer {
     pub(crate) cache: frame::Cache,
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
+    /// Parts that rows of workgroups are dealt to (`launched_row` of shaders/shared/types.wgsl).
+    pub(crate) runs: u32,
     pub(crate) steps: Steps,
+    /// Done when a scene was warned of that is far from the origin.
+    pub(crate) rounding_warned: Once,
 }
 
 impl Renderer {
@@ -125,7 +147,9 @@ impl Renderer {
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::BAND_PIXELS,
+            runs: gpu.threads(),
             steps: Steps::default(),
+            rounding_warned: Once::new(),
             gpu,
         }
     }
@@ -133,33 +157,6 @@ impl Renderer {
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
-    }
-
-    /// Renders a pair, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::render_async`].
-    pub fn render(
-        &mut self,
-        scene: &UploadedScene,
-        camera: &StereoCamera,
-        options: &Options,
-    ) -> Result<StereoPair, Error> {
-        self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Renders a pair, blocking, with a callback for progress.
-    ///
-    /// # Errors
-    /// As [`Renderer::render_async`].
-    pub fn render_with(
-        &mut self,
-        scene: &UploadedScene,
-        camera: &StereoCamera,
-        options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
-    ) -> Result<StereoPair, Error> {
-        pollster::block_on(self.render_async(scene, camera, options, progress))
     }
 
     /// Renders a pair; `progress` is called after every band of rows, and may stop the frame.
@@ -173,27 +170,26 @@ impl Renderer {
         scene: &UploadedScene,
         camera: &StereoCamera,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
-        let pose = camera.pose()?;
-        let traced = self.trace_async(scene, &pose, options, progress).await?;
-        self.read_pair(scene, pose, options, traced).await
+        let eyes = Eyes::pair(&camera.pose()?);
+        let traced = self.trace_frame(scene, &eyes, options, progress).await?;
+        self.read_pair(scene, options, traced).await
     }
 
     /// Runs the passes of a frame without reading the pictures back: for benchmarks.
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
-    pub fn trace(
+    pub async fn trace_async(
         &mut self,
         scene: &UploadedScene,
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<Statistics, Error> {
-        let pose = camera.pose()?;
-        let mut go_on = |_| ControlFlow::Continue(());
-        let traced = self.trace_async(scene, &pose, options, &mut go_on);
-        pollster::block_on(traced).map(|traced| traced.statistics)
+        let eyes = Eyes::pair(&camera.pose()?);
+        let traced = self.trace_frame(scene, &eyes, options, &mut |_| ControlFlow::Continue(())).await?;
+        Ok(traced.pair_statistics())
     }
 }
 
@@ -201,9 +197,10 @@ impl Renderer {
 /// more than one picture keep a [`Renderer`].
 ///
 /// # Errors
-/// As [`Gpu::new`], [`Renderer::upload`] and [`Renderer::render`].
-pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
-    let mut renderer = Renderer::new(Gpu::new()?);
-    let uploaded = renderer.upload(scene)?;
-    renderer.render(&uploaded, camera, &Options::default())
+/// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_async`].
+pub async fn render_stereo_async(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    let mut renderer = Renderer::new(Gpu::new_async().await?);
+    let uploaded = renderer.upload_async(scene, BvhBuild::Balanced).await?;
+    let mut go_on = |_| ControlFlow::Continue(());
+    renderer.render_async(&uploaded, camera, &Options::default(), &mut go_on).await
 }

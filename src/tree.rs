@@ -19,6 +19,7 @@ use obvhs::{
         morton::{morton_encode_u64_unorm, morton_encode_u128_unorm},
     },
 };
+#[cfg(not(target_arch = "wasm32"))]
 use rayon::{
     iter::{IndexedParallelIterator, ParallelIterator},
     slice::ParallelSliceMut,
@@ -38,7 +39,8 @@ const DEEP: u32 = 48;
 const STACK: usize = 256;
 /// Longer runs of equal Morton codes are sorted by finer codes.
 const LONG_RUN: usize = 8;
-/// With fewer nodes one thread is quicker than several, as in obvhs.
+/// With fewer nodes one thread is quicker than several, as in obvhs. (wasm32 has one.)
+#[cfg(not(target_arch = "wasm32"))]
 const PARALLEL: usize = 4000;
 
 /// Builds a tree over boxes. Of boxes whose primitives `compare` as equal only the first one gets into the tree.
@@ -139,7 +141,10 @@ fn push_sorted<C: Ord + Copy + Send>(
     compare: &impl Fn(u32, u32) -> Ordering,
     order: &mut Vec<u32>,
 ) {
+    #[cfg(not(target_arch = "wasm32"))]
     codes.par_sort_unstable_by_key(|&(code, _)| code);
+    #[cfg(target_arch = "wasm32")]
+    codes.sort_unstable_by_key(|&(code, _)| code);
     for run in codes.chunk_by(|a, b| a.0 == b.0) {
         match run {
             [(_, index)] => order.push(*index),
@@ -240,12 +245,14 @@ fn find_partners(nodes: &[Bvh2Node], distance: PlocSearchDistance, partners: &mu
 }
 
 fn find_within<const DISTANCE: usize>(nodes: &[Bvh2Node], partners: &mut [isize]) {
-    if nodes.len() < PARALLEL {
-        return find_part::<DISTANCE>(nodes, 0, partners);
+    #[cfg(not(target_arch = "wasm32"))]
+    if nodes.len() >= PARALLEL {
+        let length = nodes.len().div_ceil(4 * rayon::current_num_threads());
+        let parts = partners.par_chunks_mut(length).enumerate();
+        parts.for_each(|(part, partners)| find_part::<DISTANCE>(nodes, part * length, partners));
+        return;
     }
-    let length = nodes.len().div_ceil(4 * rayon::current_num_threads());
-    let parts = partners.par_chunks_mut(length).enumerate();
-    parts.for_each(|(part, partners)| find_part::<DISTANCE>(nodes, part * length, partners));
+    find_part::<DISTANCE>(nodes, 0, partners);
 }
 
 /// The best partner has the least area together with a node; of equal ones it is the last.

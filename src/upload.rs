@@ -1,19 +1,18 @@
 //! A scene on a device: its BVH and primitives, and the table that shading reads.
 
-use std::{
-    sync::OnceLock,
-    time::{Duration, Instant},
-};
+use std::{sync::OnceLock, time::Duration};
 
 use glam::Vec3;
+use web_time::Instant;
 
 use crate::{
     BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,
     auto::CostModel,
     bvh,
-    gpu::{self, Gpu, bind_group},
+    gpu::{self, Gpu, Texels, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
+    message::counted,
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
 };
@@ -23,8 +22,10 @@ use crate::{
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
+    /// What these two bind.
+    _texels: [Texels; 3],
     /// Made when edges are first asked for.
-    pub(crate) object_table: OnceLock<wgpu::BindGroup>,
+    pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
     pub(crate) objects: Vec<u32>,
     /// The scene's id of each primitive, in the BVH's order.
@@ -67,19 +68,18 @@ impl UploadedScene {
         close
     }
 
-    /// The primitives' objects, for the pass that tells edges by them.
+    /// The primitives' objects in the BVH's order, for the pass that tells edges by them.
     pub(crate) async fn upload_object_table(&self, gpu: &Gpu, kernels: &Kernels) -> Result<(), Error> {
         if self.object_table.get().is_some() {
             return Ok(());
         }
         let fetch = self.variant.traversal.fetch;
-        let upload = || {
-            let table = gpu.upload("object_table", &object_texels(&self.objects), fetch)?;
-            let layout = &kernels.layouts(fetch).table;
-            Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())))
-        };
-        let table = gpu.checked(upload).await?;
-        let _ = self.object_table.set(table); // another frame's is as good
+        let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
+        let table = gpu.upload("object_table", &object_texels(&objects), fetch).await?;
+        let layout = &kernels.layouts(fetch).table;
+        let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
+        let group = gpu.checked(bind).await?;
+        let _ = self.object_table.set((group, table)); // another frame's is as good
         Ok(())
     }
 
@@ -102,30 +102,18 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
-        self.upload_with(scene, BvhBuild::Balanced)
-    }
-
-    /// Builds a scene's BVH with a given effort and uploads it, blocking.
-    ///
-    /// # Errors
-    /// As [`Renderer::upload_async`].
-    pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
-        pollster::block_on(self.upload_async(scene, build))
-    }
-
     /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
-    /// textures, and the other way round.
+    /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
+    /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
     /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         scene.check()?;
+        if let Some(warning) = scene.rounding_warning() {
+            self.rounding_warned.call_once(|| log::warn!("{warning}")); // a film uploads a scene for each picture
+        }
         let started = Instant::now();
         let packed = bvh::build(scene, build, self.traversal.boxes)?;
         let built = started.elapsed();
@@ -133,21 +121,22 @@ impl Renderer {
         let traversal = self.traversal.fetch(fetch);
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
-        let upload = || {
-            let nodes = gpu.upload("nodes", &packed.nodes, fetch)?;
-            let primitives = match fetch {
-                Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch)?,
-                Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch)?,
-            };
-            let texels = texels_before_sky(scene) + sky_pixels(scene).len();
-            let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch)?;
+        let nodes = gpu.upload("nodes", &packed.nodes, fetch).await?;
+        let primitives = match fetch {
+            Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch).await?,
+            Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch).await?,
+        };
+        let texels = texels_before_sky(scene) + sky_pixels(scene).len();
+        let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch).await?;
+        let bind = || {
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
             Ok(UploadedScene {
                 geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
-                object_table: OnceLock::new(),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
+                _texels: [nodes, primitives, table],
+                object_table: OnceLock::new(),
                 variant: Variant::of(scene, traversal, &packed),
                 lights: scene.lights.iter().map(|light| light.position).collect(),
                 large: LargePrimitives::of(scene),
@@ -164,7 +153,7 @@ impl Renderer {
                 ids: packed.ids,
             })
         };
-        let mut uploaded = gpu.checked(upload).await?;
+        let mut uploaded = gpu.checked(bind).await?;
         uploaded.info.upload = started.elapsed() - built;
         Ok(uploaded)
     }
@@ -200,7 +189,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         });
     }
     Err(Error::Limit {
-        what: format!("a scene of {primitives} primitives"),
+        what: format!("a scene of {}", counted(primitives, "primitive", "primitives")),
         needed: format!("{needed} texels of 16 bytes"),
         limit,
         allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),
@@ -238,7 +227,7 @@ fn shading_table(scene: &Scene) -> impl Iterator<Item = bvh::Texel> {
     head.into_iter().chain(lights.chain(albedos).chain(sky_pixels(scene).iter().copied()).map(plain))
 }
 
-/// The object of each primitive, four a texel.
+/// Objects, four a texel.
 fn object_texels(objects: &[u32]) -> Vec<bvh::Texel> {
     let texel = |four: &[u32]| std::array::from_fn(|index| four.get(index).copied().unwrap_or(crate::MISS));
     if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }

@@ -4,15 +4,14 @@
 //! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    Check, GBuffer, Method, Scene, ShadowReuse, Sky,
+    Scene, ShadowReuse, Sky,
     bvh::PackedBvh,
     kernels::{
         Access::{Read, Write},
         Kernel, Touches,
     },
     large::LARGE,
-    layout,
-    steps::bracket::SEARCH_TILES,
+    steps::{bracket::SEARCH_TILES, resolve::TAKE_OVER},
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
 
@@ -87,38 +86,6 @@ impl SkyKind {
     }
 }
 
-/// What kernels keep of each pixel besides its colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Kept {
-    /// What `bracket` needs of a left sample.
-    Samples,
-    Ids,
-    Depth,
-    None,
-}
-
-impl Kept {
-    /// What a method's frame keeps on the device, at least what the user wants of it.
-    pub(crate) fn of(wanted: GBuffer, method: Method) -> Self {
-        match (wanted, method) {
-            (_, Method::Auto | Method::Bracket(_)) => Self::Samples,
-            // Edges are told by objects.
-            (_, Method::Atomic(Check::Edges) | Method::Buffer(_, Check::Edges)) | (GBuffer::Ids, _) => Self::Ids,
-            (_, Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_)) | (GBuffer::Depth, _) => Self::Depth,
-            (GBuffer::None, Method::Naive | Method::Ideal) => Self::None,
-        }
-    }
-
-    /// Bytes of a `PixelHit`.
-    pub(crate) fn bytes(self) -> u64 {
-        match self {
-            Self::Samples | Self::Ids => size_of::<layout::PixelHit>() as u64,
-            Self::Depth => 4,
-            Self::None => 0,
-        }
-    }
-}
-
 /// What a pipeline is specialised to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
@@ -133,7 +100,10 @@ pub(crate) struct Variant {
     pub(crate) world_boxes: bool,
     /// An eye or a light is close to a large primitive.
     pub(crate) close: bool,
-    pub(crate) hits: Kept,
+    /// What views take over of a source's samples is kept.
+    pub(crate) samples: bool,
+    /// Linear colour is kept.
+    pub(crate) linear: bool,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     /// Which shadow bits are taken over.
@@ -156,7 +126,8 @@ impl Variant {
         sky: SkyKind::Constant,
         world_boxes: false,
         close: false,
-        hits: Kept::Ids,
+        samples: false,
+        linear: false,
         stack_size: 0,
         bits: ShadowReuse::Rays,
         count: false,
@@ -175,7 +146,8 @@ impl Variant {
             sky: SkyKind::of(&scene.sky),
             world_boxes: packed.world_boxes,
             close: false,
-            hits: Kept::Ids,
+            samples: false,
+            linear: false,
             stack_size: packed.stack_size,
             bits: ShadowReuse::Rays,
             count: false,
@@ -186,16 +158,17 @@ impl Variant {
     /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
         match kernel.touches {
-            Touches::Pixels => Self { hits: self.hits, ..Self::PIXELS },
-            Touches::Objects => Self { hits: self.hits, traversal: self.traversal, ..Self::PIXELS },
-            Touches::Geometry => {
-                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, bits: ShadowReuse::Rays, ..self }
-            }
+            Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
+            Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
+            Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
             Touches::Shading => self,
-            Touches::RayList => {
-                Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, hits: Kept::None, ..self }
-            }
+            Touches::RayList => Self { bits: ShadowReuse::Rays, ..self.unlit() },
         }
+    }
+
+    /// For kernels that shade nothing.
+    fn unlit(self) -> Self {
+        Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, samples: false, linear: false, ..self }
     }
 
     /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
@@ -210,13 +183,7 @@ impl Variant {
 impl Kernel {
     /// The files a kernel is made of, in order.
     pub(crate) fn parts(&self, with: &Variant) -> Vec<Part> {
-        let hits = match with.hits {
-            Kept::Samples => part!("shared/hits_samples.wgsl"),
-            Kept::Ids => part!("shared/hits_ids.wgsl"),
-            Kept::Depth => part!("shared/hits_depth.wgsl"),
-            Kept::None => part!("shared/hits_none.wgsl"),
-        };
-        let mut parts = vec![part!("shared/types.wgsl"), hits];
+        let mut parts = vec![part!("shared/types.wgsl")];
         if self.touches != Touches::Pixels {
             parts.push(match with.traversal.fetch {
                 Fetch::Texture => part!("shared/table_texture.wgsl"),
@@ -260,6 +227,16 @@ impl Kernel {
                 });
             }
             parts.push(part!("shared/shade.wgsl"));
+            parts.push(match with.linear {
+                true => part!("shared/linear_kept.wgsl"),
+                false => part!("shared/linear_none.wgsl"),
+            });
+        }
+        if self.name == TAKE_OVER.name {
+            parts.push(match with.linear {
+                true => part!("shared/linear_taken.wgsl"),
+                false => part!("shared/linear_left.wgsl"),
+            });
         }
         match self.samples(with) {
             Some(Read) => parts.push(part!("shared/samples_read.wgsl")),
@@ -279,8 +256,10 @@ impl Kernel {
     pub(crate) fn text(&self, with: &Variant) -> String {
         // Six samples are told apart by their normals, two have room for an occluder.
         let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
+        let bits = self.samples(with) == Some(Write);
         let mut text = format!(
-            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n"
+            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
+             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n"
         );
         for part in self.parts(with) {
             text += part.text;

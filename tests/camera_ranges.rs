@@ -111,7 +111,7 @@ fn at_the_edges_of_the_ranges_bracket_rays_shows_what_naive_does() {
         }
         let uploaded = renderer.upload(&scene).unwrap();
         let [naive, bracket] = [Method::Naive, Method::BRACKET_RAYS]
-            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap());
+            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap());
         rendered += 1;
         surfaces += naive.right.primitive.iter().filter(|&&primitive| primitive != MISS).count();
         if is_exact(&renderer) {
@@ -154,7 +154,7 @@ fn scenes_of_the_least_and_the_largest_scale_look_as_at_scale_one() {
                 .screen_distance(4.0 * scale)
                 .interaxial_pixels(3.0);
             [Method::Naive, Method::BRACKET_RAYS]
-                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method)).unwrap())
+                .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap())
         };
         let [at_one, _] = pairs(1.0);
         assert!(at_one.right.primitive.iter().filter(|&&primitive| primitive != MISS).count() > 100);
@@ -206,7 +206,7 @@ fn a_fitting_camera_shows_both_eyes_the_whole_of_any_box() {
 fn framed(renderer: &mut Renderer, scene: &Scene) -> StereoPair {
     let uploaded = renderer.upload(scene).unwrap();
     let camera = StereoCamera::fitting(scene.bounds().unwrap(), 48, 48);
-    renderer.render(&uploaded, &camera, &Options::default()).unwrap()
+    renderer.render(&uploaded, &camera, &Options::default().linear(true)).unwrap()
 }
 
 fn triangle(corners: [Vec3; 3]) -> Scene {

@@ -172,7 +172,7 @@ fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_softwar
     use stereotrace::{Gpu, Renderer, Sky, SkyMap, glam::Vec3};
 
     let _alone = Folder::new("upload");
-    let gpu = Gpu::open(&std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
+    let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
     let renderer = Renderer::new(gpu);
     let mut scene = Scene::new();
     renderer.upload(&scene).unwrap();
@@ -197,6 +197,9 @@ fn cameras_and_lights_are_read_within_limits_too() {
     assert!(message.contains("the file has 3 bytes, over the limit of 2"), "{message}");
     let message = refused(&path, Scene::new().light_from_json_within(&path, "a", &limits));
     assert!(message.contains("over the limit of 2"), "{message}");
+    folder.write("cameras.json", b"\xff\xfe{\0}\0");
+    let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
+    assert!(message.ends_with("it is UTF-16 text, by its byte order mark; save it as UTF-8"), "{message}");
     // A name of the file in an error steers no terminal.
     folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));

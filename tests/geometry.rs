@@ -320,7 +320,7 @@ fn a_gradient_sky_runs_from_nadir_to_zenith() {
             StereoCamera::look_at(Vec3::ZERO, target).up(Vec3::Z).size(5, 5).vertical_fov_degrees(1.0).interaxial(0.0);
         let mut renderer = renderer();
         let uploaded = renderer.upload(&scene).unwrap();
-        renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap().left.linear[12]
+        renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap().left.linear[12]
     };
     for (target, expected) in [(Vec3::Y, [0.0, 1.0]), (-Vec3::Y, [1.0, 0.0]), (Vec3::X, [0.5, 0.5])] {
         let found = look(target);

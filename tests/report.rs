@@ -47,7 +47,6 @@ fn record(method: &str, rays_shadow: u64, identical: f64) -> Record {
         pair_ms_min: 14.5,
         pair_ms_max: 14.5,
         fps: 69.0,
-        copy_ms: None,
         second_eye: 0.454,
         second_eye_counters: 0.131,
         speed_up: 0.4,

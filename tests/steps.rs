@@ -44,7 +44,7 @@ fn rays_that_meet_all_of_thirty_thousand_triangles_find_the_first() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     for method in [Method::Naive, Method::Auto, Method::ATOMIC] {
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
         if has_a_bound(&renderer) {
             assert!(pair.statistics.in_steps, "{method}");
             assert_eq!(pair.statistics.method, Method::Naive);
@@ -89,7 +89,7 @@ fn lights_without_number_light_what_their_sum_does() {
     let mut renderer = renderer();
     let mut render = |scene: &Scene, method| {
         let uploaded = renderer.upload(scene).unwrap();
-        (renderer.render(&uploaded, &camera, &Options::new(method)).unwrap(), has_a_bound(&renderer))
+        (renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap(), has_a_bound(&renderer))
     };
     let (one, _) = render(&scene, Method::Naive);
     // So many that the loop over them alone is cut.

@@ -271,7 +271,6 @@ fn record(step: &Step, measured: &Measured, figures: &MethodFigures, plan: &Plan
         pair_ms_min: figures.pair_ms.min,
         pair_ms_max: figures.pair_ms.max,
         fps: 1e3 / figures.pair_ms.median,
-        copy_ms: (figures.method == Method::Ideal).then(|| pass("compose")).flatten(),
         second_eye: figures.second_eye,
         second_eye_counters: figures.second_eye_counters(),
         speed_up: figures.speed_up,

@@ -23,8 +23,6 @@ pub(crate) struct Record {
     pub(crate) pair_ms_max: f64,
     /// Pairs a second.
     pub(crate) fps: f64,
-    /// Time in which the right view is made of the left one, of `ideal` only: its compose.
-    pub(crate) copy_ms: Option<f64>,
     /// (pair - left) / left, by time and by counters.
     pub(crate) second_eye: f64,
     pub(crate) second_eye_counters: f64,

@@ -173,7 +173,7 @@ impl Arguments {
             let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
             let names = Builtin::ALL.iter().map(|builtin| format!("builtin:{builtin}"));
             let names = Vec::from_iter(names).join(", ");
-            return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", self.scene.display()).into());
+            return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", crate::shown(&self.scene)).into());
         }
         Ok(Scene::from_obj_within(&self.scene, &self.limits())?)
     }

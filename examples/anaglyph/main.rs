@@ -11,13 +11,19 @@
 //! [`run`]; `arguments.rs` makes scene and camera of the command line, `report.rs` the table at the end.
 
 mod arguments;
+#[path = "../../src/message.rs"]
+#[allow(dead_code, reason = "the example uses a part of it")]
+mod message;
 mod report;
+#[cfg(test)]
+mod tests;
 
 use std::{
     error::Error,
     fs,
     io::{self, IsTerminal, Write},
     ops::ControlFlow,
+    path::Path,
     process::ExitCode,
     time::{Duration, Instant},
 };
@@ -42,7 +48,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(io::stderr(), "error: {}", single_line(&error.to_string()));
+            let _ = writeln!(io::stderr(), "error: {}", error_line(&*error));
             ExitCode::FAILURE
         }
     }
@@ -73,9 +79,28 @@ fn print(report: &str) -> Result<(), Box<dyn Error>> {
     }
 }
 
+/// An error's message as one line that does not steer the terminal.
+fn error_line(error: &dyn Error) -> String {
+    message::escaped(&single_line(&error.to_string()))
+}
+
 /// A message as one line: those of the graphics driver have several.
 fn single_line(text: &str) -> String {
     text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// A path as it is printed: names must not steer the terminal.
+fn shown(path: &Path) -> String {
+    message::escaped(&path.to_string_lossy())
+}
+
+/// Makes the folder to write into.
+fn make_folder(path: &Path) -> Result<(), String> {
+    let fault = |error: io::Error| match path.exists() {
+        true => format!("{}: it is no folder; --out takes a folder to write into", shown(path)),
+        false => format!("{}: the folder can't be made: {error}", shown(path)),
+    };
+    fs::create_dir_all(path).map_err(fault)
 }
 
 /// Renders and writes everything; returns the table.
@@ -84,7 +109,7 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let mut scene = arguments.scene()?;
     let camera = arguments.stereo_camera(&scene)?;
     arguments.light(&mut scene, &camera)?;
-    fs::create_dir_all(&arguments.out).map_err(|error| format!("{}: {error}", arguments.out.display()))?;
+    make_folder(&arguments.out)?;
     let mut read = begin.elapsed();
 
     let gpu = Gpu::new()?;
@@ -150,8 +175,9 @@ fn film(
     batch.commit()?;
     let each = |time: Duration| time.as_secs_f64() * 1e3 / f64::from(frames);
     Ok(format!(
-        "{frames} frames in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
-        arguments.out.display(),
+        "{} in {}, by {}: build and upload {:.1} ms each, render {:.1} ms each\n",
+        message::counted(frames, "frame", "frames"),
+        shown(&arguments.out),
         arguments.method,
         each(build),
         each(render),

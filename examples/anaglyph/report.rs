@@ -8,7 +8,10 @@ use std::{
 
 use stereotrace::{MISS, Scene, Statistics, StereoPair, metrics::Difference};
 
-use crate::arguments::Arguments;
+use crate::{
+    arguments::Arguments,
+    message::{counted, escaped, noun},
+};
 
 /// Time on the clock.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +98,8 @@ impl Report<'_> {
             for (index, (eye, work)) in eyes.into_iter().enumerate() {
                 let heading = if index == 0 { "work" } else { "" };
                 let (nodes, tests) = (work.nodes, work.primitive_tests);
-                line(f, heading, format!("{eye:<6}{nodes:>12} nodes{tests:>12} primitive tests"))?;
+                let (node, test) = (noun(nodes, "node", "nodes"), noun(tests, "test", "tests"));
+                line(f, heading, format!("{eye:<6}{nodes:>12} {node}{tests:>12} primitive {test}"))?;
             }
             line(f, "", format!("the second eye cost {:.3} of the first", statistics.second_eye()))?;
         }
@@ -109,14 +113,19 @@ impl Report<'_> {
             count => format!(" ({count} without area, dropped)"),
         };
         let (name, lights) = (self.arguments.scene_name(), self.scene.lights.len());
-        format!("{name}: {triangles} triangles{dropped}, {spheres} spheres, {lights} lights")
+        let triangles = counted(triangles, "triangle", "triangles");
+        let (spheres, lights) = (counted(spheres, "sphere", "spheres"), counted(lights, "light", "lights"));
+        format!("{name}: {triangles}{dropped}, {spheres}, {lights}")
     }
 
     fn method_line(&self) -> String {
         let (method, statistics) = (self.arguments.method, &self.pair.statistics);
         match statistics.buffer_depth {
             0 => method.to_string(),
-            slots => format!("{method}: {slots} slots a pixel, {} candidates lost", statistics.lost_candidates),
+            slots => {
+                let lost = counted(statistics.lost_candidates, "candidate", "candidates");
+                format!("{method}: {} a pixel, {lost} lost", counted(slots, "slot", "slots"))
+            }
         }
     }
 
@@ -135,8 +144,9 @@ impl Report<'_> {
     }
 }
 
+/// A line of the table. Names of scenes and files must not steer the terminal.
 fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
-    writeln!(f, "{heading:<11}{text}")
+    writeln!(f, "{heading:<11}{}", escaped(&text.to_string()))
 }
 
 fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {

@@ -9,8 +9,8 @@ fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, norm
     var row = first.y - 1u;
     var bits: u32;
     loop {
-        let before = smooth_bits(left_sample(vec2u(first.x, row)), point_parallax, component, normal, slot);
-        let after = smooth_bits(left_sample(vec2u(first.x + 1u, row)), point_parallax, component, normal, slot);
+        let before = smooth_bits(source_sample(vec2u(first.x, row)), point_parallax, component, normal, slot);
+        let after = smooth_bits(source_sample(vec2u(first.x + 1u, row)), point_parallax, component, normal, slot);
         let pair = agreeing(before, after);
         bits = select(agreeing(bits, pair), pair, row + 1u == first.y);
         row += 1u;
@@ -19,7 +19,7 @@ fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, norm
     return bits;
 }
 
-fn smooth_bits(sample: LeftSample, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+fn smooth_bits(sample: SourceSample, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
     let bits = vouched_bits(sample, point_parallax, component);
     let other = primitive_at(select(sample.other, slot, bits == 0u));
     // The side does not matter: beside each other and both seen, they are seen from the same.

@@ -6,9 +6,10 @@ const GROOVE: f32 = 1.0 / 128.0;
 
 // `way` is the point's place between the two, 0 to 1.
 fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    let before = left_sample(first);
-    let after = left_sample(first + vec2u(1u, 0u));
+    let before = source_sample(first);
+    let after = source_sample(first + vec2u(1u, 0u));
     let bits = agreeing(vouched_bits(before, point_parallax, component), vouched_bits(after, point_parallax, component));
-    let in_groove = point_parallax - mix(parallax(before.depth), parallax(after.depth), way) > GROOVE;
+    let deeper = point_parallax - mix(parallax(before.depth), parallax(after.depth), way);
+    let in_groove = select(deeper, -deeper, frame.parallax_px < 0.0) > GROOVE;
     return select(bits, bits & ~(bits << 16u), in_groove);
 }

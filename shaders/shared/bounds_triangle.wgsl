@@ -1,8 +1,8 @@
 // Least and largest column and row of a triangle's projection; everywhere if it reaches the plane of the eyes.
 fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
-    let a = primitive.a - frame.right_eye;
-    let b = primitive.b - frame.right_eye;
-    let c = primitive.c - frame.right_eye;
+    let a = primitive.a - frame.target_eye;
+    let b = primitive.b - frame.target_eye;
+    let c = primitive.c - frame.target_eye;
     let z = vec3f(dot(a, projection.forward), dot(b, projection.forward), dot(c, projection.forward));
     let near = min(z.x, min(z.y, z.z));
     let x = vec3f(dot(a, projection.column), dot(b, projection.column), dot(c, projection.column)) / z;
@@ -21,9 +21,9 @@ struct Edges {
 }
 
 fn triangle_edges(primitive: Primitive) -> Edges {
-    let a = primitive.a - frame.right_eye;
-    let b = primitive.b - frame.right_eye;
-    let c = primitive.c - frame.right_eye;
+    let a = primitive.a - frame.target_eye;
+    let b = primitive.b - frame.target_eye;
+    let c = primitive.c - frame.target_eye;
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
@@ -40,7 +40,7 @@ fn reach(normal: vec3f) -> f32 {
 // Whether a ray of a block, its middle in pixels, may lie on the inner sides of all edges; which these are, the triangle's winding
 // says.
 fn within_edges(edges: Edges, middle: vec2f) -> bool {
-    let direction = frame.right_corner + frame.step_x * middle.x + frame.step_y * middle.y;
+    let direction = frame.target_corner + frame.step_x * middle.x + frame.step_y * middle.y;
     let there = vec3f(dot(edges.a, direction), dot(edges.b, direction), dot(edges.c, direction));
     return all(there >= -edges.reach) | all(there <= edges.reach);
 }

@@ -1,7 +1,7 @@
-// Adds what this thread did to its row's counters of a view.
-fn count_view(row: u32, eye: u32, shadow: u32, nodes: u32, primitives: u32) {
-    let words = row * COUNTERS + eye * VIEW_WORDS;
-    if cut_short { atomicAdd(&counters[row * COUNTERS + CUT_SHORT], 1u); }
+// Adds what this thread did to its row's counters of the view.
+fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {
+    let words = row * COUNTERS;
+    if cut_short { atomicAdd(&counters[words + CUT_SHORT], 1u); }
     if shadow > 0u { atomicAdd(&counters[words + SHADOW_RAYS], shadow); }
     if COUNT {
         atomicAdd(&counters[words + NODES_VISITED], nodes);
@@ -11,8 +11,9 @@ fn count_view(row: u32, eye: u32, shadow: u32, nodes: u32, primitives: u32) {
 
 override COST_MAP: bool = false;
 
-// Adds what this thread did to its pixel of `hits`' order, both views; such a pipeline has one ray a lane. The map stands behind
-// the rows' counters.
-fn count_pixel(pixel: u32) {
-    if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel], nodes_visited + primitives_tested); }
+// Adds what this thread did to its pixel; such a pipeline has one ray a lane. The map stands behind the rows' counters.
+fn count_pixel(pixel: vec2u) {
+    if COST_MAP {
+        atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);
+    }
 }

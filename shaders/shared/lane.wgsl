@@ -33,9 +33,7 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
 
 // The pixels of a thread of a launch over blocks.
 fn block_pixels(id: vec3u) -> Pixels {
-    let stride = select(frame.spread_8, frame.spread_16, BLOCK.y > 1u);
-    let row = spread_rows(id.y, stride, WORKGROUP * BLOCK.y);
-    let first = pixel_in_tile(vec2u(id.x, row)) * BLOCK + vec2u(0u, frame.row_begin);
+    let first = pixel_in_tile(vec2u(id.x, launched_row(id))) * BLOCK + vec2u(0u, frame.row_begin);
     return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
 }
 

@@ -1,18 +1,18 @@
-// Where a left sample lands in the right view (DESIGN, section 2).
+// Where a sample of the source lands in the target's view (DESIGN, section 2).
 
-// x_r - x_l in pixels of a point at depth z: e_px (1 - d/z), thesis eq. 10. FAR gives e_px.
+// x_t - x_s in pixels of a point at depth z: e_px (1 - d/z), thesis eq. 10. FAR gives e_px.
 fn parallax(z: f32) -> f32 {
-    return frame.interaxial_px * (1.0 - frame.screen_distance / z);
+    return frame.parallax_px * (1.0 - frame.screen_distance / z);
 }
 
-// X, where a left sample lands: its centre moved by the parallax.
+// X, where a sample lands: its centre moved by the parallax.
 fn landing_x(column: u32, z: f32) -> f32 {
     return f32(column) + 0.5 + parallax(z);
 }
 
-// The right column floor(X) of left sample `column`, or -1 outside the picture. X is compared before it is converted:
+// The target's column floor(X) of sample `column`, or -1 outside the picture. X is compared before it is converted:
 // near z = 0 it does not fit an integer.
-fn right_column(column: u32, z: f32) -> i32 {
+fn target_column(column: u32, z: f32) -> i32 {
     let x = landing_x(column, z);
     if !(x >= 0.0 && x < f32(frame.image_size.x)) { return -1; }
     return i32(floor(x));

@@ -15,14 +15,27 @@ fn shading_vector(index: u32) -> vec3f {
 struct Samples {
     color: F3,
     depth: F,
-    primitive: U,
     slot: U,
     component: U,
     bits: U,      // of lights (light_*.wgsl)
 }
 
-fn sample_hit(samples: Samples, ray: u32) -> PixelHit {
-    return pixel_hit(of_ray(samples.depth, ray), of_ray_u(samples.primitive, ray), of_ray_u(samples.slot, ray));
+// What is kept of one of them, with no marks.
+fn pixel_of(samples: Samples, packed: U, ray: u32) -> Pixel {
+    return Pixel(of_ray(samples.depth, ray), of_ray_u(samples.slot, ray), 0u, of_ray_u(packed, ray));
+}
+
+fn srgb(linear: F) -> F {
+    let high = 1.055 * pow(linear, F(1.0 / 2.4)) - 0.055;
+    return select(high, 12.92 * linear, linear <= F(0.0031308));
+}
+
+// Linear colour in 0..1 as 8-bit sRGB.
+fn packed_srgb(color: F3) -> U {
+    let x = U(floor(srgb(color.x) * 255.0 + 0.5));
+    let y = U(floor(srgb(color.y) * 255.0 + 0.5));
+    let z = U(floor(srgb(color.z) * 255.0 + 0.5));
+    return x | (y << U(8u)) | (z << U(16u)) | U(0xff000000u);
 }
 
 // What lights need of the points that a lane's rays hit. Rays that hit nothing have zeros.
@@ -49,7 +62,8 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     let high = F(1.0);
     let clamped = F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
     let depth = select(F(FAR), hits.t, surfaces.there);
-    return Samples(clamped, depth, hits.primitive, hits.slot, surfaces.component, light_bits());
+    let slots = select(U(MISS), hits.slot, surfaces.there);
+    return Samples(clamped, depth, slots, surfaces.component, light_bits());
 }
 
 // Normals and albedos are fetched here, once a hit.

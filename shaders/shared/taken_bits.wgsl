@@ -9,9 +9,6 @@ struct Taken {
     occluders_b: U,
 }
 
-// Parallaxes of samples and point differ by no more than this, pixels.
-const SAME_PARALLAX: f32 = 0.75;
-
 fn light_mask(light: u32) -> u32 {
     return select(0u, 1u << (light & 15u), light < 16u);
 }
@@ -19,7 +16,7 @@ fn light_mask(light: u32) -> u32 {
 fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
 fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
 
-// Bits of one hit point at a right pixel, and which of them count, as in LeftSample.bits.
+// Bits of one hit point at a right pixel, and which of them count, as in SourceSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS));
     var ray = 0u;
@@ -41,8 +38,8 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
         result.known = with_ray_u(result.known, ray, select(0u, agreed >> 16u, usable));
         result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
         if KEEP_OCCLUDERS && usable {
-            result.occluders_a = with_ray_u(result.occluders_a, ray, left_sample(first).other);
-            result.occluders_b = with_ray_u(result.occluders_b, ray, left_sample(first + vec2u(1u, 0u)).other);
+            result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(first).other);
+            result.occluders_b = with_ray_u(result.occluders_b, ray, source_sample(first + vec2u(1u, 0u)).other);
         }
         ray += 1u;
         if ray >= RAYS { break; }
@@ -51,8 +48,8 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
 }
 
 // The bits of a left sample as far as it vouches for a point of that parallax and component.
-fn vouched_bits(sample: LeftSample, point_parallax: f32, component: u32) -> u32 {
-    let same = sample.component == component && abs(parallax(sample.depth) - point_parallax) <= SAME_PARALLAX;
+fn vouched_bits(sample: SourceSample, point_parallax: f32, component: u32) -> u32 {
+    let same = sample.component == component && abs(parallax(sample.depth) - point_parallax) <= frame.same_parallax;
     return select(0u, sample.bits, same);
 }
 

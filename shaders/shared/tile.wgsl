@@ -21,8 +21,8 @@ fn projection_of(tile: Tile) -> Projection {
     let forward = frame.forward;
     let right = frame.right_axis;
     let up = cross(right, forward);
-    let column = (right - forward * dot(frame.right_corner, right)) / dot(frame.step_x, right);
-    let row = (up - forward * dot(frame.right_corner, up)) / dot(frame.step_y, up);
+    let column = (right - forward * dot(frame.target_corner, right)) / dot(frame.step_x, right);
+    let row = (up - forward * dot(frame.target_corner, up)) / dot(frame.step_y, up);
     let first = vec2f(tile.corner) + 0.5 - frame.wider;
     let last = vec2f(tile.corner + tile.size) - 0.5 + frame.wider;
     return Projection(

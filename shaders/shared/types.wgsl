@@ -2,20 +2,21 @@
 
 // Depth of a ray that hits nothing; WGSL has no infinity.
 const FAR: f32 = 3.4e38;
-// Primitive id of a ray that hits nothing.
+// Primitive id, and place in `primitives`, where a ray hits nothing.
 const MISS: u32 = 0xffffffffu;
 
-// The stereo camera and the rows at work. Directions have length 1 along the view axis, so that a ray's t is the
-// depth Z of the point it reaches (DESIGN, section 2).
+// Two of the rig's eyes and the rows at work: the source, whose view is there, and the target, whose view is made; where a view is
+// traced, both are its own. Directions have length 1 along the view axis, so that a ray's t is the depth Z of the point it
+// reaches (DESIGN, section 2).
 struct Frame {
-    left_eye: vec3f,         // world position
-    interaxial_px: f32,      // e_px = e w / W: the parallax at infinity, pixels
-    right_eye: vec3f,
+    source_eye: vec3f,       // world position
+    parallax_px: f32,        // of the target at infinity, pixels: e_px = e w / W; negative where it stands to the left of its source
+    target_eye: vec3f,
     screen_distance: f32,    // d, world units
-    left_corner: vec3f,      // direction from the left eye through the picture's top left corner
-    interaxial: f32,         // e, world units
-    right_corner: vec3f,
-    eye: u32,                // which eye trace_left traces: LEFT, or RIGHT for Naive
+    source_corner: vec3f,    // direction from the source through the picture's top left corner
+    shift: f32,              // from the source to the target along right_axis, world units
+    target_corner: vec3f,
+    same_parallax: f32,      // a sample and a point whose parallaxes differ by more are of no one surface, pixels
     step_x: vec3f,           // direction from a pixel to its right neighbour
     buffer_depth: u32,       // slots a right pixel in the 3D buffer
     step_y: vec3f,           // direction from a pixel to the one below
@@ -24,12 +25,9 @@ struct Frame {
     row_end: u32,
     image_size: vec2u,       // width, height
     longest: f32,            // at least the length of every pixel's direction
-    spread_8: u32,           // the order of rows of workgroups that are 8 pixels high (spread_rows)
+    runs: u32,               // runs that rows of workgroups are dealt to (launched_row)
     forward: vec3f,          // f, unit
     wider: f32,              // pixels that a tile's search adds around projected bounds, far more than rounding
-    spread_16: u32,
-    spread_64: u32,
-    _pad: vec2u,
 }
 
 // Threads of a workgroup in x and in y.
@@ -37,11 +35,13 @@ const WORKGROUP: u32 = 8u;
 // Threads of a workgroup of a launch over a list.
 const LIST_WORKGROUP: u32 = 64u;
 
-// In right_source: no left sample landed here.
-const EMPTY: u32 = 0u;
-
-const LEFT: u32 = 0u;
-const RIGHT: u32 = 1u;
+// What is kept of each pixel of a view.
+struct Pixel {
+    depth: f32,     // along the view axis; FAR: nothing hit
+    slot: u32,      // place in `primitives` of what was hit; MISS: nothing
+    marks: u32,     // of the views that are not traced: marks.wgsl
+    color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
+}
 
 // Where a thread of a workgroup of 8x8 works. Eight threads in a row of it, which software adapters run as one vector, take
 // a block of 4x2: their rays stay closer together than those of eight in a line.
@@ -52,18 +52,15 @@ fn pixel_in_tile(id: vec2u) -> vec2u {
     return tile + vec2u(x, y);
 }
 
-// The row of a thread of a launch over the rows at work, whose workgroups are so many pixels high: rows of workgroups come in
-// strides, not from the top down. A software adapter gives each of its threads one run of them, and where half a picture is sky
-// a core would be idle.
-fn spread_rows(row: u32, stride: u32, height: u32) -> u32 {
-    let count = (frame.row_end - frame.row_begin + height - 1u) / height;
-    return row / WORKGROUP * stride % count * WORKGROUP + row % WORKGROUP;
+// The row of a thread of a launch over rows. A software adapter gives each of its threads one contiguous part of the workgroups,
+// and where half a picture is sky a core would be idle: so rows of workgroups are dealt like cards, one to each part (z) in turn.
+fn launched_row(id: vec3u) -> u32 {
+    return (id.y / WORKGROUP * frame.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
 }
 
 // The pixel of a thread of a launch over pixels: columns from the left, rows from the first one of this dispatch.
 fn thread_pixel(id: vec3u) -> vec2u {
-    let row = spread_rows(id.y, frame.spread_8, WORKGROUP);
-    return pixel_in_tile(vec2u(id.x, row)) + vec2u(0u, frame.row_begin);
+    return pixel_in_tile(vec2u(id.x, launched_row(id))) + vec2u(0u, frame.row_begin);
 }
 
 // A thread past the right edge or past the last row of this dispatch has no pixel.
@@ -76,22 +73,15 @@ fn pixel_index(pixel: vec2u) -> u32 {
     return pixel.y * frame.image_size.x + pixel.x;
 }
 
-// Index of a pixel of the right view in `hits`, which holds both views.
-fn right_index(pixel: vec2u) -> u32 {
-    return frame.image_size.x * frame.image_size.y + pixel_index(pixel);
-}
-
-// Words of `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 13u;
-// Offset of an eye's words: LEFT * VIEW_WORDS, RIGHT * VIEW_WORDS.
-const VIEW_WORDS: u32 = 3u;
+// Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
+const COUNTERS: u32 = 10u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
 const PRIMITIVES_TESTED: u32 = 2u;
-const BAD_PIXELS: u32 = 6u;
-const MISSED_PIXELS: u32 = 7u;
-const LOST_CANDIDATES: u32 = 8u;
-const NEAREST_DEPTH: u32 = 9u;
-const FARTHEST_DEPTH: u32 = 10u;
-const CUT_SHORT: u32 = 11u;
-const GAP_PIXELS: u32 = 12u;
+const BAD_PIXELS: u32 = 3u;
+const MISSED_PIXELS: u32 = 4u;
+const LOST_CANDIDATES: u32 = 5u;
+const NEAREST_DEPTH: u32 = 6u;
+const FARTHEST_DEPTH: u32 = 7u;
+const CUT_SHORT: u32 = 8u;
+const GAP_PIXELS: u32 = 9u;

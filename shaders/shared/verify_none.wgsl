@@ -1,4 +1,4 @@
 // Every reprojected pixel is trusted.
-fn are_bad(left_pixels: Pixels, left_depth: F, wanted: B) -> B {
+fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
     return wanted & !wanted;
 }

@@ -1,29 +1,39 @@
 //! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of `shaders/reproject_scanline.wgsl`.
 
-use super::{Frame, reproject::landing_x};
+use super::{
+    Frame,
+    reproject::{in_sweep, landing_x},
+};
 
 /// The right column that left sample `column` at depth `z` lands in, whether in the picture or not.
 pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
     landing_x(frame, column, z).clamp(-1e9, 1e9).floor() as i32
 }
 
-/// For each right pixel the left column + 1 that it takes over, or 0 where it must be traced. Each row from left to
-/// right: a later sample overwrites; where two neighbours land more than one column apart, the columns strictly between
-/// lie in a gap that nobody saw and are cleared, and so are those right of the last sample (DESIGN, section 4).
+/// For each pixel of the target the key of the sample that it takes over (how late the sample's column comes, from 1 on), or 0 where it
+/// must be traced. Each row from left to right, where the target stands on the right: a later sample overwrites; where two neighbours
+/// land more than one column apart, the columns strictly between lie in a gap that nobody saw and are cleared, and so are
+/// those past the last sample (DESIGN, section 4). To a target on the left all is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let [width, height] = frame.size();
     let mut right_source = vec![0; width * height];
     for (row, depths) in right_source.chunks_exact_mut(width).zip(left_depth.chunks_exact(width)) {
-        let mut before = landing(frame, 0, depths[0]);
-        for (column, &depth) in depths.iter().enumerate() {
-            let here = landing(frame, column, depth);
-            clear(row, before + 1, here);
+        let mirrored = frame.raw.parallax_px < 0.0;
+        let clear_between = |row: &mut [u32], after: i32, before: i32| match mirrored {
+            false => clear(row, after + 1, before),
+            true => clear(row, before + 1, after),
+        };
+        let mut before = None;
+        for (place, column) in in_sweep(frame).enumerate() {
+            let here = landing(frame, column, depths[column]);
+            clear_between(row, before.unwrap_or(here), here);
             if (0..width as i32).contains(&here) {
-                row[here as usize] = column as u32 + 1;
+                row[here as usize] = place as u32 + 1;
             }
-            before = here;
+            before = Some(here);
         }
-        clear(row, before + 1, width as i32);
+        let past = if mirrored { -1 } else { width as i32 };
+        clear_between(row, before.unwrap_or(past), past);
     }
     right_source
 }

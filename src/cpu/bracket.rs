@@ -78,7 +78,7 @@ pub fn shadow_sources(
     let components = components::of(scene);
     let bits: Vec<Bits> =
         (0..left.len()).map(|index| light_bits(scene, frame, Eye::Left, index, left[index], true)).collect();
-    let parallax = |depth: f32| frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / depth);
+    let parallax = |depth: f32| frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / depth);
     let source = |(index, &(depth, id)): (usize, &(f32, u32))| {
         if id == MISS {
             return ShadowSource::Taken;

@@ -34,7 +34,13 @@ pub enum Eye {
 impl Frame {
     /// The frame of a camera.
     pub fn new(pose: &Pose) -> Self {
-        Self { raw: frame_uniform(pose) }
+        Self::between(pose, -0.5, 0.5)
+    }
+
+    /// The frame of two eyes at offsets from the middle between a camera's eyes, in interaxials: the first is `Eye::Left`,
+    /// the one that is traced first, whichever side it stands on.
+    pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
+        Self { raw: frame_uniform(pose, source, target) }
     }
 
     /// Picture size, pixels.
@@ -45,16 +51,16 @@ impl Frame {
     /// World position of an eye.
     pub fn eye(&self, eye: Eye) -> Vec3 {
         match eye {
-            Eye::Left => self.raw.left_eye.into(),
-            Eye::Right => self.raw.right_eye.into(),
+            Eye::Left => self.raw.source_eye.into(),
+            Eye::Right => self.raw.target_eye.into(),
         }
     }
 
     /// Direction from an eye through a pixel's centre, of length 1 along the view axis.
     pub fn direction(&self, eye: Eye, column: usize, row: usize) -> Vec3 {
         let corner: Vec3 = match eye {
-            Eye::Left => self.raw.left_corner.into(),
-            Eye::Right => self.raw.right_corner.into(),
+            Eye::Left => self.raw.source_corner.into(),
+            Eye::Right => self.raw.target_corner.into(),
         };
         let (x, y): (Vec3, Vec3) = (self.raw.step_x.into(), self.raw.step_y.into());
         corner + x * (column as f32 + 0.5) + y * (row as f32 + 0.5)

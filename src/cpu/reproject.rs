@@ -2,9 +2,15 @@
 
 use super::Frame;
 
+/// Columns in the order of a sweep.
+pub(super) fn in_sweep(frame: &Frame) -> impl Iterator<Item = usize> + use<> {
+    let (width, mirrored) = (frame.size()[0], frame.raw.parallax_px < 0.0);
+    (0..width).map(move |place| if mirrored { width - 1 - place } else { place })
+}
+
 /// X, where left sample `column` at depth `z` lands: its centre moved by the parallax (DESIGN, section 2).
 pub(super) fn landing_x(frame: &Frame, column: usize, z: f32) -> f32 {
-    let parallax = frame.raw.interaxial_px * (1.0 - frame.raw.screen_distance / z);
+    let parallax = frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / z);
     column as f32 + 0.5 + parallax
 }
 
@@ -15,15 +21,16 @@ pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
     (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
 }
 
-/// For each right pixel the nearest left sample's column + 1, or 0: left to right, a later sample overwrites, which
-/// is the rule that the largest column is the nearest.
+/// For each pixel of the target the nearest sample's key, or 0. The key is how late the sample's column comes in a sweep, from 1 on: to a
+/// target on the right from left to right, else from right to left. A later sample overwrites, which is the rule that it is
+/// the nearest.
 pub fn reproject(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let [width, height] = frame.size();
     let mut right_source = vec![0; width * height];
     for row in 0..height {
-        for column in 0..width {
+        for (place, column) in in_sweep(frame).enumerate() {
             if let Some(right) = right_column(frame, column, left_depth[row * width + column]) {
-                right_source[row * width + right] = column as u32 + 1;
+                right_source[row * width + right] = place as u32 + 1;
             }
         }
     }

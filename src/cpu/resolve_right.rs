@@ -21,7 +21,7 @@ pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], right_so
         let axis: Vec3 = frame.raw.right_axis.into();
         let (aim, limit) = match primitive {
             MISS => (direction, FAR),
-            _ => (direction * depth - axis * frame.raw.interaxial, VERIFY_FRACTION),
+            _ => (direction * depth - axis * frame.raw.shift, VERIFY_FRACTION),
         };
         match closest_hit(scene, frame.eye(Eye::Right), aim, 0.0, limit).1 {
             MISS => PixelSource::Reused,

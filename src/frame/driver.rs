@@ -3,14 +3,15 @@
 use std::{ops::ControlFlow, sync::Arc, time::Duration};
 
 use super::{
-    plan::{Eye, Launch, Plan, RightView, Stage, Step},
+    plan::{Launch, Made, Plan, Stage, Step},
     targets::{FRAME_STRIDE, Target, Targets},
 };
 use crate::{
-    Choice, Error, Pose, Progress, UploadedScene,
+    Choice, Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Access, Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
     layout::{self, WORKGROUP},
+    rig::Eyes,
     variant::Variant,
 };
 
@@ -19,7 +20,7 @@ pub(crate) struct Driver<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) kernels: &'a Kernels,
     pub(crate) scene: &'a UploadedScene,
-    pub(crate) pose: &'a Pose,
+    pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
     /// The 3D buffer, once it has been sized; before, the last frame's.
@@ -28,19 +29,20 @@ pub(crate) struct Driver<'a> {
     pub(crate) slot_bytes: u64,
     /// Rows of a band.
     pub(crate) rows: u32,
-    pub(crate) frame: layout::Frame,
+    /// Of each view; rows are those of the band at work.
+    pub(crate) frames: Vec<layout::Frame>,
     pub(crate) timestamps: Option<&'a mut Timestamps>,
     /// What threads keep from dispatch to dispatch, for kernels that go on.
     pub(crate) lanes: Option<wgpu::Buffer>,
     /// Time of what the host did in place of a step.
     pub(crate) host: Duration,
-    /// What `Auto` chose.
-    pub(crate) choice: Option<Choice>,
-    /// Where right pixels are in the end.
-    pub(crate) right: RightView,
+    /// What `Auto` chose for each view.
+    pub(crate) choices: Vec<Option<Choice>>,
+    /// How each view came about.
+    pub(crate) made: Vec<Made>,
     pub(crate) rows_done: f32,
     pub(crate) rows_total: f32,
-    pub(crate) progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+    pub(crate) progress: &'a mut OnProgress<'a>,
 }
 
 impl Driver<'_> {
@@ -49,12 +51,12 @@ impl Driver<'_> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
         }
-        self.clear(&[Target::Counters, Target::RightSource, Target::Bounds]).await?;
-        self.variant.bits = plan.bits;
-        self.right = plan.right;
+        self.clear().await?;
+        self.made.clone_from(&plan.made);
         for stage in &plan.stages {
             match stage {
                 Stage::Bands(steps) => self.bands(steps).await?,
+                Stage::Wait => {}
                 Stage::Host(host) => {
                     let steps = host.run(self).await?;
                     if !steps.is_empty() {
@@ -66,12 +68,19 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// Those of these buffers that the frame has.
-    pub(crate) async fn clear(&self, targets: &[Target]) -> Result<(), Error> {
+    /// What steps add to. (By `&mut self`, since a reference that is shared would keep the frame's future from other threads: the
+    /// callback for progress is no `Sync`.)
+    pub(crate) async fn clear(&mut self) -> Result<(), Error> {
         let clear = || {
             let mut encoder = self.encoder();
-            for buffer in targets.iter().filter_map(|target| self.targets.find(*target)) {
-                encoder.clear_buffer(buffer, 0, None);
+            for (view, source) in self.eyes.sources.iter().enumerate() {
+                // Of a view that is not traced the marks.
+                let pixels = (*source != view).then_some(Target::View);
+                for target in [Target::Counters, Target::Bounds].into_iter().chain(pixels) {
+                    if let Some(buffer) = self.targets.find((target, view)) {
+                        encoder.clear_buffer(buffer, 0, None);
+                    }
+                }
             }
             self.gpu.queue.submit([encoder.finish()]);
             Ok(())
@@ -84,25 +93,25 @@ impl Driver<'_> {
     pub(crate) async fn bands(&mut self, steps: &[Step]) -> Result<(), Error> {
         let gpu = self.gpu;
         let name = steps.iter().rev().find_map(|step| step.name()).unwrap_or_default();
-        let submit_all = || {
-            let height = self.pose.size[1];
-            let mut before = None;
-            for begin in (0..height).step_by(self.rows as usize) {
+        let height = self.eyes.pose.size[1];
+        let mut before = None;
+        for begin in (0..height).step_by(self.rows as usize) {
+            let submit = || {
                 self.write_frames(begin, height.min(begin + self.rows));
                 let mut encoder = self.encoder();
                 for step in steps {
                     self.encode(&mut encoder, *step);
                 }
-                let submission = gpu.queue.submit([encoder.finish()]);
-                if let Some(before) = before.replace(submission) {
-                    gpu.wait(Some(before))?;
-                }
-                self.rows_done += (self.frame.row_end - begin) as f32;
-                self.tell(name, 0.0)?;
+                Ok(gpu.submit([encoder.finish()]))
+            };
+            let submission = gpu.checked(submit).await?;
+            if let Some(before) = before.replace(submission) {
+                gpu.finished(before).await?;
             }
-            Ok(())
-        };
-        gpu.checked(submit_all).await
+            self.rows_done += self.at_work()[1] as f32;
+            self.tell(name, 0.0)?;
+        }
+        Ok(())
     }
 
     /// Tells the caller how far the frame is, with so many rows more than are done.
@@ -117,29 +126,19 @@ impl Driver<'_> {
         }
     }
 
-    /// The camera and a band's rows, for either view.
+    /// The eyes and a band's rows, for each view.
     pub(crate) fn write_frames(&mut self, begin: u32, end: u32) {
-        (self.frame.row_begin, self.frame.row_end) = (begin, end);
-        let spread = |height: u32| self.spread_rows((end - begin).div_ceil(height));
-        let spreads = (spread(WORKGROUP), spread(2 * WORKGROUP), spread(layout::TILE * WORKGROUP));
-        (self.frame.spread_8, self.frame.spread_16, self.frame.spread_64) = spreads;
-        for eye in [Eye::Left, Eye::Right] {
-            let frame = layout::Frame { eye: eye as u32, ..self.frame };
-            let offset = eye as u64 * FRAME_STRIDE;
-            self.gpu.queue.write_buffer(&self.targets.frames, offset, bytemuck::bytes_of(&frame));
+        let mut bytes = vec![0; self.frames.len() * FRAME_STRIDE as usize];
+        for (frame, place) in self.frames.iter_mut().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
+            (frame.row_begin, frame.row_end) = (begin, end);
+            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(frame));
         }
+        self.gpu.queue.write_buffer(&self.targets.frames, 0, &bytes);
     }
 
-    /// The stride in which so many rows of workgroups come: on software adapters, which run one part of them after the other in
-    /// each of their threads, about a golden section of them, so that every part is spread over the picture.
-    pub(super) fn spread_rows(&self, count: u32) -> u32 {
-        if self.gpu.adapter_info().device_type != wgpu::DeviceType::Cpu {
-            return 1;
-        }
-        let golden = 0.618 * f64::from(count);
-        let off = |stride: u32| (f64::from(stride) - golden).abs();
-        let strides = (1..count).filter(|stride| coprime(*stride, count));
-        strides.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1)
+    /// Picture size and rows at work.
+    fn at_work(&self) -> [u32; 2] {
+        [self.eyes.pose.size[0], self.frames[0].row_end - self.frames[0].row_begin]
     }
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
@@ -151,19 +150,34 @@ impl Driver<'_> {
         match step {
             Step::EmptyLists => {
                 let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists), 0, Some(empty.size()));
+                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists, 0), 0, Some(empty.size()));
             }
             Step::EmptySlots => {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
                 encoder.clear_buffer(slots, 0, Some(self.slot_bytes));
             }
-            Step::Run { name, kernel, eye, launch } => {
+            Step::Copy(view) => self.encode_copy(encoder, view),
+            Step::Run { name, kernel, view, launch } => {
                 if let Launch::Listed(list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let (lists, indirect) = (targets.get(Target::Lists), &targets.indirect);
+                    let (lists, indirect) = (targets.get(Target::Lists, 0), &targets.indirect);
                     encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
-                self.dispatch(encoder, name, kernel, eye, launch);
+                self.dispatch(encoder, name, kernel, view, launch);
+            }
+        }
+    }
+
+    /// The rows at work of a view become its source's.
+    fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
+        let first = self.frames[view].row_begin;
+        let [width, rows] = self.at_work();
+        for target in [Target::View, Target::Linear] {
+            let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((target, view)));
+            if let [Some(from), Some(to)] = buffers {
+                let row = u64::from(width) * 16; // bytes, of either
+                let begin = row * u64::from(first);
+                encoder.copy_buffer_to_buffer(from, begin, to, begin, Some(row * u64::from(rows)));
             }
         }
     }
@@ -173,11 +187,11 @@ impl Driver<'_> {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
         kernel: &Kernel,
-        eye: Eye,
+        view: usize,
         launch: Launch,
     ) {
         let pipeline = self.kernels.get(self.gpu, kernel, self.variant);
-        let own = self.own_bindings(kernel, eye, &pipeline.own);
+        let own = self.own_bindings(kernel, view, &pipeline.own);
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -188,15 +202,17 @@ impl Driver<'_> {
         pass.set_bind_group(1, &own, &[]);
         if kernel.touches.table() {
             let table = match kernel.touches {
-                Touches::Objects => self.scene.object_table.get().expect("uploaded before the step that reads it"),
+                Touches::Objects => &self.scene.object_table.get().expect("uploaded before the step that reads it").0,
                 _ => &self.scene.shading,
             };
             pass.set_bind_group(2, table, &[]);
         }
-        let [width, rows] = [self.pose.size[0], self.frame.row_end - self.frame.row_begin];
+        let [width, rows] = self.at_work();
         // Pixels of a thread in x and in y.
+        let runs = self.frames[view].runs;
         let mut over = |x: u32, y: u32| {
-            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows.div_ceil(WORKGROUP * y), 1);
+            let rows = rows.div_ceil(WORKGROUP * y).div_ceil(runs);
+            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows, runs);
         };
         match launch {
             Launch::Pixels => over(kernel.block(&self.variant), kernel.block(&self.variant)),
@@ -208,39 +224,40 @@ impl Driver<'_> {
     }
 
     /// Group 1 of a kernel: the frame, the buffers that it names, and what else it has.
-    fn own_bindings(&self, kernel: &Kernel, eye: Eye, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    fn own_bindings(&self, kernel: &Kernel, view: usize, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let source = self.eyes.sources[view];
         let frame = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.targets.frames,
-            offset: eye as u64 * FRAME_STRIDE,
+            offset: view as u64 * FRAME_STRIDE,
             size: std::num::NonZeroU64::new(size_of::<layout::Frame>() as u64),
         });
-        let buffer = |target: &Target| match target.of(eye) {
-            Target::Slots => self.slots.as_ref().expect("sized before the step that uses it"),
-            target => self.targets.get(target),
+        let buffer = |target: Target| match target.of(view, source) {
+            (Target::Slots, _) => self.slots.as_ref().expect("sized before the step that uses it"),
+            (target, view) => self.targets.get(target, view),
         };
-        let storage = kernel.storage.iter().map(|(target, _)| buffer(target).as_entire_binding());
-        let samples = kernel.samples(&self.variant).and(self.targets.samples.as_ref());
-        let samples = samples.map(|view| (SAMPLES_BINDING, wgpu::BindingResource::TextureView(view)));
+        let storage = kernel.storage.iter().map(|(target, _)| buffer(*target).as_entire_binding());
+        let linear = kernel.linear(&self.variant).iter();
+        let linear = linear.map(|(target, binding)| (*binding, buffer(*target).as_entire_binding()));
+        let samples = kernel.samples(&self.variant).map(|access| {
+            let texture = &self.targets.samples[if access == Access::Write { &view } else { &source }];
+            (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
+        });
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
         let lanes = lanes.map(|buffer| (STEPS_BINDING, buffer.as_entire_binding()));
-        let resources = (0..).zip(std::iter::once(frame).chain(storage)).chain(samples).chain(lanes);
+        let resources = (0..).zip(std::iter::once(frame).chain(storage)).chain(linear).chain(samples).chain(lanes);
         bind_group_at(self.gpu, kernel.name, layout, resources)
     }
 
     /// Waits for the last band and lets the timestamps be read.
     pub(crate) async fn finish(&mut self) -> Result<(), Error> {
         let resolve = || {
+            let mut encoder = self.encoder();
             if let Some(timestamps) = &self.timestamps {
-                let mut encoder = self.encoder();
                 timestamps.resolve(&mut encoder);
-                self.gpu.queue.submit([encoder.finish()]);
             }
-            self.gpu.wait(None)
+            Ok(self.gpu.submit([encoder.finish()]))
         };
-        self.gpu.checked(resolve).await
+        let submission = self.gpu.checked(resolve).await?;
+        self.gpu.finished(submission).await
     }
-}
-
-fn coprime(a: u32, b: u32) -> bool {
-    if b == 0 { a == 1 } else { coprime(b, a % b) }
 }

@@ -1,76 +1,88 @@
 //! A frame that no bound on a thread's loops can end: both views traced in steps.
 
-use std::ops::ControlFlow;
-
 use super::{
     Traced,
     driver::Driver,
-    plan::{Eye, Launch, Plan, RightView},
+    plan::{Launch, Plan},
+    targets::Used,
 };
 use crate::{
-    Error, Method, Options, Pose, Progress, RaysPerLane, Renderer, UploadedScene,
+    Error, Method, OnProgress, Options, RaysPerLane, Renderer, UploadedScene,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    steps::{compose, trace::TRACE_IN_STEPS},
+    rig::Eyes,
+    steps::trace::TRACE_IN_STEPS,
     variant::Shadows,
 };
 
 impl Renderer {
-    /// A frame by `Naive` in steps; its buffers then hold the pair.
+    /// A frame by `Naive` in steps; its buffers then hold the views.
     pub(super) async fn trace_in_steps(
         &mut self,
         scene: &UploadedScene,
-        pose: &Pose,
+        eyes: &Eyes,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
-        let (shape, used) = (self.shape(scene, pose, options, Method::Naive), Plan::of(Method::Naive).targets());
-        let targets = self.targets(shape, &used).await?;
-        let steps = self.steps;
-        let mut driver = self.driver(scene, pose, options, &targets, progress);
-        driver.rows_total = (3 * pose.size[1]) as f32;
-        if driver.variant.shadows == Shadows::FromSurface {
+        let (method, steps) = (Method::Naive, self.steps);
+        let mut variant = self.variant(scene, eyes, options);
+        if variant.shadows == Shadows::FromSurface {
             // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
-            driver.variant.traversal.rays = RaysPerLane::One;
+            variant.traversal.rays = RaysPerLane::One;
         }
+        let used: Used = Plan::of(method, &eyes.sources).uses(&variant);
+        let targets = self.targets(self.shape(scene, eyes, options), &used).await?;
+        let mut driver = self.driver(scene, eyes, variant, &targets, progress);
+        driver.rows_total = eyes.pose.size[1] as f32 * eyes.sources.len() as f32;
         let lane_bytes = driver.run_in_steps(steps).await?;
         driver.finish().await?;
-        let statistics = self.statistics(&targets, Method::Naive).await?;
-        let mut statistics = statistics.map_err(|threads| Error::cut_short(threads, "threads"))?;
-        statistics.in_steps = true;
-        statistics.intermediate_bytes = targets.intermediate_bytes(&used) + lane_bytes;
-        Ok(Traced { statistics, targets, right: RightView::Traced })
+        let made = std::mem::take(&mut driver.made);
+        let counts = self.counts(&targets).await?;
+        let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
+        if threads > 0 {
+            return Err(Error::cut_short(threads));
+        }
+        Ok(Traced {
+            eyes: eyes.clone(),
+            made,
+            counts,
+            method,
+            choices: vec![None; eyes.sources.len()],
+            in_steps: true,
+            buffer_depth: 0,
+            times: self.times().await?,
+            intermediate_bytes: targets.intermediate_bytes(&used) + lane_bytes,
+            targets,
+        })
     }
 }
 
 impl Driver<'_> {
-    /// Both views, and the pair's pictures. Returns the bytes that threads keep from step to step.
+    /// All views. Returns the bytes that threads keep from step to step.
     async fn run_in_steps(&mut self, steps: Steps) -> Result<u64, Error> {
-        let [width, height] = self.pose.size;
-        let compose_rows = self.rows;
+        let [width, height] = self.eyes.pose.size;
         let block = WORKGROUP * self.variant.traversal.rays.block();
         let threads_across = WORKGROUP * width.div_ceil(block);
         let workgroups = (steps.threads / WORKGROUP / threads_across).clamp(1, height.div_ceil(block));
         self.rows = workgroups * block;
         let lanes = Lanes::new(self.gpu, &self.variant, workgroups * WORKGROUP * threads_across).await?;
         self.lanes = Some(lanes.buffer.clone());
-        self.clear(&[super::Target::Counters]).await?;
-        for (eye, name) in [(Eye::Left, "trace_left"), (Eye::Right, "trace_right")] {
-            self.view_in_steps(name, eye, &lanes, steps).await?;
+        self.clear().await?;
+        for view in 0..self.eyes.sources.len() {
+            self.view_in_steps(view, &lanes, steps).await?;
         }
-        self.rows = compose_rows;
-        self.bands(&compose::of(RightView::Traced)).await?;
         Ok(lanes.buffer.size())
     }
 
     /// One view, band by band, each in as many steps as it takes.
-    async fn view_in_steps(&mut self, name: &'static str, eye: Eye, lanes: &Lanes, steps: Steps) -> Result<(), Error> {
+    async fn view_in_steps(&mut self, view: usize, lanes: &Lanes, steps: Steps) -> Result<(), Error> {
         let gpu = self.gpu;
-        let [width, height] = self.pose.size;
+        let name = if self.eyes.sources[view] == view { "trace_left" } else { "trace_right" };
+        let [width, height] = self.eyes.pose.size;
         let block = self.variant.traversal.rays.block();
         for begin in (0..height).step_by(self.rows as usize) {
-            self.write_frames(begin, height.min(begin + self.rows));
-            let rows = self.frame.row_end - begin;
+            let rows = self.rows.min(height - begin);
+            self.write_frames(begin, begin + rows);
             let threads = width.div_ceil(block) * rows.div_ceil(block);
             lanes.begin(gpu, threads, steps.rounds).await?;
             let mut unfinished = threads;
@@ -78,7 +90,7 @@ impl Driver<'_> {
                 let submit = || {
                     let mut encoder = self.encoder();
                     for _ in 0..DISPATCHES {
-                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, eye, Launch::Pixels);
+                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, view, Launch::Pixels);
                     }
                     gpu.queue.submit([encoder.finish()]);
                     Ok(())
@@ -95,9 +107,11 @@ impl Driver<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::{
-        BvhBuild, GBuffer, Gpu, PointLight, Ray, Scene, StereoCamera, StereoPair, Traversal,
+        BvhBuild, GBuffer, Gpu, PointLight, Progress, Ray, Scene, StereoCamera, StereoPair, Traversal,
         glam::Vec3,
         random::Random,
         scene::builtin::Builtin,
@@ -106,7 +120,7 @@ mod tests {
     };
 
     fn gpu() -> Gpu {
-        Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
     }
 
     fn in_steps_of(rounds: u32) -> Steps {
@@ -157,7 +171,7 @@ mod tests {
 
     /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
-        let options = |method| Options { cost_map: costs, ..Options::new(method) };
+        let options = |method| Options { cost_map: costs, ..Options::new(method).linear(true) };
         let uploaded = renderer.upload(scene).unwrap();
         renderer.steps = Steps::default();
         let expected = shown(renderer.render(&uploaded, camera, &options(Method::Naive)).unwrap());
@@ -226,7 +240,7 @@ mod tests {
             };
             let pair = renderer.render_with(&uploaded, &camera, &options, &mut progress).unwrap();
             assert!(shown(pair) == expected, "{g_buffer:?}");
-            assert!((last, calls >= 5) == (1.0, true), "{last} after {calls} calls");
+            assert!((last, calls >= 4) == (1.0, true), "{last} after {calls} calls");
             let mut stop = |_| ControlFlow::Break(());
             let stopped = renderer.render_with(&uploaded, &camera, &options, &mut stop);
             assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");

@@ -9,18 +9,21 @@ pub(crate) mod targets;
 mod tests;
 pub(crate) mod uniform;
 
-use std::{collections::BTreeSet, ops::ControlFlow, sync::Arc, time::Duration};
+use std::{sync::Arc, time::Duration};
 
 pub(crate) use targets::Cache;
 
 use crate::{
-    Error, Method, Options, Pose, Progress, Renderer, Statistics, UploadedScene,
-    layout::WORKGROUP,
-    variant::{Kept, Variant},
+    Choice, Error, Method, OnProgress, Options, Renderer, UploadedScene,
+    layout::{self, WORKGROUP},
+    message::counted,
+    pair::PassTimes,
+    rig::Eyes,
+    variant::Variant,
 };
 use driver::Driver;
-use plan::{Plan, RightView};
-use targets::{Shape, Target, Targets};
+use plan::{Made, Plan};
+use targets::{Shape, Targets, Used};
 
 /// Pixels of a band, in whole workgroups of rows: with 5 lights some 1.5 million rays, a tenth of a second on a slow
 /// GPU, so that no watchdog trips whatever the picture's size. More lights make it less.
@@ -28,11 +31,20 @@ pub(crate) const BAND_PIXELS: u32 = 1 << 18;
 /// Bands of a picture at most: eight dispatches each, the most that a method has, fit one query set.
 const MAX_BANDS: u32 = 256;
 
-/// A frame that has been traced: its buffers hold the pair.
+/// A frame that has been traced: its buffers hold the views.
 pub(crate) struct Traced {
-    pub(crate) statistics: Statistics,
+    pub(crate) eyes: Eyes,
     pub(crate) targets: Arc<Targets>,
-    pub(crate) right: RightView,
+    /// How each view came about, and what it cost.
+    pub(crate) made: Vec<Made>,
+    pub(crate) counts: Vec<read::Counts>,
+    /// The method of the frame, and what `Auto` chose for each view.
+    pub(crate) method: Method,
+    pub(crate) choices: Vec<Option<Choice>>,
+    pub(crate) in_steps: bool,
+    pub(crate) buffer_depth: u32,
+    pub(crate) times: Option<PassTimes>,
+    pub(crate) intermediate_bytes: u64,
 }
 
 /// Rows of a dispatch: whole workgroups of them.
@@ -42,71 +54,88 @@ fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
 }
 
 impl Renderer {
-    /// The steps of a frame; its buffers then hold the pair.
-    pub(crate) async fn trace_async(
+    /// The steps of a frame; its buffers then hold the views.
+    pub(crate) async fn trace_frame(
         &mut self,
         scene: &UploadedScene,
-        pose: &Pose,
+        eyes: &Eyes,
         options: &Options,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Traced, Error> {
         scene.belongs_to(&self.gpu)?;
-        let method = effective(options.method, pose, scene);
+        let method = effective(options.method, eyes, scene);
         if !self.steps.always
-            && let Some(traced) = self.trace_at_once(scene, pose, options, method, progress).await?
+            && let Some(traced) = self.trace_at_once(scene, eyes, options, method, progress).await?
         {
             return Ok(traced);
         }
-        self.trace_in_steps(scene, pose, options, progress).await
+        self.trace_in_steps(scene, eyes, options, progress).await
     }
 
     /// The steps of a frame, unless the adapter cuts a thread's work short: then `None`.
     async fn trace_at_once(
         &mut self,
         scene: &UploadedScene,
-        pose: &Pose,
+        eyes: &Eyes,
         options: &Options,
         method: Method,
-        progress: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &mut OnProgress<'_>,
     ) -> Result<Option<Traced>, Error> {
-        let early = if method == Method::Auto { scene.choose_early(&self.gpu, pose) } else { None };
+        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
         let method = early.map_or(method, |choice| choice.method);
-        let plan = Plan::of(method);
-        let shape = self.shape(scene, pose, options, method);
-        let used = plan.targets();
-        let targets = self.targets(shape, &used).await?;
-        let mut driver = self.driver(scene, pose, options, &targets, progress);
-        driver.rows_total = (pose.size[1] * plan.sweeps()) as f32;
+        let plan = Plan::of(method, &eyes.sources);
+        let variant = Variant { bits: plan.bits, samples: plan.samples, ..self.variant(scene, eyes, options) };
+        let used = plan.uses(&variant);
+        let targets = self.targets(self.shape(scene, eyes, options), &used).await?;
+        let mut driver = self.driver(scene, eyes, variant, &targets, progress);
+        driver.rows_total = (eyes.pose.size[1] * plan.sweeps()) as f32;
         driver.run(&plan).await?;
         driver.finish().await?;
-        let (slot_bytes, host) = (driver.slot_bytes, driver.host);
-        let (choice, right, buffer_depth) = (driver.choice, driver.right, driver.frame.buffer_depth);
-        let method = choice.map_or(method, |choice| choice.method);
-        let mut statistics = match self.statistics(&targets, method).await? {
-            Ok(statistics) => statistics,
-            Err(threads) => {
-                log::warn!(
-                    "{method}: the adapter ended the loops of {threads} threads before their work was done; naive goes on in steps"
-                );
-                return Ok(None);
-            }
-        };
-        statistics.choice = choice.or(early);
-        statistics.buffer_depth = buffer_depth;
-        statistics.intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
-        if let Some(times) = statistics.times.as_mut().filter(|_| !host.is_zero()) {
+        let (slot_bytes, host, made) = (driver.slot_bytes, driver.host, std::mem::take(&mut driver.made));
+        let choices = driver.choices.iter().map(|choice| choice.or(early)).collect();
+        let buffer_depth = driver.frames.iter().map(|frame| frame.buffer_depth).max().unwrap_or(0);
+        let counts = self.counts(&targets).await?;
+        let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
+        if threads > 0 {
+            let threads = counted(threads, "thread", "threads");
+            log::warn!(
+                "{method}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps"
+            );
+            return Ok(None);
+        }
+        let mut times = self.times().await?;
+        if let Some(times) = times.as_mut().filter(|_| !host.is_zero()) {
             times.passes.insert(1, ("reproject_on_the_host", host));
         }
-        Ok(Some(Traced { statistics, targets, right }))
+        let intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
+        let eyes = eyes.clone();
+        Ok(Some(Traced {
+            eyes,
+            targets,
+            made,
+            counts,
+            method,
+            choices,
+            in_steps: false,
+            buffer_depth,
+            times,
+            intermediate_bytes,
+        }))
     }
 
-    fn shape(&self, scene: &UploadedScene, pose: &Pose, options: &Options, method: Method) -> Shape {
+    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Shape {
         let band_pixels = self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6);
-        let rows = band_rows(pose.size, band_pixels);
-        Shape { size: pose.size, rows, kept: Kept::of(options.g_buffer, method), cost_map: options.cost_map }
+        let rows = band_rows(eyes.pose.size, band_pixels);
+        Shape { size: eyes.pose.size, rows, views: eyes.sources.len(), cost_map: options.cost_map }
     }
 
-    async fn targets(&mut self, shape: Shape, used: &BTreeSet<Target>) -> Result<Arc<Targets>, Error> {
+    /// What kernels of a frame are specialised to, whatever its plan.
+    fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Variant {
+        let counting = scene.variant.counting(options.count, options.cost_map);
+        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), ..counting }
+    }
+
+    async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {
         if let Some(targets) = self.cache.targets.as_ref().filter(|targets| targets.fit(shape, used)) {
             return Ok(targets.clone());
         }
@@ -117,49 +146,56 @@ impl Renderer {
         Ok(targets)
     }
 
+    async fn times(&self) -> Result<Option<PassTimes>, Error> {
+        match &self.timestamps {
+            Some(timestamps) => timestamps.read(&self.gpu).await,
+            None => Ok(None),
+        }
+    }
+
     /// A frame's driver, before its first step.
     fn driver<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
-        pose: &'a Pose,
-        options: &Options,
+        eyes: &'a Eyes,
+        variant: Variant,
         targets: &'a Targets,
-        progress: &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
+        progress: &'a mut OnProgress<'a>,
     ) -> Driver<'a> {
         if let Some(timestamps) = &mut self.timestamps {
             timestamps.restart();
         }
-        let counting = scene.variant.counting(options.count, options.cost_map);
-        let close = scene.close_to(&[pose.eye_position(-1.0), pose.eye_position(1.0)]);
+        let runs = self.runs;
+        let views = eyes.sources.len();
         Driver {
             gpu: &self.gpu,
             kernels: &self.kernels,
             scene,
-            pose,
-            variant: Variant { hits: targets.shape.kept, close, ..counting },
+            eyes,
+            variant,
             targets,
             slots: &mut self.cache.slots,
             slot_bytes: 0,
             rows: targets.shape.rows,
-            frame: uniform::frame_uniform(pose),
+            frames: (0..views).map(|view| layout::Frame { runs, ..eyes.frame(view) }).collect(),
             timestamps: self.timestamps.as_mut(),
             lanes: None,
             host: Duration::ZERO,
-            choice: None,
-            right: RightView::Traced,
+            choices: vec![None; views],
+            made: vec![Made::Traced; views],
             rows_done: 0.0,
-            rows_total: pose.size[1] as f32,
+            rows_total: eyes.pose.size[1] as f32,
             progress,
         }
     }
 }
 
-/// The method that a pair is made by: without interaxial right equals left, and where there is nothing to hit there is nothing to
+/// The method that views are made by: without interaxial all are equal, and where there is nothing to hit there is nothing to
 /// bracket.
-fn effective(method: Method, pose: &Pose, scene: &UploadedScene) -> Method {
+fn effective(method: Method, eyes: &Eyes, scene: &UploadedScene) -> Method {
     match method {
         Method::Naive => Method::Naive,
-        _ if pose.interaxial == 0.0 => Method::Ideal,
+        _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
         Method::Auto | Method::Bracket(_) if scene.ids.is_empty() => Method::Naive,
         method => method,
     }

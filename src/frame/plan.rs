@@ -1,31 +1,26 @@
 //! What a method's frame does: steps over bands of rows, as data.
 
-use std::collections::BTreeSet;
-
-use super::{driver::Driver, targets::Target};
+use super::{
+    driver::Driver,
+    targets::{Target, Used},
+};
 use crate::{
     BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
-    kernels::{Kernel, Touches},
-    steps::{bracket, compose, host, reproject, resolve, trace},
+    kernels::{Access, Kernel, Touches},
+    steps::{bracket, host, reproject, resolve, trace},
+    variant::Variant,
 };
 
-/// A view of the pair.
+/// How a view came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Eye {
-    Left,
-    Right,
-}
-
-/// Where the right view's pixels are in the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RightView {
-    /// All were traced.
+pub(crate) enum Made {
+    /// All of its pixels were traced.
     Traced,
     /// All were resolved, with marks of how.
     Bracketed,
-    /// They are the left ones.
-    Left,
-    /// Traced, or the left ones that their marks name.
+    /// They are its source's.
+    Copied,
+    /// Traced, or those of its source, as marks say.
     Marked,
 }
 
@@ -33,10 +28,14 @@ pub(crate) enum RightView {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) stages: Vec<Stage>,
-    /// Which shadow bits right pixels take over: what is kept of left samples depends on it.
+    /// Which shadow bits views take over: what is kept of their sources' samples depends on it.
     pub(crate) bits: ShadowReuse,
-    /// Where right pixels are in the end.
-    pub(crate) right: RightView,
+    /// Whether it takes any of them over.
+    pub(crate) samples: bool,
+    /// How each view comes about.
+    pub(crate) made: Vec<Made>,
+    /// Of each view the one that it is made from; one that is traced is its own.
+    pub(crate) sources: Vec<usize>,
 }
 
 /// What is done before the next stage begins.
@@ -46,6 +45,8 @@ pub(crate) enum Stage {
     Bands(Vec<Step>),
     /// What the host does once all bands are done. It may add steps, over all bands.
     Host(Host),
+    /// Nothing, once all bands are done: what follows looks into the rows above and below.
+    Wait,
 }
 
 /// What a step does to a band.
@@ -56,9 +57,12 @@ pub(crate) enum Step {
         /// What times and progress call it.
         name: &'static str,
         kernel: &'static Kernel,
-        eye: Eye,
+        /// The view that it works for.
+        view: usize,
         launch: Launch,
     },
+    /// A view becomes its source's.
+    Copy(usize),
     /// Its lists are emptied.
     EmptyLists,
     /// The 3D buffer is.
@@ -83,19 +87,19 @@ pub(crate) enum Launch {
 /// What the host does between bands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Host {
-    /// Adelson & Hodges' sweep.
-    Sweep,
-    /// Sizes the 3D buffer.
-    SizeSlots(BufferDepth),
-    /// Chooses how the right view is made.
+    /// Adelson & Hodges' sweep, for a view.
+    Sweep(usize),
+    /// Sizes the 3D buffer for a view.
+    SizeSlots(BufferDepth, usize),
+    /// Chooses how the views that have a source are made.
     Choose,
 }
 
 impl Host {
     pub(crate) async fn run(self, driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> {
         match self {
-            Self::Sweep => host::sweep(driver).await.map(|()| Vec::new()),
-            Self::SizeSlots(depth) => host::size_slots(driver, depth).await.map(|()| Vec::new()),
+            Self::Sweep(view) => host::sweep(driver, view).await.map(|()| Vec::new()),
+            Self::SizeSlots(depth, view) => host::size_slots(driver, depth, view).await.map(|()| Vec::new()),
             Self::Choose => host::choose(driver).await,
         }
     }
@@ -105,7 +109,7 @@ impl Step {
     /// The same under another name.
     pub(crate) fn named(self, called: &'static str) -> Self {
         match self {
-            Self::Run { kernel, eye, launch, .. } => Self::Run { name: called, kernel, eye, launch },
+            Self::Run { kernel, view, launch, .. } => Self::Run { name: called, kernel, view, launch },
             step => step,
         }
     }
@@ -116,72 +120,74 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method.
-    pub(crate) fn of(method: Method) -> Self {
-        let bits = match method {
-            Method::Auto => ShadowReuse::Two,
-            Method::Bracket(shadows) => shadows,
-            _ => ShadowReuse::Rays,
+    /// The plan of a method for views with these sources.
+    pub(crate) fn of(method: Method, sources: &[usize]) -> Self {
+        let (bits, samples) = match method {
+            Method::Auto => (ShadowReuse::Two, true),
+            Method::Bracket(shadows) => (shadows, true),
+            _ => (ShadowReuse::Rays, false),
         };
-        let right = match method {
-            Method::Auto | Method::Naive => RightView::Traced,
-            Method::Ideal => RightView::Left,
-            Method::Bracket(_) => RightView::Bracketed,
-            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) => RightView::Marked,
+        let made = match method {
+            Method::Auto | Method::Naive => Made::Traced,
+            Method::Ideal => Made::Copied,
+            Method::Bracket(_) => Made::Bracketed,
+            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) => Made::Marked,
         };
-        let left = trace::view(Eye::Left);
-        let composed = compose::of(right);
-        let stages = match method {
-            Method::Naive => vec![Stage::Bands(join([left, trace::view(Eye::Right), composed]))],
-            Method::Ideal => vec![Stage::Bands(join([left, composed]))],
-            Method::Auto => vec![Stage::Bands(join([left, bracket::bound()])), Stage::Host(Host::Choose)],
-            Method::Atomic(check) => {
-                let carried = join([left, reproject::atomic()]);
-                banded(carried, join([resolve::of(check), composed]), check == Check::Edges)
-            }
-            Method::Buffer(depth, check) => {
-                let range = if depth == BufferDepth::Adaptive { reproject::depth_range() } else { Vec::new() };
-                let rest = join([resolve::of(check), composed]);
-                let sized = vec![Stage::Bands(join([left, range])), Stage::Host(Host::SizeSlots(depth))];
-                [sized, banded(reproject::slots(), rest, check == Check::Edges)].concat()
-            }
-            // What the sweep leaves is trusted: it has cleared the gaps.
-            Method::Sweep(Sweep::Scanline) => {
-                vec![Stage::Bands(join([left, reproject::scanline(), resolve::of(Check::None), composed]))]
-            }
-            Method::Sweep(Sweep::Sequential) => {
-                let rest = join([resolve::of(Check::None), composed]);
-                vec![Stage::Bands(left), Stage::Host(Host::Sweep), Stage::Bands(rest)]
-            }
-            Method::Bracket(shadows) => {
-                let rest = join([bracket::resolve(), composed]);
-                banded(join([left, bracket::bound()]), rest, shadows == ShadowReuse::Block)
-            }
-        };
-        Self { stages, bits, right }
+        let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
+        let mut stages = vec![Stage::Bands(traced)];
+        for (view, &source) in sources.iter().enumerate().filter(|(view, source)| *view != **source) {
+            stages.extend(target(method, view, source));
+        }
+        if method == Method::Auto {
+            stages.push(Stage::Host(Host::Choose));
+        }
+        let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
+        Self { stages: joined(stages), bits, samples, made, sources: sources.to_vec() }
     }
 
     /// Its steps, with those that the host may add.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
-        self.stages.iter().flat_map(|stage| match stage {
+        let targets = || views(&self.sources).filter(|&view| self.sources[view] != view);
+        self.stages.iter().flat_map(move |stage| match stage {
             Stage::Bands(steps) => steps.clone(),
-            Stage::Host(Host::Choose) => join([by_naive(), by_bracket()]),
-            Stage::Host(_) => Vec::new(),
+            Stage::Host(Host::Choose) => {
+                targets().flat_map(|view| join([trace::target(view), bracket::resolve(view)])).collect()
+            }
+            Stage::Host(_) | Stage::Wait => Vec::new(),
         })
     }
 
-    /// The buffers that it uses.
-    pub(crate) fn targets(&self) -> BTreeSet<Target> {
-        let mut targets: BTreeSet<_> = self
-            .steps()
-            .flat_map(|step| match step {
-                Step::Run { kernel, eye, .. } => kernel.storage.iter().map(|(target, _)| target.of(eye)).collect(),
-                Step::EmptyLists => vec![Target::Lists],
-                Step::EmptySlots => Vec::new(),
-            })
-            .collect();
-        targets.remove(&Target::Slots);
-        targets
+    /// What it uses, its kernels specialised so.
+    pub(crate) fn uses(&self, with: &Variant) -> Used {
+        let mut used = Used::default();
+        for step in self.steps() {
+            match step {
+                Step::Run { kernel, view, .. } => {
+                    let source = self.sources[view];
+                    let targets = kernel
+                        .storage
+                        .iter()
+                        .map(|(target, _)| *target)
+                        .chain(kernel.linear(with).iter().map(|(target, _)| *target));
+                    used.places.extend(targets.map(|target| target.of(view, source)));
+                    match kernel.samples(with) {
+                        Some(Access::Write) => drop(used.samples.insert(view)),
+                        Some(Access::Read) => drop(used.samples.insert(source)),
+                        None => {}
+                    }
+                }
+                Step::Copy(view) => {
+                    used.places.insert((Target::View, view));
+                    used.places.extend(with.linear.then_some((Target::Linear, view)));
+                }
+                Step::EmptyLists => drop(used.places.insert((Target::Lists, 0))),
+                Step::EmptySlots => {}
+            }
+        }
+        used.places.remove(&(Target::Slots, 0)); // made when its depth is known
+        // Statistics are read of every view.
+        used.places.extend(views(&self.sources).map(|view| (Target::Counters, view)));
+        used
     }
 
     /// Whether a step reads the table of objects.
@@ -191,28 +197,55 @@ impl Plan {
 
     /// How often the picture is gone over.
     pub(crate) fn sweeps(&self) -> u32 {
-        let goes_over = |stage: &&Stage| !matches!(stage, Stage::Host(Host::Sweep | Host::SizeSlots(_)));
+        let goes_over = |stage: &&Stage| matches!(stage, Stage::Bands(_) | Stage::Host(Host::Choose));
         self.stages.iter().filter(goes_over).count() as u32
     }
 }
 
-/// How `Auto` goes on where it chooses `Naive`.
-pub(crate) fn by_naive() -> Vec<Step> {
-    join([trace::view(Eye::Right), compose::of(RightView::Traced)])
+fn views(sources: &[usize]) -> std::ops::Range<usize> {
+    0..sources.len()
 }
 
-/// How `Auto` goes on where it chooses `bracket`.
-pub(crate) fn by_bracket() -> Vec<Step> {
-    join([bracket::resolve(), compose::of(RightView::Traced)])
-}
-
-/// Two runs of steps, band by band together. Where the second one reaches into the rows above and below (an edge, and a block
-/// of left samples do), these must be there: all bands of the first before it begins.
-fn banded(first: Vec<Step>, second: Vec<Step>, reaches_out: bool) -> Vec<Stage> {
-    match reaches_out {
-        true => vec![Stage::Bands(first), Stage::Bands(second)],
-        false => vec![Stage::Bands(join([first, second]))],
+/// The stages by which a method makes a view from its source.
+fn target(method: Method, view: usize, source: usize) -> Vec<Stage> {
+    match method {
+        Method::Naive => vec![Stage::Bands(trace::target(view))],
+        Method::Ideal => vec![Stage::Bands(vec![Step::Copy(view)])],
+        Method::Auto => vec![Stage::Bands(bracket::bound(view))],
+        Method::Atomic(check) => banded(reproject::atomic(view), resolve::of(view, check), check == Check::Edges),
+        Method::Buffer(depth, check) => {
+            let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
+            let sized = vec![Stage::Bands(range), Stage::Host(Host::SizeSlots(depth, view))];
+            [sized, banded(reproject::slots(view), resolve::of(view, check), check == Check::Edges)].concat()
+        }
+        // What the sweep leaves is trusted: it has cleared the gaps.
+        Method::Sweep(Sweep::Scanline) => banded(reproject::scanline(view), resolve::of(view, Check::None), false),
+        Method::Sweep(Sweep::Sequential) => {
+            vec![Stage::Host(Host::Sweep(view)), Stage::Bands(resolve::of(view, Check::None))]
+        }
+        Method::Bracket(shadows) => banded(bracket::bound(view), bracket::resolve(view), shadows == ShadowReuse::Block),
     }
+}
+
+/// What is carried to a view, and then the rest: where that reaches into the rows above and below, as an edge and a block of a
+/// source's samples do, only once all of these are there.
+fn banded(carried: Vec<Step>, rest: Vec<Step>, reaches: bool) -> Vec<Stage> {
+    match reaches {
+        true => vec![Stage::Bands(carried), Stage::Wait, Stage::Bands(rest)],
+        false => vec![Stage::Bands(join([carried, rest]))],
+    }
+}
+
+/// With steps over bands that follow each other as one stage.
+fn joined(stages: Vec<Stage>) -> Vec<Stage> {
+    let mut all: Vec<Stage> = Vec::new();
+    for stage in stages {
+        match (all.last_mut(), stage) {
+            (Some(Stage::Bands(steps)), Stage::Bands(more)) => steps.extend(more),
+            (_, stage) => all.push(stage),
+        }
+    }
+    all
 }
 
 fn join<const N: usize>(parts: [Vec<Step>; N]) -> Vec<Step> {

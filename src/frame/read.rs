@@ -2,142 +2,166 @@
 
 use super::{
     Traced,
-    plan::RightView,
-    targets::{Shape, Target, Targets},
+    plan::Made,
+    targets::{Target, Targets},
 };
 use crate::{
-    Check, Error, GBuffer, Method, Options, PixelSource, Pose, Rays, Renderer, ShadowSource, Statistics, StereoPair,
-    UploadedScene, View, Work, layout, variant::Kept,
+    Check, Error, GBuffer, Method, Options, PixelSource, Rays, Renderer, ShadowSource, Statistics, StereoPair,
+    UploadedScene, View, Work, layout,
 };
 
-impl Renderer {
-    /// What a frame cost, or in how many threads an adapter cut it short.
-    pub(crate) async fn statistics(&self, targets: &Targets, method: Method) -> Result<Result<Statistics, u64>, Error> {
-        let [width, height] = targets.shape.size;
-        let words: Vec<u32> = self.gpu.read(targets.get(Target::Counters), height as usize * layout::COUNTERS).await?;
-        let sum = |word| sum_of(&words, word);
-        let pixels = u64::from(width) * u64::from(height);
-        let cut_short = sum(layout::CUT_SHORT);
-        if cut_short > 0 {
-            return Ok(Err(cut_short));
+/// What was counted of a view.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    shadow_rays: u64,
+    nodes: u64,
+    primitive_tests: u64,
+    bad: u64,
+    missed: u64,
+    pub(crate) lost_candidates: u64,
+    /// Threads whose loops an adapter ended.
+    pub(crate) cut_short: u64,
+}
+
+impl Counts {
+    fn of(counters: &[u32]) -> Self {
+        let sum = |word| sum_of(counters, word);
+        Self {
+            shadow_rays: sum(layout::SHADOW_RAYS),
+            nodes: sum(layout::NODES_VISITED),
+            primitive_tests: sum(layout::PRIMITIVES_TESTED),
+            bad: sum(layout::BAD_PIXELS),
+            missed: sum(layout::MISSED_PIXELS),
+            lost_candidates: sum(layout::LOST_CANDIDATES),
+            cut_short: sum(layout::CUT_SHORT),
         }
-        let work = |eye: usize, primary, verification| Work {
-            rays: Rays { primary, verification, shadow: sum(eye * layout::VIEW_WORDS + layout::SHADOW_RAYS) },
-            nodes: sum(eye * layout::VIEW_WORDS + layout::NODES_VISITED),
-            primitive_tests: sum(eye * layout::VIEW_WORDS + layout::PRIMITIVES_TESTED),
-        };
-        let times = match &self.timestamps {
-            Some(timestamps) => timestamps.read(&self.gpu).await?,
-            None => None,
-        };
-        let (bad, missed) = (sum(layout::BAD_PIXELS), sum(layout::MISSED_PIXELS));
-        let (primary, verification, reused) = match method {
+    }
+}
+
+/// A view, and how its pixels came about.
+pub(crate) struct ReadView {
+    pub(crate) view: View,
+    pub(crate) source: Vec<PixelSource>,
+    /// By `bracket` only.
+    pub(crate) shadow_source: Vec<ShadowSource>,
+}
+
+impl Traced {
+    /// The method that made a view.
+    pub(crate) fn method_of(&self, view: usize) -> Method {
+        match self.choices[view] {
+            _ if self.eyes.sources[view] == view => Method::Naive,
+            Some(choice) => choice.method,
+            None => self.method,
+        }
+    }
+
+    /// What a view cost, and how many of its pixels were taken over from its source.
+    pub(crate) fn work(&self, view: usize) -> (Work, u64) {
+        let counts = &self.counts[view];
+        let [width, height] = self.eyes.pose.size.map(u64::from);
+        let pixels = width * height;
+        let (primary, verification, reused) = match self.method_of(view) {
             Method::Naive | Method::Auto => (pixels, 0, 0),
             Method::Ideal => (0, 0, pixels),
             Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) | Method::Bracket(_) => {
-                let landed = pixels - missed;
-                let checked = matches!(method, Method::Atomic(Check::All) | Method::Buffer(_, Check::All));
-                (bad + missed, if checked { landed } else { 0 }, landed - bad)
+                let landed = pixels - counts.missed;
+                let checked =
+                    matches!(self.method_of(view), Method::Atomic(Check::All) | Method::Buffer(_, Check::All));
+                (counts.bad + counts.missed, if checked { landed } else { 0 }, landed - counts.bad)
             }
         };
-        Ok(Ok(Statistics {
-            method,
-            left: work(0, pixels, 0),
-            right: work(1, primary, verification),
+        let rays = Rays { primary, verification, shadow: counts.shadow_rays };
+        (Work { rays, nodes: counts.nodes, primitive_tests: counts.primitive_tests }, reused)
+    }
+
+    /// Of a pair.
+    pub(crate) fn pair_statistics(&self) -> Statistics {
+        let (right, reused) = self.work(1);
+        Statistics {
+            method: self.choices[1].map_or(self.method, |choice| choice.method),
+            choice: self.choices[1],
+            in_steps: self.in_steps,
+            left: self.work(0).0,
+            right,
             reused,
-            bad,
-            missed,
-            lost_candidates: sum(layout::LOST_CANDIDATES),
-            times,
-            ..Statistics::default()
-        }))
+            bad: self.counts[1].bad,
+            missed: self.counts[1].missed,
+            lost_candidates: self.counts[1].lost_candidates,
+            buffer_depth: self.buffer_depth,
+            times: self.times.clone(),
+            intermediate_bytes: self.intermediate_bytes,
+        }
+    }
+}
+
+impl Renderer {
+    /// What was counted of each view.
+    pub(crate) async fn counts(&self, targets: &Targets) -> Result<Vec<Counts>, Error> {
+        let words = targets.shape.size[1] as usize * layout::COUNTERS;
+        let mut counts = Vec::new();
+        for view in 0..targets.shape.views {
+            let counters: Vec<u32> = self.gpu.read(targets.get(Target::Counters, view), words).await?;
+            counts.push(Counts::of(&counters));
+        }
+        Ok(counts)
     }
 
     pub(crate) async fn read_pair(
         &self,
         scene: &UploadedScene,
-        pose: Pose,
         options: &Options,
         traced: Traced,
     ) -> Result<StereoPair, Error> {
-        let Traced { statistics, targets, right } = traced;
-        let Shape { size: [width, height], kept, .. } = targets.shape;
-        let pixels = width as usize * height as usize;
-        // What bracket keeps has marks besides, so it is read whatever the user wants of it.
-        let samples: Vec<layout::PixelHit> = match kept {
-            Kept::Samples => self.gpu.read(targets.get(Target::Hits), 2 * pixels).await?,
-            _ => Vec::new(),
-        };
-        let hits: Vec<layout::PixelHit> = match (options.g_buffer, kept) {
-            (GBuffer::None, _) | (_, Kept::None) => Vec::new(),
-            (_, Kept::Samples) => {
-                let id = |word: u32| scene.ids.get((word & layout::NO_SLOT) as usize).copied().unwrap_or(crate::MISS);
-                samples.iter().map(|hit| layout::PixelHit { primitive: id(hit.primitive), ..*hit }).collect()
-            }
-            (_, Kept::Ids) => self.gpu.read(targets.get(Target::Hits), 2 * pixels).await?,
-            (_, Kept::Depth) => {
-                let depths: Vec<f32> = self.gpu.read(targets.get(Target::Hits), 2 * pixels).await?;
-                depths.into_iter().map(|depth| layout::PixelHit { depth, primitive: crate::MISS }).collect()
-            }
-        };
-        let rgba8: Vec<[u8; 4]> = self.gpu.read(targets.get(Target::Pictures), 2 * pixels).await?;
-        let counters = height as usize * layout::COUNTERS;
-        let costs: Vec<u32> = match options.cost_map {
-            true => self.gpu.read(targets.get(Target::Counters), counters + 2 * pixels).await?.split_off(counters),
+        let left = self.read_view(scene, options, &traced, 0).await?.view;
+        let ReadView { view: right, source, shadow_source } = self.read_view(scene, options, &traced, 1).await?;
+        let statistics = traced.pair_statistics();
+        Ok(StereoPair { left, right, source, shadow_source, statistics, pose: traced.eyes.pose })
+    }
+
+    pub(crate) async fn read_view(
+        &self,
+        scene: &UploadedScene,
+        options: &Options,
+        traced: &Traced,
+        view: usize,
+    ) -> Result<ReadView, Error> {
+        let (targets, [width, height]) = (&traced.targets, traced.eyes.pose.size);
+        let count = width as usize * height as usize;
+        let pixels: Vec<layout::Pixel> = self.gpu.read(targets.get(Target::View, view), count).await?;
+        let linear = match options.linear {
+            true => self.gpu.read(targets.get(Target::Linear, view), count).await?,
             false => Vec::new(),
         };
-        let view = |eye: usize, linear, hits: &[layout::PixelHit]| {
-            let with_ids = if options.g_buffer == GBuffer::Ids { hits } else { &[] };
-            let depth = |hit: &layout::PixelHit| if hit.depth < crate::FAR { hit.depth } else { f32::INFINITY };
-            let object = |hit: &layout::PixelHit| scene.objects.get(hit.primitive as usize).copied();
-            View {
-                width,
-                height,
-                rgba8: rgba8[eye * pixels..(eye + 1) * pixels].to_vec(),
-                linear,
-                depth: hits.iter().map(depth).collect(),
-                primitive: with_ids.iter().map(|hit| hit.primitive).collect(),
-                cost: costs.get(eye * pixels..(eye + 1) * pixels).unwrap_or_default().to_vec(),
-                object: with_ids.iter().map(|hit| object(hit).unwrap_or(crate::MISS)).collect(),
-            }
+        let counters = height as usize * layout::COUNTERS;
+        let cost = match options.cost_map {
+            true => self.gpu.read(targets.get(Target::Counters, view), counters + count).await?.split_off(counters),
+            false => Vec::new(),
         };
-        let left_linear: Vec<[f32; 4]> = self.gpu.read(targets.get(Target::LeftColor), pixels).await?;
-        let (left_hits, right_hits) = hits.split_at(hits.len() / 2);
-        // Reused pixels are the left ones that right_source names.
-        let mut right_hits = right_hits.to_vec();
-        let mut shadow_source = Vec::new();
-        let (source, right_linear) = match right {
-            RightView::Traced => {
-                (vec![PixelSource::Traced; pixels], self.gpu.read(targets.get(Target::RightColor), pixels).await?)
-            }
-            RightView::Left => {
-                right_hits.copy_from_slice(left_hits);
-                (vec![PixelSource::Reused; pixels], left_linear.clone())
-            }
-            RightView::Bracketed => {
-                let marks = || samples[pixels..].iter().map(|hit| hit.primitive);
-                let source = marks().map(pixel_source).collect();
-                shadow_source = marks().map(shadow_source_of).collect();
-                (source, self.gpu.read(targets.get(Target::RightColor), pixels).await?)
-            }
-            RightView::Marked => {
-                let marks: Vec<u32> = self.gpu.read(targets.get(Target::RightSource), pixels).await?;
-                let mut linear: Vec<[f32; 4]> = self.gpu.read(targets.get(Target::RightColor), pixels).await?;
-                let source: Vec<_> = marks.iter().copied().map(pixel_source).collect();
-                for (index, mark) in marks.iter().enumerate().filter(|(index, _)| source[*index] == PixelSource::Reused)
-                {
-                    let taken = index - index % width as usize + *mark as usize - 1;
-                    linear[index] = left_linear[taken];
-                    if let Some(hit) = right_hits.get_mut(index) {
-                        *hit = left_hits[taken];
-                    }
-                }
-                (source, linear)
-            }
+        let (with_depth, with_ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
+        let each = |wanted: bool| pixels.iter().filter(move |_| wanted);
+        let depth = |pixel: &layout::Pixel| if pixel.depth < crate::FAR { pixel.depth } else { f32::INFINITY };
+        let id = |pixel: &layout::Pixel| scene.ids.get(pixel.slot as usize).copied().unwrap_or(crate::MISS);
+        let primitive: Vec<u32> = each(with_ids).map(id).collect();
+        let object = |id: &u32| scene.objects.get(*id as usize).copied().unwrap_or(crate::MISS);
+        let made = traced.made[view];
+        let source = match made {
+            Made::Traced => vec![PixelSource::Traced; count],
+            Made::Copied => vec![PixelSource::Reused; count],
+            Made::Marked | Made::Bracketed => pixels.iter().map(|pixel| pixel_source(pixel.marks)).collect(),
         };
-        let left = view(0, left_linear, left_hits);
-        let right = view(1, right_linear, &right_hits);
-        Ok(StereoPair { left, right, source, shadow_source, statistics, pose })
+        let shadow_source = each(made == Made::Bracketed).map(|pixel| shadow_source_of(pixel.marks)).collect();
+        let view = View {
+            width,
+            height,
+            rgba8: pixels.iter().map(|pixel| pixel.color.to_le_bytes()).collect(),
+            linear,
+            depth: each(with_depth).map(depth).collect(),
+            object: primitive.iter().map(object).collect(),
+            primitive,
+            cost,
+        };
+        Ok(ReadView { view, source, shadow_source })
     }
 }
 

@@ -5,30 +5,26 @@ use std::{
     sync::Arc,
 };
 
-use super::plan::Eye;
 use crate::{
     Error,
     gpu::{Gpu, check_bytes},
     layout::{self, WORKGROUP},
-    variant::Kept,
 };
 
 /// A buffer of a frame, by what it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Target {
-    /// Linear colour of the view at work: `LeftColor` or `RightColor`.
-    Color,
-    /// Linear colour of the left view, RGB and 1.
-    LeftColor,
-    /// Linear colour of the right view.
-    RightColor,
-    /// What pixels hit, of both views.
-    Hits,
-    /// The left column that a right pixel is taken from, and marks.
-    RightSource,
-    /// How deep each tile of right pixels is searched.
+    /// The pixels of the view at work.
+    View,
+    /// Those of its source.
+    Source,
+    /// Linear colour of the view at work, RGB and 1.
+    Linear,
+    /// That of its source.
+    SourceLinear,
+    /// How deep each tile of the view at work is searched.
     Bounds,
-    /// Counters of each row, and behind them a map of costs.
+    /// Counters of each row of it, and behind them a map of costs.
     Counters,
     /// Lists of pixels and tiles of a band, with indirect heads.
     Lists,
@@ -36,23 +32,25 @@ pub(crate) enum Target {
     Found,
     /// The 3D buffer of a band.
     Slots,
-    /// 8-bit colour of both views.
-    Pictures,
 }
 
+/// A buffer and the view that it belongs to; those that views share are the first one's.
+pub(crate) type Place = (Target, usize);
+
 impl Target {
-    /// The buffer that a step of a view means.
-    pub(crate) fn of(self, eye: Eye) -> Self {
-        match (self, eye) {
-            (Self::Color, Eye::Left) => Self::LeftColor,
-            (Self::Color, Eye::Right) => Self::RightColor,
-            (target, _) => target,
+    /// What a step of a view with this source means by it.
+    pub(crate) fn of(self, view: usize, source: usize) -> Place {
+        match self {
+            Self::Source => (Self::View, source),
+            Self::SourceLinear => (Self::Linear, source),
+            Self::View | Self::Linear | Self::Bounds | Self::Counters => (self, view),
+            Self::Lists | Self::Found | Self::Slots => (self, 0),
         }
     }
 
-    /// Whether it is a part of the pair, not something between its steps.
+    /// Whether it is a part of what is rendered, not something between its steps.
     fn is_output(self) -> bool {
-        matches!(self, Self::LeftColor | Self::RightColor | Self::Pictures)
+        matches!(self, Self::View | Self::Linear)
     }
 }
 
@@ -62,7 +60,7 @@ pub(crate) struct Shape {
     pub(crate) size: [u32; 2],
     /// Rows of a band.
     pub(crate) rows: u32,
-    pub(crate) kept: Kept,
+    pub(crate) views: usize,
     pub(crate) cost_map: bool,
 }
 
@@ -73,35 +71,29 @@ impl Shape {
         let band = width * u64::from(self.rows);
         let tiles = |rows: u64| width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
         match target {
-            Target::Color | Target::LeftColor | Target::RightColor => pixels.saturating_mul(16),
-            Target::Hits => pixels.saturating_mul(2 * self.kept.bytes()),
-            Target::RightSource => pixels * 4,
+            Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
+            Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
             Target::Bounds => tiles(height) * 4,
-            Target::Counters => 4 * (height * layout::COUNTERS as u64 + if self.cost_map { 2 * pixels } else { 0 }),
+            Target::Counters => 4 * (height * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 }),
             Target::Lists => layout::LISTS_HEADS + layout::LISTS as u64 * band * 4,
             Target::Found => 4 * tiles(self.rows.into()) * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS),
-            Target::Pictures => pixels * 8,
             // Made when its depth is known.
             Target::Slots => 0,
         }
     }
 
-    fn samples_bytes(&self) -> u64 {
-        if self.kept == Kept::Samples { 16 * u64::from(self.size[0]) * u64::from(self.size[1]) } else { 0 }
-    }
-
     /// # Errors
     /// [`Error::Limit`], naming the limit that a picture of this size does not keep.
-    fn check(&self, gpu: &Gpu, targets: &BTreeSet<Target>) -> Result<(), Error> {
+    fn check(&self, gpu: &Gpu, used: &Used) -> Result<(), Error> {
         let [width, height] = self.size;
         let what = format!("a {width}x{height} picture");
-        let largest = targets.iter().map(|target| self.bytes(*target)).max().unwrap_or(0);
+        let largest = used.places.iter().map(|(target, _)| self.bytes(*target)).max().unwrap_or(0);
         check_bytes(&what, largest, gpu.binding_limit(), "render a smaller one")?;
         let limit = |what, needed, limit, allowed: u32, remedy| {
             Err(Error::Limit { what, needed, limit, allowed: allowed.to_string(), remedy })
         };
         let side = gpu.limits.max_texture_dimension_2d;
-        if self.kept == Kept::Samples && width.max(height) > side {
+        if !used.samples.is_empty() && width.max(height) > side {
             let (what, needed) = (format!("{what} by bracket"), format!("a texture of {width}x{height}"));
             return limit(what, needed, "max_texture_dimension_2d", side, "render a smaller one, or by another method");
         }
@@ -119,15 +111,23 @@ impl Shape {
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) shape: Shape,
-    /// A `layout::Frame` of each view.
+    /// A `layout::Frame` of each view and its source.
     pub(crate) frames: wgpu::Buffer,
     /// The head of the list at work: what dispatches may not be bound for writing.
     pub(crate) indirect: wgpu::Buffer,
-    /// What `bracket` asks of the left view's samples.
-    pub(crate) samples: Option<wgpu::TextureView>,
+    /// What `bracket` asks of sources' samples.
+    pub(crate) samples: BTreeMap<usize, wgpu::TextureView>,
     /// The heads of empty lists.
     pub(crate) empty_lists: wgpu::Buffer,
-    buffers: BTreeMap<Target, wgpu::Buffer>,
+    buffers: BTreeMap<Place, wgpu::Buffer>,
+}
+
+/// What the steps of a plan use.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Used {
+    pub(crate) places: BTreeSet<Place>,
+    /// The views of which samples are kept.
+    pub(crate) samples: BTreeSet<usize>,
 }
 
 /// From one view's `layout::Frame` to the next, in bytes: WebGPU's default alignment of uniform offsets.
@@ -136,9 +136,10 @@ pub(crate) const FRAME_STRIDE: u64 = 256;
 impl Targets {
     /// # Errors
     /// [`Error::Limit`] for a picture that the adapter can't bind.
-    pub(crate) fn new(gpu: &Gpu, shape: Shape, wanted: &BTreeSet<Target>) -> Result<Self, Error> {
-        shape.check(gpu, wanted)?;
-        let buffer = |target: &Target| (*target, gpu.storage_buffer(&format!("{target:?}"), shape.bytes(*target)));
+    pub(crate) fn new(gpu: &Gpu, shape: Shape, used: &Used) -> Result<Self, Error> {
+        shape.check(gpu, used)?;
+        let buffer =
+            |place: &Place| (*place, gpu.storage_buffer(&format!("{:?} {}", place.0, place.1), shape.bytes(place.0)));
         let plain = |label, size, usage| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
@@ -149,39 +150,46 @@ impl Targets {
         gpu.queue.write_buffer(&empty_lists, 0, bytemuck::cast_slice(&empty));
         Ok(Self {
             shape,
-            frames: plain("frames", 2 * FRAME_STRIDE, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST),
+            frames: plain(
+                "frames",
+                shape.views as u64 * FRAME_STRIDE,
+                wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            ),
             indirect: plain("indirect", 12, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST),
-            samples: (shape.kept == Kept::Samples).then(|| samples_texture(gpu, shape.size)),
+            samples: used.samples.iter().map(|view| (*view, samples_texture(gpu, shape.size))).collect(),
             empty_lists,
-            buffers: wanted.iter().map(buffer).collect(),
+            buffers: used.places.iter().map(buffer).collect(),
         })
     }
 
     /// Whether they will do for another frame.
-    pub(crate) fn fit(&self, shape: Shape, wanted: &BTreeSet<Target>) -> bool {
-        self.shape == shape && wanted.iter().all(|target| self.buffers.contains_key(target))
+    pub(crate) fn fit(&self, shape: Shape, used: &Used) -> bool {
+        self.shape == shape
+            && used.places.iter().all(|place| self.buffers.contains_key(place))
+            && used.samples.iter().all(|view| self.samples.contains_key(view))
     }
 
-    /// The buffer behind a name; `Slots` and `Color` are the driver's to tell.
-    pub(crate) fn get(&self, target: Target) -> &wgpu::Buffer {
-        &self.buffers[&target]
+    /// The buffer of a view; `Slots` is the driver's to tell.
+    pub(crate) fn get(&self, target: Target, view: usize) -> &wgpu::Buffer {
+        &self.buffers[&(target, view)]
     }
 
     /// The same, if the frame has it.
-    pub(crate) fn find(&self, target: Target) -> Option<&wgpu::Buffer> {
-        self.buffers.get(&target)
+    pub(crate) fn find(&self, place: Place) -> Option<&wgpu::Buffer> {
+        self.buffers.get(&place)
     }
 
-    /// Bytes between the steps of a plan that uses these, without the pair's own pictures.
-    pub(crate) fn intermediate_bytes(&self, used: &BTreeSet<Target>) -> u64 {
-        let between = used.iter().filter(|target| !target.is_output());
-        between.map(|target| self.buffers[target].size()).sum::<u64>() + self.shape.samples_bytes()
+    /// Bytes between the steps of a plan that uses these, without what is rendered.
+    pub(crate) fn intermediate_bytes(&self, used: &Used) -> u64 {
+        let between = used.places.iter().filter(|(target, _)| !target.is_output());
+        let samples = 16 * u64::from(self.shape.size[0]) * u64::from(self.shape.size[1]) * used.samples.len() as u64;
+        between.map(|place| self.buffers[place].size()).sum::<u64>() + samples
     }
 }
 
 fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
     // Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
-    gpu.filled_texture("left_samples", width, &vec![[0; 4]; width as usize * height as usize])
+    gpu.filled_texture("source_samples", width, &vec![[0; 4]; width as usize * height as usize])
 }
 
 /// Kept by a renderer from frame to frame.

@@ -1,9 +1,9 @@
-use std::num::NonZeroU32;
+use std::{num::NonZeroU32, ops::ControlFlow};
 
 use glam::Vec3;
 
-use super::{plan::Stage, *};
-use crate::{BufferDepth, Check, Gpu, Scene, StereoCamera, Traversal, layout, random::Random};
+use super::{plan::Stage, targets::Target, *};
+use crate::{BufferDepth, Check, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, random::Random};
 
 #[test]
 fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
@@ -16,28 +16,26 @@ fn bands_are_whole_workgroups_and_few_enough_for_the_timestamps() {
 }
 
 #[test]
-fn every_row_of_workgroups_comes_once_and_every_part_of_them_is_spread() {
+fn the_parts_that_rows_are_dealt_to_change_no_picture() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
     let mut renderer = renderer(BAND_PIXELS);
-    let scene = renderer.upload(&Scene::new()).unwrap();
-    let pose = pose([8, 8], 1.0);
-    let shape = Shape { size: pose.size, rows: 8, kept: Kept::Ids, cost_map: false };
-    let targets = pollster::block_on(renderer.targets(shape, &BTreeSet::new())).unwrap();
-    let (options, mut go_on) = (Options::default(), |_| ControlFlow::Continue(()));
-    let driver = renderer.driver(&scene, &pose, &options, &targets, &mut go_on);
-    for count in (1..200).chain([256, 1000, 2048]) {
-        let stride = driver.spread_rows(count);
-        let rows: Vec<u32> = (0..count).map(|row| row * stride % count).collect();
-        assert_eq!(rows.iter().collect::<BTreeSet<_>>().len(), count as usize, "{count} rows in strides of {stride}");
-        // Of the rows that the first of two threads gets, about half are in the picture's upper half: of 17 rows 6 of 8.
-        let upper = rows[..count as usize / 2].iter().filter(|&&row| 2 * row < count).count();
-        let off = upper.abs_diff(count as usize / 4) as f32 / count as f32;
-        assert!(stride == 1 || count < 8 || off <= 0.15, "{count} rows in strides of {stride}: {upper}");
+    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    for size in [[130, 71], [77, 8], [65, 200]] {
+        let camera = builtin.camera(size[0], size[1]);
+        for method in [Method::Naive, Method::ATOMIC, Method::BRACKET] {
+            let [expected, dealt @ ..] = [1, 2, 3, 32].map(|runs| {
+                renderer.runs = runs;
+                let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+                StereoPair { statistics: Statistics { times: None, ..pair.statistics }, ..pair }
+            });
+            assert!(dealt.iter().all(|pair| *pair == expected), "{method} {size:?}");
+        }
     }
 }
 
 fn renderer(band_pixels: u32) -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-    let mut renderer = Renderer::new(Gpu::open(&wanted).unwrap());
+    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
     renderer.band_pixels = band_pixels;
     renderer
 }
@@ -98,36 +96,35 @@ fn buffer(depth: BufferDepth) -> Method {
     Method::Buffer(depth, Check::None)
 }
 
-/// Runs reprojection alone on given left depths.
-fn reproject(pose: &Pose, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
+/// Runs reprojection alone on given depths of the source: keys of samples, and candidates that were lost.
+fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
-        // Depths are given in place of the first step, the left view's.
-        let mut plan = Plan::of(method);
+        // Depths are given in place of the first step, by which the source is traced.
+        let mut plan = Plan::of(method, &eyes.sources);
         let Stage::Bands(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
-        let used = plan.targets();
-        let shape = Shape { size: pose.size, rows: 16, kept: Kept::Ids, cost_map: false };
-        let targets = renderer.targets(shape, &used).await?;
-        let hits: Vec<_> = depths.iter().map(|&depth| layout::PixelHit { depth, primitive: 0 }).collect();
-        renderer.gpu.queue.write_buffer(targets.get(Target::Hits), 0, bytemuck::cast_slice(&hits));
+        let variant = renderer.variant(&scene, eyes, &Options::default());
+        let shape = Shape { size: eyes.pose.size, rows: 16, views: 2, cost_map: false };
+        let targets = renderer.targets(shape, &plan.uses(&variant)).await?;
+        let source: Vec<_> = depths.iter().map(|&depth| layout::Pixel { depth, ..Default::default() }).collect();
+        renderer.gpu.queue.write_buffer(targets.get(Target::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
-        let options = Options::default();
-        let mut driver = renderer.driver(&scene, pose, &options, &targets, &mut go_on);
+        let mut driver = renderer.driver(&scene, eyes, variant, &targets, &mut go_on);
         driver.run(&plan).await?;
-        let lost = renderer.statistics(&targets, Method::Naive).await?.unwrap().lost_candidates;
-        let source: Vec<u32> = renderer.gpu.read(targets.get(Target::RightSource), depths.len()).await?;
+        let lost = renderer.counts(&targets).await?[1].lost_candidates;
+        let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Target::View, 1), depths.len()).await?;
         // What was missed has been marked since.
         let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
-        Ok::<_, Error>((source.into_iter().map(empty).collect(), lost))
+        Ok::<_, Error>((target.into_iter().map(|pixel| empty(pixel.marks)).collect(), lost))
     };
     pollster::block_on(run).unwrap()
 }
 
-fn pose(size: [u32; 2], interaxial_px: f32) -> Pose {
+fn eyes(size: [u32; 2], interaxial_px: f32) -> Eyes {
     let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
-    camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap()
+    Eyes::pair(&camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap())
 }
 
 #[test]
@@ -135,20 +132,20 @@ fn the_index_buffer_equals_a_sequential_computation() {
     let size = [131, 37];
     let mut random = Random::new(9);
     for interaxial_px in [0.5, 7.0, 40.0] {
-        let pose = pose(size, interaxial_px);
+        let eyes = eyes(size, interaxial_px);
         let depths: Vec<f32> = (0..size[0] * size[1])
             .map(|index| match index % 7 {
                 0 => crate::FAR,
-                1 => pose.screen_distance,
-                2 => 0.5 * pose.screen_distance,
+                1 => eyes.pose.screen_distance,
+                2 => 0.5 * eyes.pose.screen_distance,
                 3 => 1e-6 * random.unit(),
                 _ => random.between(1.0, 10.0),
             })
             .collect();
-        let expected = crate::cpu::reproject::reproject(&crate::cpu::Frame::new(&pose), &depths);
+        let expected = crate::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
         for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
-            assert_eq!(reproject(&pose, &depths, method).0, expected, "{method} {interaxial_px}");
+            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {interaxial_px}");
         }
     }
 }
@@ -156,11 +153,11 @@ fn the_index_buffer_equals_a_sequential_computation() {
 #[test]
 fn samples_land_where_the_closed_form_says_ties_included() {
     // e_px = 8 and d = 4: parallax 8 (1 - 4/z).
-    let pose = pose([40, 1], 8.0);
+    let eyes = eyes([40, 1], 8.0);
     let land = |column: usize, z: f32| {
         let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
         depths[column] = z;
-        let source = reproject(&pose, &depths, TRUSTING).0;
+        let source = reproject(&eyes, &depths, TRUSTING).0;
         source.iter().position(|&source| source == column as u32 + 1)
     };
     assert_eq!(land(20, 4.0), Some(20), "on the screen");
@@ -180,13 +177,13 @@ fn samples_land_where_the_closed_form_says_ties_included() {
 #[test]
 fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
     // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e; columns 2e apart meet, and slot i mod 2e is the same.
-    let pose = pose([40, 1], 8.0);
+    let eyes = eyes([40, 1], 8.0);
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
-    let (source, lost) = reproject(&pose, &depths, buffer(BufferDepth::TwiceInteraxial));
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
     // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
-    let (source, lost) = reproject(&pose, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
     assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
 }
 

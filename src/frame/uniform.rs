@@ -7,43 +7,50 @@ use crate::{Pose, camera::least_pixel_angle, layout};
 /// Of an ordinary picture, whose pixels span 2e-5 radians and more: far more than the rounding of a projection.
 const WIDER: f32 = 0.05;
 
-/// The camera as kernels read it. Directions have length 1 along the view axis: a ray's t is the depth Z.
-pub(crate) fn frame_uniform(pose: &Pose) -> layout::Frame {
+/// Two eyes as kernels read them: offsets from the middle along `pose.right`, in interaxials. Directions have length 1 along the
+/// view axis: a ray's t is the depth Z.
+pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Frame {
     let [w, h] = pose.size.map(f64::from);
     let [screen_width, screen_height] = pose.screen_size.map(f64::from);
     let (d, e) = (f64::from(pose.screen_distance), f64::from(pose.interaxial));
     let [forward, right, up] = [pose.forward, pose.right, pose.up].map(Vec3::as_dvec3);
-    let corner = |side: f64| {
-        let x = -0.5 * screen_width - 0.5 * side * e;
+    let corner = |offset: f32| {
+        let x = -0.5 * screen_width - f64::from(offset) * e;
         (forward + right * (x / d) + up * (0.5 * screen_height / d)).as_vec3().to_array()
     };
     let array = |v: DVec3| v.as_vec3().to_array();
     // To the corner of the picture that lies farthest aside, of either eye.
-    let aside = (0.5 * (screen_width + e) / d).hypot(0.5 * screen_height / d);
+    let far = f64::from(source.abs().max(target.abs()));
+    let aside = ((0.5 * screen_width + far * e) / d).hypot(0.5 * screen_height / d);
     let longest = (1.0_f64.hypot(aside) * 1.001) as f32;
+    let parallax_px = (target - source) * pose.interaxial_px;
     layout::Frame {
-        left_eye: pose.eye_position(-1.0).to_array(),
-        right_eye: pose.eye_position(1.0).to_array(),
-        left_corner: corner(-1.0),
-        right_corner: corner(1.0),
+        source_eye: pose.eye_position(2.0 * source).to_array(),
+        target_eye: pose.eye_position(2.0 * target).to_array(),
+        source_corner: corner(source),
+        target_corner: corner(target),
         step_x: array(right * (screen_width / w / d)),
         step_y: array(up * (-screen_height / h / d)),
         right_axis: pose.right.to_array(),
         forward: pose.forward.to_array(),
         longest,
-        interaxial: pose.interaxial,
-        interaxial_px: pose.interaxial_px,
+        parallax_px,
+        shift: (target - source) * pose.interaxial,
+        same_parallax: SAME_PARALLAX,
         screen_distance: pose.screen_distance,
         image_size: pose.size,
         row_end: pose.size[1],
-        wider: wider(pose),
+        wider: wider(pose, 2.0 * far),
         ..layout::Frame::default()
     }
 }
 
+/// Parallaxes of a sample and a point that share shadow bits differ by no more than this, pixels.
+const SAME_PARALLAX: f32 = 0.75;
+
 /// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's corners
 /// may be rounded by, and never less than in an ordinary picture.
-fn wider(pose: &Pose) -> f32 {
-    let pixel_angle = least_pixel_angle(pose, f64::from(pose.interaxial));
+fn wider(pose: &Pose, span: f64) -> f32 {
+    let pixel_angle = least_pixel_angle(pose, span * f64::from(pose.interaxial));
     WIDER.max((f64::from(f32::EPSILON) * 8.0 / pixel_angle) as f32)
 }

@@ -1,15 +1,13 @@
-//! The device: which adapter it is of, its limits, its errors and its loss.
+//! The device: its limits, its errors and its loss.
 
 use std::{
     future::Future,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+use super::adapter::{Adapter, describe};
 use crate::{Error, kernels};
 
-/// The variable that chooses the adapter: `software`, or a part of its name. wgpu's own `WGPU_BACKEND` chooses the backend
-/// besides: `vulkan`, `gl`, `dx12` or `metal`.
-pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 /// A graphics device and what is known of it. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -27,56 +25,22 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Gpu {
-    /// Opens a device, blocking. See [`Gpu::new_async`].
+    /// Opens a device of its own on [`Adapter::FromEnv`].
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] if there is none, or none that `STEREOTRACE_ADAPTER` asks for.
-    pub fn new() -> Result<Self, Error> {
-        pollster::block_on(Self::new_async())
-    }
-
-    /// Opens a device of its own: the one that the environment variable `STEREOTRACE_ADAPTER` chooses (`software`, or
-    /// a part of an adapter's name), else the fastest kind there is: discrete, integrated, virtual, software.
-    /// `WGPU_BACKEND` narrows the choice to a backend (`vulkan`, `gl`, …).
-    ///
-    /// # Errors
-    /// [`Error::NoAdapter`], saying what there is, or [`Error::Gpu`] if the driver refuses to open it.
+    /// As [`Gpu::open_async`].
     pub async fn new_async() -> Result<Self, Error> {
-        Self::choose(std::env::var(ADAPTER_VARIABLE).ok().as_deref()).await
+        Self::open_async(Adapter::FromEnv).await
     }
 
-    /// Opens an adapter by name, blocking: `software`, or a part of its name.
+    /// Opens an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Where several fit, it is the
+    /// fastest kind. The environment variable `WGPU_BACKEND` narrows the choice to a backend (`vulkan`, `gl`, …).
     ///
     /// # Errors
-    /// As [`Gpu::new_async`].
-    pub fn open(adapter: &str) -> Result<Self, Error> {
-        pollster::block_on(Self::choose(Some(adapter)))
-    }
-
-    async fn choose(wanted: Option<&str>) -> Result<Self, Error> {
-        // OpenGL last, and only if nothing else fits: the same hardware shows up there a second time, with fewer
-        // features, and looking for it can make the driver print to the terminal.
-        let chosen = wgpu::Backends::from_env();
-        let tries = chosen.map_or_else(|| vec![wgpu::Backends::PRIMARY, wgpu::Backends::GL], |backends| vec![backends]);
-        let mut names = Vec::new();
-        for backends in tries {
-            let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-            descriptor.backends = backends;
-            let mut adapters = wgpu::Instance::new(descriptor).enumerate_adapters(backends).await;
-            // Stable: among equals the driver's own order stands.
-            adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
-            names.extend(adapters.iter().map(|adapter| describe(&adapter.get_info())));
-            if let Some(adapter) = adapters.into_iter().find(|adapter| is_wanted(&adapter.get_info(), wanted)) {
-                return Self::request(&adapter).await;
-            }
-        }
-        Err(Error::NoAdapter {
-            wanted: asked(wanted, std::env::var("WGPU_BACKEND").ok().as_deref()),
-            reason: match names.as_slice() {
-                [] => "no Vulkan, Metal, DirectX 12 or OpenGL driver offers one".into(),
-                names => format!("there are: {}", names.join(", ")),
-            },
-        })
+    /// [`Error::NoAdapter`] if none fits, saying what was asked for and what there is, or [`Error::Gpu`] if the driver refuses
+    /// to open it.
+    pub async fn open_async(adapter: impl Into<Adapter>) -> Result<Self, Error> {
+        Self::request(&adapter.into().find().await?).await
     }
 
     async fn request(adapter: &wgpu::Adapter) -> Result<Self, Error> {
@@ -215,46 +179,19 @@ impl Gpu {
         }
     }
 
-    /// Blocks until all submitted work is done, or until a submission is. In a browser it returns at once.
-    pub(crate) fn wait(&self, submission: Option<wgpu::SubmissionIndex>) -> Result<(), Error> {
-        let wait = wgpu::PollType::Wait { submission_index: submission, timeout: None };
-        match self.device.poll(wait) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(Error::DeviceLost(self.loss_or(error.to_string()))),
+    /// Threads of the host that run kernels, each of them one contiguous part of a dispatch: of software adapters; else 1.
+    pub(crate) fn threads(&self) -> u32 {
+        match self.adapter_info().device_type {
+            wgpu::DeviceType::Cpu => {
+                std::thread::available_parallelism().map_or(1, |threads| threads.get().min(32) as u32)
+            }
+            _ => 1,
         }
     }
 
-    pub(super) fn loss_or(&self, otherwise: String) -> String {
-        lock(&self.lost).clone().unwrap_or(otherwise)
-    }
-}
-
-fn describe(info: &wgpu::AdapterInfo) -> String {
-    format!("{} ({:?}, {:?})", info.name, info.device_type, info.backend)
-}
-
-/// What was asked for, as messages say it.
-fn asked(adapter: Option<&str>, backend: Option<&str>) -> String {
-    let rules = [(ADAPTER_VARIABLE, adapter), ("WGPU_BACKEND", backend)];
-    let rules: Vec<_> = rules.iter().filter_map(|(name, value)| Some(format!("{name}={}", (*value)?))).collect();
-    if rules.is_empty() { String::new() } else { format!(" for {}", rules.join(", ")) }
-}
-
-fn is_wanted(info: &wgpu::AdapterInfo, wanted: Option<&str>) -> bool {
-    match wanted {
-        None => true,
-        Some("software") => info.device_type == wgpu::DeviceType::Cpu,
-        Some(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
-    }
-}
-
-fn rank(info: &wgpu::AdapterInfo) -> u32 {
-    match info.device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
+    /// Why the device was lost, if it was.
+    pub(super) fn loss(&self) -> Option<String> {
+        lock(&self.lost).clone()
     }
 }
 
@@ -269,28 +206,5 @@ fn classify(error: &wgpu::Error) -> Error {
             }
             message => Error::Gpu(message),
         },
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_adapter_that_is_not_there_is_an_error_that_names_those_that_are() {
-        let error = pollster::block_on(Gpu::choose(Some("no such adapter"))).unwrap_err();
-        let message = error.to_string();
-        assert!(matches!(error, Error::NoAdapter { .. }), "{message}");
-        assert!(
-            message.contains("STEREOTRACE_ADAPTER=no such adapter") && message.contains("there are: "),
-            "{message}"
-        );
-    }
-
-    #[test]
-    fn messages_say_which_rules_left_no_adapter() {
-        assert_eq!(asked(None, None), "");
-        assert_eq!(asked(None, Some("gl")), " for WGPU_BACKEND=gl");
-        assert_eq!(asked(Some("x"), Some("gl")), " for STEREOTRACE_ADAPTER=x, WGPU_BACKEND=gl");
     }
 }

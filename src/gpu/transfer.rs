@@ -1,12 +1,6 @@
 //! Buffers and textures, and what is brought to them and back.
 
-use std::{
-    future::Future,
-    sync::{Arc, Mutex},
-    task::{Poll, Waker},
-};
-
-use super::{Gpu, lock};
+use super::{Gpu, wait::oneshot};
 use crate::{Error, bvh::Texel, traversal::Fetch};
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
@@ -14,6 +8,7 @@ pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
 /// Texels that are handed to the driver at a time: whole rows of those textures, 16 MiB.
 const PIECE: usize = 1 << 20;
+
 impl Gpu {
     pub(crate) fn storage_buffer(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
@@ -57,16 +52,16 @@ impl Gpu {
     /// Uploads texels as a texture or a storage buffer.
     ///
     /// # Errors
-    /// [`Error::Limit`] if they don't fit one texture or binding, and [`Error::DeviceLost`].
-    pub(crate) fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
-        self.upload_each(label, texels.len(), texels.iter().copied(), fetch)
+    /// [`Error::Limit`] if they don't fit one texture or binding, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub(crate) async fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
+        self.upload_each(label, texels.len(), texels.iter().copied(), fetch).await
     }
 
     /// Uploads so many texels as they come, without having them all at once.
     ///
     /// # Errors
     /// As [`Gpu::upload`].
-    pub(crate) fn upload_each(
+    pub(crate) async fn upload_each(
         &self,
         label: &'static str,
         count: usize,
@@ -84,20 +79,23 @@ impl Gpu {
                         remedy: "use fewer primitives",
                     });
                 }
-                let texture = self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count);
-                self.in_pieces(texels, |first, texels| {
+                let make = || Ok(self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
+                let texture = self.checked(make).await?;
+                let write = |first, texels: &[Texel]| {
                     self.write_rows(&texture, first / TEXTURE_WIDTH as usize, texels);
-                })?;
+                };
+                self.in_pieces(texels, write).await?;
                 Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
             }
             Fetch::Buffer => {
                 let (what, bytes) = (format!("the scene's {label} buffer"), (count * size_of::<Texel>()) as u64);
                 check_bytes(&what, bytes, self.binding_limit(), "use fewer primitives")?;
-                let buffer = self.storage_buffer(label, bytes);
-                self.in_pieces(texels, |first, texels| {
+                let buffer = self.checked(|| Ok(self.storage_buffer(label, bytes))).await?;
+                let write = |first, texels: &[Texel]| {
                     let offset = (first * size_of::<Texel>()) as u64;
                     self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(texels));
-                })?;
+                };
+                self.in_pieces(texels, write).await?;
                 Ok(Texels::Buffer(buffer))
             }
         }
@@ -105,18 +103,25 @@ impl Gpu {
 
     /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
     /// so one piece is waited for before the next is made.
-    fn in_pieces(&self, mut texels: impl Iterator<Item = Texel>, write: impl Fn(usize, &[Texel])) -> Result<(), Error> {
+    async fn in_pieces(
+        &self,
+        mut texels: impl Iterator<Item = Texel>,
+        write: impl Fn(usize, &[Texel]),
+    ) -> Result<(), Error> {
         let mut piece = Vec::new();
         for first in (0..).step_by(PIECE) {
             piece.clear();
             piece.extend(texels.by_ref().take(PIECE));
-            if !piece.is_empty() {
-                write(first, &piece);
+            let write = || {
+                if !piece.is_empty() {
+                    write(first, &piece);
+                }
+                Ok((piece.len() == PIECE).then(|| self.submit([])))
+            };
+            match self.checked(write).await? {
+                Some(submission) => self.finished(submission).await?,
+                None => break,
             }
-            if piece.len() < PIECE {
-                break;
-            }
-            self.wait(Some(self.queue.submit([])))?;
         }
         Ok(())
     }
@@ -171,7 +176,7 @@ impl Gpu {
     pub(crate) async fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, Error> {
         let bytes = (count * size_of::<T>()) as u64;
         let (sender, receiver) = oneshot();
-        let staging = self
+        let (staging, submission) = self
             .checked(|| {
                 let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("read-back"),
@@ -181,16 +186,19 @@ impl Gpu {
                 });
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-                self.queue.submit([encoder.finish()]);
+                let submission = self.submit([encoder.finish()]);
                 staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
-                Ok(staging)
+                Ok((staging, submission))
             })
             .await?;
-        self.wait(None)?;
-        let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss_or(error.to_string()));
+        self.finished(submission).await?;
+        let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss().unwrap_or(error.to_string()));
         receiver.await.map_err(|error| lost(&error))?;
         let range = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
-        Ok(bytemuck::pod_collect_to_vec(&range[..bytes as usize]))
+        let values = bytemuck::pod_collect_to_vec(&range[..bytes as usize]);
+        drop(range);
+        staging.destroy(); // as Texels
+        Ok(values)
     }
 }
 
@@ -209,7 +217,8 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static
     })
 }
 
-/// A part of a scene on the device.
+/// A part of a scene on the device, freed when it is dropped. Of itself a browser frees nothing before it collects garbage, which
+/// the device's memory does not make it do.
 #[derive(Debug)]
 pub(crate) enum Texels {
     Texture(wgpu::TextureView),
@@ -224,44 +233,61 @@ impl Texels {
         }
     }
 }
-/// One value that a callback hands to a future.
-#[derive(Debug)]
-struct Slot<T> {
-    value: Option<T>,
-    waker: Option<Waker>,
-}
 
-struct Sender<T>(Arc<Mutex<Slot<T>>>);
-
-impl<T> Sender<T> {
-    fn send(self, value: T) {
-        let mut slot = lock(&self.0);
-        slot.value = Some(value);
-        if let Some(waker) = slot.waker.take() {
-            waker.wake();
+impl Drop for Texels {
+    fn drop(&mut self) {
+        match self {
+            Self::Texture(view) => view.texture().destroy(),
+            Self::Buffer(buffer) => buffer.destroy(),
         }
     }
-}
-
-fn oneshot<T>() -> (Sender<T>, impl Future<Output = T>) {
-    let slot = Arc::new(Mutex::new(Slot { value: None, waker: None }));
-    let receiver = slot.clone();
-    let future = std::future::poll_fn(move |context| {
-        let mut slot = lock(&receiver);
-        match slot.value.take() {
-            Some(value) => Poll::Ready(value),
-            None => {
-                slot.waker = Some(context.waker().clone());
-                Poll::Pending
-            }
-        }
-    });
-    (Sender(slot), future)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn gpu() -> Gpu {
+        Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap()
+    }
+
+    #[test]
+    fn what_is_uploaded_in_pieces_arrives_whole() {
+        let gpu = gpu();
+        let texels: Vec<Texel> = (0..2 * PIECE as u32 + 3).map(|index| [index, 1, 2, !index]).collect();
+        let there_and_back = async {
+            let uploaded = gpu.upload("texels", &texels, Fetch::Buffer).await?;
+            let Texels::Buffer(buffer) = &uploaded else { panic!("{uploaded:?}") };
+            gpu.read::<Texel>(buffer, texels.len()).await
+        };
+        assert!(pollster::block_on(there_and_back).unwrap() == texels);
+    }
+
+    #[test]
+    fn texels_are_freed_when_they_are_dropped_whoever_still_holds_the_buffer() {
+        let gpu = gpu();
+        let freed_then_used = async {
+            let texels = gpu.upload("texels", &[[7; 4]; 3], Fetch::Buffer).await?;
+            let Texels::Buffer(buffer) = &texels else { panic!("{texels:?}") };
+            let buffer = buffer.clone();
+            assert_eq!(gpu.read::<u32>(&buffer, 12).await?, [7; 12]);
+            drop(texels);
+            assert!(gpu.read::<u32>(&buffer, 12).await.is_err());
+
+            let texels = gpu.upload("texels", &[[7; 4]; 3], Fetch::Texture).await?;
+            let Texels::Texture(view) = &texels else { panic!("{texels:?}") };
+            let texture = view.texture().clone();
+            let write = || {
+                gpu.write_rows(&texture, 0, &[[8; 4]; 3]);
+                Ok(())
+            };
+            gpu.checked(write).await?;
+            drop(texels);
+            assert!(gpu.checked(write).await.is_err());
+            Ok::<_, Error>(())
+        };
+        pollster::block_on(freed_then_used).unwrap();
+    }
 
     #[test]
     fn a_binding_over_the_limit_names_sizes_and_limit() {

@@ -11,17 +11,16 @@ use crate::{
     steps::{
         LISTS, MARKS,
         bracket::{BOUND_TILES, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
-        compose::{COMPOSE, COMPOSE_LEFT, COMPOSE_MARKED},
         edges::MARK_EDGES,
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
-        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TRACE_LISTED},
+        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TAKE_OVER, TRACE_LISTED},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Traversal},
     variant::{Shadows, SkyKind, part},
 };
 
-const ALL: [&Kernel; 24] = [
+const ALL: [&Kernel; 22] = [
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
@@ -43,9 +42,7 @@ const ALL: [&Kernel; 24] = [
     &RESOLVE_RIGHT,
     &RESOLVE_TRUSTED,
     &TRACE_LISTED,
-    &COMPOSE,
-    &COMPOSE_LEFT,
-    &COMPOSE_MARKED,
+    &TAKE_OVER,
 ];
 
 /// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
@@ -79,7 +76,7 @@ fn variants() -> Vec<Variant> {
     let kinds = [[true, false, false], [false, true, false], [false, true, true], [true, true, false], [true; 3]];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
     let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2]);
-    let with = |&[traversal, kind, light, hits, sky, bits, counting, close]: &[usize; 8]| {
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close]: &[usize; 8]| {
         let ((traversal, world_boxes), [spheres, triangles, normals]) = (traversals[traversal], kinds[kind]);
         Variant {
             traversal,
@@ -91,7 +88,8 @@ fn variants() -> Vec<Variant> {
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
             world_boxes,
             close: close == 1,
-            hits: [Kept::Ids, Kept::Depth, Kept::None, Kept::Samples][hits],
+            samples: kept & 1 == 1,
+            linear: kept & 2 == 2,
             stack_size: 40,
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
             count: counting > 0,
@@ -112,10 +110,7 @@ fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         .any(|known| known.name == kernel.name)
     {
         all.retain(|with| with.triangles || with.spheres);
-        all.iter_mut().for_each(|with| with.hits = Kept::Samples);
-    }
-    if kernel.name == MARK_EDGES.name {
-        all.iter_mut().for_each(|with| with.hits = Kept::Ids);
+        all.iter_mut().for_each(|with| with.samples = true);
     }
     all
 }
@@ -214,7 +209,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 
 #[test]
 fn every_specialised_kernel_makes_a_pipeline() {
-    let gpu = crate::Gpu::open(&std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
     let make = || {
         let pipelines = Kernels::new(&gpu);
         let mut built = BTreeSet::new();
@@ -238,7 +233,7 @@ fn bindings_of_group_1_are_as_the_table_says() {
             .global_variables
             .iter()
             .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-            .filter(|(binding, _)| binding.group == 1 && (1..STEPS_BINDING).contains(&binding.binding))
+            .filter(|(binding, _)| binding.group == 1 && (1..SOURCE_LINEAR_BINDING).contains(&binding.binding))
             .map(|(binding, space)| match space {
                 naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
                     (binding.binding, Write)
@@ -300,14 +295,14 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     assert_layout!(
         module,
         Frame {
-            left_eye,
-            interaxial_px,
-            right_eye,
+            source_eye,
+            parallax_px,
+            target_eye,
             screen_distance,
-            left_corner,
-            interaxial,
-            right_corner,
-            eye,
+            source_corner,
+            shift,
+            target_corner,
+            same_parallax,
             step_x,
             buffer_depth,
             step_y,
@@ -316,16 +311,13 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             row_end,
             image_size,
             longest,
-            spread_8,
+            runs,
             forward,
             wider,
-            spread_16,
-            spread_64,
-            _pad,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
-    assert_layout!(module, PixelHit { depth, primitive });
+    assert_layout!(module, Pixel { depth, slot, marks, color });
     let listed = parse(&TRACE_LISTED, &with);
     let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
         naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),
@@ -341,7 +333,6 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
         ("COUNTERS", layout::COUNTERS as u32),
-        ("VIEW_WORDS", layout::VIEW_WORDS as u32),
         ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
         ("NODES_VISITED", layout::NODES_VISITED as u32),
         ("PRIMITIVES_TESTED", layout::PRIMITIVES_TESTED as u32),

@@ -147,7 +147,7 @@ impl FromStr for Anaglyph {
 /// Views of different sizes are mixed where both have pixels, from the top left corner.
 pub fn anaglyph(left: &View, right: &View, kind: Anaglyph) -> Picture {
     let matrices = kind.matrices();
-    mix(left, right, |view| &view.linear, |l, r| product(&matrices, rgb(l), rgb(r)).map(encode))
+    mix([left, right], [&left.light(), &right.light()], |l, r| product(&matrices, rgb(l), rgb(r)).map(encode))
 }
 
 /// Mixes the sRGB-encoded values instead, which is no mixture of light but what the `stereo3d` filter of `FFmpeg` and
@@ -155,12 +155,12 @@ pub fn anaglyph(left: &View, right: &View, kind: Anaglyph) -> Picture {
 pub fn anaglyph_encoded(left: &View, right: &View, kind: Anaglyph) -> Picture {
     let matrices = kind.matrices_encoded();
     let value = |pixel: &[u8; 4]| rgb(pixel).map(|byte| f32::from(byte) / 255.0);
-    mix(left, right, |view| &view.rgba8, |l, r| product(&matrices, value(l), value(r)).map(to_byte))
+    mix([left, right], [&left.rgba8, &right.rgba8], |l, r| product(&matrices, value(l), value(r)).map(to_byte))
 }
 
-/// Pixel by pixel, `channels` of both views through `mixed`.
-fn mix<T>(left: &View, right: &View, channels: fn(&View) -> &[T], mixed: impl Fn(&T, &T) -> [u8; 3]) -> Picture {
-    let (left_rows, right_rows) = (rows(channels(left), left.width), rows(channels(right), right.width));
+/// Pixel by pixel, the `channels` of both views through `mixed`.
+fn mix<T>([left, right]: [&View; 2], channels: [&[T]; 2], mixed: impl Fn(&T, &T) -> [u8; 3]) -> Picture {
+    let (left_rows, right_rows) = (rows(channels[0], left.width), rows(channels[1], right.width));
     let pixels = left_rows.zip(right_rows).flat_map(|(l, r)| l.iter().zip(r));
     let rgba8 = pixels.map(|(l, r)| mixed(l, r)).map(|[r, g, b]| [r, g, b, 255]).collect();
     Picture { width: left.width.min(right.width), height: left.height.min(right.height), rgba8 }

@@ -5,7 +5,7 @@ use std::path::Path;
 #[cfg(feature = "png")]
 use super::Picture;
 use super::{Batch, write_whole};
-use crate::{Error, MISS, View};
+use crate::{Error, MISS, View, message::counted};
 
 /// Whole numbers up to here are exact as f32.
 const LARGEST_EXACT_ID: u32 = 1 << 24;
@@ -57,7 +57,8 @@ fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(),
     if u64::from(width) * u64::from(height) == count as u64 {
         return Ok(());
     }
-    Err(Error::unwritable(path, format!("a picture of {width}x{height} cannot be written from {count} pixels")))
+    let pixels = counted(count, "pixel", "pixels");
+    Err(Error::unwritable(path, format!("a picture of {width}x{height} cannot be written from {pixels}")))
 }
 
 impl View {

@@ -88,6 +88,7 @@ fn stacked(first: &Picture, second: &Picture) -> Picture {
 }
 
 fn half_width(view: &View) -> Picture {
+    let light = view.light();
     let halved = |row: &[[f32; 4]]| {
         let pairs = row.chunks(2).map(|two| average(&two[0], two.last().unwrap_or(&two[0])));
         pairs.collect::<Vec<_>>()
@@ -95,7 +96,7 @@ fn half_width(view: &View) -> Picture {
     Picture {
         width: view.width.div_ceil(2),
         height: view.height,
-        rgba8: rows(&view.linear, view.width).flat_map(halved).collect(),
+        rgba8: rows(&light, view.width).flat_map(halved).collect(),
     }
 }
 
@@ -109,7 +110,7 @@ fn half_height(view: &View) -> Picture {
     Picture {
         width: view.width,
         height: view.height.div_ceil(2),
-        rgba8: view.linear.chunks(2 * width).flat_map(halved).collect(),
+        rgba8: view.light().chunks(2 * width).flat_map(halved).collect(),
     }
 }
 

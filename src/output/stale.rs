@@ -11,7 +11,9 @@ const OLD: Duration = Duration::from_secs(24 * 3600);
 
 /// The name of this process's temporary file of that number. It says where the process id holds, and the id.
 pub(super) fn name(count: u32) -> String {
-    format!(".stereotrace-{}-{}-{count}.tmp", place(), std::process::id())
+    // wasm32 has no processes, and no files either: opening this one is the error to tell.
+    let process = if cfg!(target_arch = "wasm32") { 0 } else { std::process::id() };
+    format!(".stereotrace-{}-{process}-{count}.tmp", place())
 }
 
 /// Removes temporary files of dead processes from a folder, the first time this process asks for that folder.

@@ -5,6 +5,10 @@ use glam::Vec3;
 use super::{MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, MaterialId, Scene, Sky};
 use crate::Error;
 
+/// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
+/// pixels long. DESIGN, section 2, has the measurements.
+const COARSE_STEP: f32 = 1e-4;
+
 impl Scene {
     pub(super) fn check_material(&self, material: MaterialId) -> Result<(), String> {
         if (material.0 as usize) < self.materials.len() {
@@ -37,6 +41,17 @@ impl Scene {
         check("geometry".into(), self.check_extent())
     }
 
+    /// What to say of a scene that is so far from the origin that its picture suffers.
+    pub(crate) fn rounding_warning(&self) -> Option<String> {
+        let (low, high) = self.bounds()?;
+        let rounded = rounding_text(low, high, COARSE_STEP)?;
+        let side = (high - low).max_element();
+        Some(format!(
+            "the scene's {rounded}, and its longest side is {side}: detail and shadows break up; move it nearer to the \
+             origin"
+        ))
+    }
+
     /// Far from the origin a sphere can be less than a step of f32 across, and its box nothing.
     fn check_extent(&self) -> Result<(), String> {
         let Some((low, high)) = self.bounds() else { return Ok(()) };
@@ -49,6 +64,14 @@ impl Scene {
             }
         }
     }
+}
+
+/// What coordinates between two corners are rounded to, where that is more than a share of the longest side.
+pub(super) fn rounding_text(low: Vec3, high: Vec3, share: f32) -> Option<String> {
+    let largest = low.abs().max(high.abs()).max_element();
+    let step = largest.next_up() - largest;
+    (largest > 0.0 && step > share * (high - low).max_element())
+        .then(|| format!("coordinates near {largest:e} are rounded to steps of {step}"))
 }
 
 pub(super) fn check_light_count(count: usize) -> Result<(), Error> {

@@ -2,8 +2,14 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{MaterialId, PRINTED_WARNINGS, Scene, checks::check_coordinate};
-use crate::{Error, message::tidy};
+use super::{
+    MaterialId, PRINTED_WARNINGS, Scene,
+    checks::{check_coordinate, rounding_text},
+};
+use crate::{
+    Error,
+    message::{counted, tidy},
+};
 
 /// Indexed triangles that make one object.
 ///
@@ -123,19 +129,20 @@ impl Scene {
             check_coordinate(position).map_err(|reason| fault(format!("vertex {index}"), reason))?;
         }
         let count = mesh.triangles.len();
+        let triangles = |count| counted(count, "triangle", "triangles");
         if mesh.materials.len() != 1 && mesh.materials.len() != count {
-            let reason = format!("{} for {count} triangles; give one for all or one each", mesh.materials.len());
+            let reason = format!("{} for {}; give one for all or one each", mesh.materials.len(), triangles(count));
             return Err(fault("materials".into(), reason));
         }
         if !mesh.normals.is_empty() && mesh.normals.len() != count {
-            let reason = format!("{} for {count} triangles; give none or three each", mesh.normals.len());
+            let reason = format!("{} for {}; give none or three each", mesh.normals.len(), triangles(count));
             return Err(fault("normals".into(), reason));
         }
         let mut triangles = Vec::with_capacity(count);
         for (index, corners) in mesh.triangles.iter().enumerate() {
             let at = || format!("triangle {index}");
             if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
-                let reason = format!("corner {corner} of {} vertices", mesh.positions.len());
+                let reason = format!("corner {corner} of {}", counted(mesh.positions.len(), "vertex", "vertices"));
                 return Err(fault(at(), reason));
             }
             let material = mesh.materials[if mesh.materials.len() == 1 { 0 } else { index }];
@@ -162,12 +169,10 @@ impl Scene {
 pub(super) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
-    let largest = low.abs().max(high.abs()).max_element();
-    let step = largest.next_up() - largest;
     let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
     // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
-    if largest > 0.0 && step > (high - low).max_element() * 1e-5 {
-        text += &format!("; coordinates near {largest:e} are rounded to steps of {step}: move it nearer to the origin");
+    if let Some(rounded) = rounding_text(low, high, 1e-5) {
+        text += &format!("; {rounded}: move it nearer to the origin");
     }
     text
 }

@@ -201,14 +201,15 @@ impl Scene {
         Ok(())
     }
 
-    /// Reads a scene from an OBJ file and the MTL files it names. Polygons are fanned, missing normals make flat
-    /// triangles, a missing MTL is logged and gives grey. A mirror or glass (`illum` 3 and above) without a diffuse
+    /// Reads a scene from an OBJ file and the MTL files it names. A face of n corners becomes n - 2 triangles: a fan from
+    /// its first corner, or ears cut off where it is concave; one that crosses itself or is far from flat is fanned and
+    /// logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. A mirror or glass (`illum` 3 and above) without a diffuse
     /// colour takes its specular one. What pictures don't show of a file is logged once a file: textures, highlights,
     /// lines and points, and the like. The scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line where it is known, if its content is wrong: numbers that don't parse or are not
+    /// [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is wrong: numbers that don't parse or are not
     /// finite, indices out of range, no faces at all.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {

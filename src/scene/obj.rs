@@ -1,12 +1,15 @@
 //! Reads OBJ and MTL files.
 //!
-//! tobj parses the numbers and makes triangles of the faces. It names no line in its errors, panics on some files,
+//! tobj parses the numbers. It names no line in its errors, panics on some files,
 //! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
-//! it checks every index and leaves only lines that tobj reads as they are meant.
+//! it checks every index and leaves only lines that tobj reads as they are meant. It can only fan faces, so they are
+//! split into triangles here (polygon.rs).
 
 mod checks;
+mod ears;
 mod models;
 mod mtl;
+mod polygon;
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
@@ -17,7 +20,7 @@ use self::{
     models::join_models,
 };
 use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, mesh::dropped_text, warnings::Warnings};
-use crate::{Error, Limits, input};
+use crate::{Error, Limits, input, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
@@ -39,8 +42,8 @@ struct Section {
 /// An OBJ file in the form that tobj gets.
 #[derive(Default)]
 struct Prepared {
-    /// What `mtllib` lines name, each once.
-    libraries: Vec<String>,
+    /// What `mtllib` lines name, each once, with the first line that does.
+    libraries: Vec<(usize, String)>,
     /// All other lines that matter. Each section opens with `o` and its index, so tobj's models bear that name.
     text: String,
     sections: Vec<Section>,
@@ -51,6 +54,8 @@ struct Prepared {
     /// Vertices and normals so far.
     vertices: usize,
     normals: usize,
+    /// The lines of the faces of more than three corners.
+    polygon_lines: Vec<usize>,
     /// What a face belongs to here, and whether the last one of it had normals.
     section: Section,
     section_has_normals: Option<bool>,
@@ -77,13 +82,20 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
     }
     let mut scene = Scene::new();
     scene.materials.extend(library.materials);
-    for mesh in join_models(&models, &prepared) {
+    let (meshes, fanned) = join_models(&models, &prepared);
+    for mesh in meshes {
         scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     }
     if scene.triangles.is_empty() {
-        let reason =
-            format!("no faces and {} vertices; a scene needs `f` lines of 3 corners or more", prepared.vertices);
+        let vertices = counted(prepared.vertices, "vertex", "vertices");
+        let reason = format!("no faces and {vertices}; a scene needs `f` lines of 3 corners or more");
         return Err(Error::parse(path, None, reason));
+    }
+    if let Some(first) = fanned.first() {
+        let text =
+            "faces that cross themselves, are far from flat or too intricate, which are fanned from their first corner";
+        let place = if fanned.len() == 1 { format!("on line {first}") } else { format!("from line {first} on") };
+        warnings.warn_once(format!("{text}: {} {place}", fanned.len()));
     }
     if scene.dropped > 0 {
         warnings.warn_once(dropped_text(scene.dropped, &scene.triangles));
@@ -91,10 +103,10 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
     Ok(scene)
 }
 
-/// Lets tobj read numbers and faces.
+/// Lets tobj read numbers and gather what faces have.
 fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -> Result<Vec<tobj::Model>, Error> {
     // One index for positions and normals: a model then has as many normals as positions, or too few to use.
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
     // The library is read already; its name goes first, so that a `usemtl` may stand before the file's own `mtllib`.
     let mut reader = b"mtllib all\n".chain(prepared.text.as_bytes());
     let loaded = tobj::load_obj_buf(&mut reader, &options, |_| {
@@ -128,8 +140,14 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
 fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
-    let bytes = input::read(path, limits.file_bytes, limits.option_names[0])?;
+    let mut bytes = input::read(path, limits.file_bytes, limits.option_names[0])?;
     let count = bytes.len() as u64;
+    // A carriage return alone ends a line, as it did on the Mac before its system X.
+    for at in 0..bytes.len() {
+        if bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n') {
+            bytes[at] = b'\n';
+        }
+    }
     let mut text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into());
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
@@ -164,10 +182,17 @@ fn split_keyword(line: &str) -> (&str, &str) {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = match keyword {
-        "v" | "vn" | "f" => rest.split_once('#').map_or(rest, |(numbers, _)| numbers),
+        "v" | "vn" | "f" => without_comment(rest),
         _ => rest,
     };
     (keyword, rest.trim())
+}
+
+/// Numbers without the comment behind them. `1.#INF` and `-1.#IND` are what some compilers print for numbers that are none,
+/// and no 1 with a comment.
+fn without_comment(numbers: &str) -> &str {
+    let comment = numbers.match_indices('#').find(|(at, _)| !numbers[..*at].ends_with('.'));
+    comment.map_or(numbers, |(at, _)| &numbers[..at])
 }
 
 /// The name under which tobj looks a material up. The sign lets a material have an empty name, which tobj refuses.
@@ -198,7 +223,10 @@ fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
                     prepared.used_materials.push((number, rest.into()));
                 }
             }
-            "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push(rest.into()),
+            "mtllib" if rest.is_empty() => {
+                warnings.warn("mtllib lines without a name", number, "mtllib names no file; it is left out");
+            }
+            "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push((number, rest.into())),
             "s" if !matches!(rest, "" | "0" | "off") => smoothing_groups.push(number),
             "mtllib" | "s" => {}
             _ => note_left_out(keyword, number, warnings),
@@ -239,8 +267,10 @@ impl Prepared {
             self.sections.push(self.section);
             self.section_has_normals = Some(has_normals);
         }
-        if rest.split_whitespace().nth(2).is_none() {
-            warnings.left_out("faces of fewer than three corners (f)", line);
+        match rest.split_whitespace().take(4).count() {
+            4 => self.polygon_lines.push(line),
+            3 => {}
+            _ => warnings.left_out("faces of fewer than three corners (f)", line),
         }
         self.keep("f", rest);
         Ok(())

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::Error;
+use crate::{Error, message::counted};
 #[cfg(feature = "sky")]
 use crate::{Limits, input};
 
@@ -39,10 +39,8 @@ impl SkyMap {
     pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, Error> {
         let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
         if !is_map(width, height) || pixels.len() as u64 != u64::from(width) * u64::from(height) {
-            return fault(format!(
-                "{} colours do not make a map of {width}x{height}, with an even width",
-                pixels.len()
-            ));
+            let colors = counted(pixels.len(), "colour", "colours");
+            return fault(format!("a map of {width}x{height}, of even width, is not made of {colors}"));
         }
         if let Some(index) = pixels.iter().position(|color| !color.is_finite() || color.min_element() < 0.0) {
             let (row, column) = (index / width as usize, index % width as usize);
@@ -139,7 +137,7 @@ mod tests {
     #[test]
     fn every_direction_has_its_colour_poles_and_seam_included() {
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(&wanted).unwrap();
+        let gpu = Gpu::open(wanted).unwrap();
         // The larger one is uploaded in pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
@@ -155,7 +153,7 @@ mod tests {
     fn assert_colours_are_directions(renderer: &mut Renderer, uploaded: &UploadedScene, target: Vec3) {
         let up = if target.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
         let camera = StereoCamera::look_at(Vec3::ZERO, target).up(up).size(65, 33).vertical_fov_degrees(60.0);
-        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let pair = renderer.render(uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
         let frame = cpu::Frame::new(&pair.pose);
         for (index, color) in pair.left.linear.iter().enumerate() {
             let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();
@@ -169,7 +167,10 @@ mod tests {
     fn maps_that_are_none_are_refused() {
         for (width, height, count) in [(4, 2, 7), (3, 2, 6), (0, 2, 0)] {
             let message = SkyMap::new(width, height, vec![Vec3::ONE; count]).unwrap_err().to_string();
-            assert!(message.contains(&format!("{count} colours do not make a map of {width}x{height}")), "{message}");
+            assert!(
+                message.contains(&format!("a map of {width}x{height}, of even width, is not made of {count} colours")),
+                "{message}"
+            );
         }
         let mut pixels = vec![Vec3::ONE; 8];
         pixels[6].y = f32::NAN;

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
 use super::PRINTED_WARNINGS;
-use crate::{Error, error::located};
+use crate::{Error, error::located, message::escaped};
 
 /// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
 pub(super) struct Warnings<'a> {
@@ -22,17 +22,18 @@ impl<'a> Warnings<'a> {
         Self { path, like: BTreeMap::new(), left_out: BTreeMap::new() }
     }
 
-    /// Warns of a line. Warnings of one `kind`, which names them in the plural, are alike.
+    /// Warns of a line. Warnings of one `kind`, which is a heading for them, are alike.
     pub(super) fn warn(&mut self, kind: &'static str, line: usize, text: impl Display) {
         if self.is_printed(kind) {
             self.log(Some(line), text.to_string());
         }
     }
 
-    /// Warns of another file that this one names, and of what follows from it.
-    pub(super) fn warn_of(&mut self, kind: &'static str, error: &Error, consequence: &str) {
+    /// Warns of another file that a line names, and of what follows from it.
+    pub(super) fn warn_of(&mut self, kind: &'static str, line: usize, error: &Error, consequence: &str) {
         if self.is_printed(kind) {
-            log::warn!("{error}; {consequence}");
+            let name = escaped(&self.path.file_name().unwrap_or_default().to_string_lossy());
+            log::warn!("{error}; {consequence} (line {line} of {name})");
         }
     }
 
@@ -63,7 +64,7 @@ impl Drop for Warnings<'_> {
     fn drop(&mut self) {
         for (kind, count) in &self.like {
             if *count > PRINTED_WARNINGS {
-                self.log(None, format!("{} more {kind}", count - PRINTED_WARNINGS));
+                self.log(None, format!("{kind}: {} more", count - PRINTED_WARNINGS));
             }
         }
         let item = |(what, LeftOut { count, first_line }): (&&str, &LeftOut)| match count {

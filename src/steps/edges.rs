@@ -1,10 +1,10 @@
-//! Verification without rays: edges of the left view are marked, to be traced (thesis, 6.2).
+//! Verification without rays: edges of the source's view are marked, to be traced (thesis, 6.2).
 
-use super::{MARKS, PARALLAX, right};
+use super::{MARKS, PARALLAX, SWEEP, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
-        targets::Target::{Hits, RightSource},
+        targets::Target::{Source, View},
     },
     kernels::{
         Access::{Read, Write},
@@ -16,11 +16,11 @@ use crate::{
 pub(crate) const MARK_EDGES: Kernel = Kernel {
     name: "mark_edges",
     touches: Touches::Objects,
-    storage: &[(Hits, Read), (RightSource, Write)],
-    extra: &[PARALLAX, MARKS],
+    storage: &[(Source, Read), (View, Write)],
+    extra: &[PARALLAX, SWEEP, MARKS],
     main: part!("mark_edges.wgsl"),
 };
 
-pub(crate) fn mark() -> Vec<Step> {
-    vec![right(&MARK_EDGES, Launch::Pixels)]
+pub(crate) fn mark(view: usize) -> Vec<Step> {
+    vec![step(&MARK_EDGES, view, Launch::Pixels)]
 }

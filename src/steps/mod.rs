@@ -2,7 +2,6 @@
 //! `shaders/`.
 
 pub(crate) mod bracket;
-pub(crate) mod compose;
 pub(crate) mod edges;
 pub(crate) mod host;
 pub(crate) mod reproject;
@@ -10,7 +9,7 @@ pub(crate) mod resolve;
 pub(crate) mod trace;
 
 use crate::{
-    frame::plan::{Eye, Launch, Step},
+    frame::plan::{Launch, Step},
     kernels::Kernel,
     variant::{Part, part},
 };
@@ -21,15 +20,11 @@ const LIGHT_TRACED: Part = part!("shared/light_traced.wgsl");
 const APPEND: Part = part!("shared/append.wgsl");
 const LISTED_PIXELS: Part = part!("shared/listed_pixels.wgsl");
 const PARALLAX: Part = part!("shared/parallax.wgsl");
+const SWEEP: Part = part!("shared/sweep.wgsl");
 pub(crate) const MARKS: Part = part!("shared/marks.wgsl");
 pub(crate) const LISTS: Part = part!("shared/lists.wgsl");
 
-/// A step of the right view, named like its kernel.
-fn right(kernel: &'static Kernel, launch: Launch) -> Step {
-    Step::Run { name: kernel.name, kernel, eye: Eye::Right, launch }
-}
-
-/// A step of the left view, named like its kernel.
-fn left(kernel: &'static Kernel, launch: Launch) -> Step {
-    Step::Run { name: kernel.name, kernel, eye: Eye::Left, launch }
+/// A step of a view, named like its kernel.
+fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
+    Step::Run { name: kernel.name, kernel, view, launch }
 }

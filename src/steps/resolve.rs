@@ -1,10 +1,10 @@
 //! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, edges, right};
+use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, edges, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
-        targets::Target::{Counters, Hits, Lists, RightColor, RightSource},
+        targets::Target::{Counters, Lists, Source, View},
     },
     kernels::{
         Access::{Read, Write},
@@ -18,30 +18,44 @@ use crate::{
 pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     name: "resolve_right",
     touches: Touches::Geometry,
-    storage: &[(Hits, Read), (RightSource, Write), (Counters, Write), (Lists, Write)],
-    extra: &[part!("shared/verify_all.wgsl"), COUNT, MARKS, LISTS, APPEND],
+    storage: &[(Source, Read), (View, Write), (Counters, Write), (Lists, Write)],
+    extra: &[part!("shared/verify_all.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
     main: part!("resolve_right.wgsl"),
 };
 /// The same without checks: gaps are no candidates any more, and edges have been marked.
 pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel {
     name: "resolve_trusted",
-    extra: &[part!("shared/verify_none.wgsl"), COUNT, MARKS, LISTS, APPEND],
+    extra: &[part!("shared/verify_none.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
     ..RESOLVE_RIGHT
 };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (Hits, Write), (RightColor, Write), (Counters, Write)],
+    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
     extra: &[COUNT, LISTS, LISTED_PIXELS, LIGHT_TRACED],
     main: part!("trace_listed.wgsl"),
 };
 
-pub(crate) fn of(check: Check) -> Vec<Step> {
-    let mut steps = if check == Check::Edges { edges::mark() } else { Vec::new() };
+/// What was reused takes over its source's pixels.
+pub(crate) const TAKE_OVER: Kernel = Kernel {
+    name: "take_over",
+    touches: Touches::Pixels,
+    storage: &[(Source, Read), (View, Write)],
+    extra: &[MARKS, PARALLAX, SWEEP],
+    main: part!("take_over.wgsl"),
+};
+
+pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
+    let mut steps = if check == Check::Edges { edges::mark(view) } else { Vec::new() };
     let checked = match check {
-        Check::All => right(&RESOLVE_RIGHT, Launch::Pixels),
-        Check::Edges | Check::None => right(&RESOLVE_TRUSTED, Launch::Pixels),
+        Check::All => step(&RESOLVE_RIGHT, view, Launch::Pixels),
+        Check::Edges | Check::None => step(&RESOLVE_TRUSTED, view, Launch::Pixels),
     };
-    steps.extend([Step::EmptyLists, checked.named(RESOLVE_RIGHT.name), right(&TRACE_LISTED, Launch::Listed(TO_TRACE))]);
+    steps.extend([
+        Step::EmptyLists,
+        checked.named(RESOLVE_RIGHT.name),
+        step(&TRACE_LISTED, view, Launch::Listed(TO_TRACE)),
+        step(&TAKE_OVER, view, Launch::Pixels),
+    ]);
     steps
 }

@@ -21,7 +21,7 @@ pub use self::random_scene::{RandomScene, random_stage};
 /// failure with a remedy, not a skip.
 pub fn gpu() -> Gpu {
     let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
-    Gpu::open(&wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
+    Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
 }
 
 /// A device of the tests' adapter with limits of the caller's choice.
@@ -65,7 +65,7 @@ pub fn is_exact(renderer: &Renderer) -> bool {
 pub fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
     let mut renderer = renderer();
     let uploaded = renderer.upload(scene).unwrap();
-    renderer.render(&uploaded, camera, &Options::new(method)).unwrap()
+    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
 }
 
 /// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.

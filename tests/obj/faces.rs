@@ -2,7 +2,7 @@
 
 use stereotrace::{Scene, glam::Vec3};
 
-use crate::{Folder, SIX, corners, materials, objects};
+use crate::{ARC, Folder, SIX, corners, materials, objects};
 
 fn smooth(scene: &Scene) -> Vec<bool> {
     scene.triangles().iter().map(|triangle| triangle.normals != [Vec3::ZERO; 3]).collect()
@@ -11,7 +11,7 @@ fn smooth(scene: &Scene) -> Vec<bool> {
 #[test]
 fn polygons_are_fanned_in_file_order() {
     let folder = Folder::new("fan");
-    let scene = folder.scene(format!("{SIX}f 6 5 4\nf 1 2 3 4\nf 2 3 4 5 6\nf 3 2 1\n"));
+    let scene = folder.scene(format!("{ARC}f 6 5 4\nf 1 2 3 4\nf 2 3 4 5 6\nf 3 2 1\n"));
     assert_eq!(corners(&scene), [[6, 5, 4], [1, 2, 3], [1, 3, 4], [2, 3, 4], [2, 4, 5], [2, 5, 6], [3, 2, 1]]);
 }
 
@@ -65,7 +65,7 @@ fn faces_without_normals_are_flat_and_take_none_from_others() {
     assert!(!flat.has_normals());
     // In order: none, all, one corner of a quad without, all, zero, all of another material.
     let scene = folder.scene(format!(
-        "{SIX}vn 0 0 1\nvn 0 1 0\nvn 0 0 0\no one\nf 1 2 3\nf 2//1 3//2 4//1\nf 1//1 2//2 3 4//1\nf 4//2 5//2 6//1\n\
+        "{ARC}vn 0 0 1\nvn 0 1 0\nvn 0 0 0\no one\nf 1 2 3\nf 2//1 3//2 4//1\nf 1//1 2//2 3 4//1\nf 4//2 5//2 6//1\n\
          f 1//1 2//3 3//1\nusemtl other\nf 1/7/2 2//2 3/7/1\n"
     ));
     assert_eq!(corners(&scene), [[1, 2, 3], [2, 3, 4], [1, 2, 3], [1, 3, 4], [4, 5, 6], [1, 2, 3], [1, 2, 3]]);
@@ -105,8 +105,10 @@ fn line_ends_marks_and_layout_make_no_difference() {
     let expected = folder.scene(&plain);
     let mut latin = b"# \xe4\xf6\xfc\no \xff\n".to_vec();
     latin.extend_from_slice(plain.replace("o thing\n", "").as_bytes());
-    let layouts: [Vec<u8>; 7] = [
+    let layouts: [Vec<u8>; 9] = [
         plain.replace('\n', "\r\n").into(),
+        plain.replace('\n', "\r").into(),
+        plain.replace("f 1//1 2//1 ", "f 1//1 \\\n 2//1 ").replace('\n', "\r").into(),
         format!("\u{feff}{}", plain.replace("# a\n", "")).into(),
         plain.trim_end().into(),
         plain.replace('\n', "  # x y z w\n").replace("thing  # x y z w", "thing").into(),
@@ -117,7 +119,7 @@ fn line_ends_marks_and_layout_make_no_difference() {
     for (index, layout) in layouts.into_iter().enumerate() {
         let scene = folder.scene(layout);
         assert_eq!((corners(&scene), smooth(&scene)), (corners(&expected), smooth(&expected)), "{index}");
-        assert_eq!(objects(&scene), [(if index == 6 { "\u{fffd}" } else { "thing" }, 0)], "{index}");
+        assert_eq!(objects(&scene), [(if index == 8 { "\u{fffd}" } else { "thing" }, 0)], "{index}");
     }
 }
 

@@ -12,8 +12,11 @@ fn numbers_that_are_none_are_errors_on_their_line() {
     let cases = [
         ("v 1 x 0", "vertex: 'x' is not a number"),
         ("v 1 2", "vertex: 2 numbers of 3"),
+        ("v 1", "vertex: 1 number of 3"),
         ("v", "vertex: 0 numbers of 3"),
         ("v 1 nan 0", "vertex: NaN is not a finite number"),
+        ("v 0 0 1.#INF", "vertex: '1.#INF' is not a number"),
+        ("v -1.#IND 0 0", "vertex: '-1.#IND' is not a number"),
         ("v -inf 0 0", "vertex: -inf is not a finite number"),
         ("v 1e39 0 0", "vertex: inf is not a finite number"),
         ("v 0 2e8 0", "is beyond ±1e8"),
@@ -43,7 +46,7 @@ fn indices_out_of_range_are_errors_on_their_line() {
         ("f 1 2 9223372036854775807", "is out of range"),
         ("f 1 2 -9223372036854775808", "is out of range"),
         ("f 1 2 9223372036854775808", "is not a whole number"),
-        ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there are 1"),
+        ("f 1//1 2//1 3//2", "face corner '3//2': normal index 2 is out of range: there is 1 before this line"),
         // Offsets that would wrap to small ones if they were multiplied by three unchecked.
         ("f 1//1 2//1 3//-2", "normal index -2 is out of range"),
         ("f 1//1 2//1 3//-5", "normal index -5 is out of range"),
@@ -72,6 +75,41 @@ fn of_two_faults_the_first_in_the_file_is_named() {
 }
 
 #[test]
+fn lines_are_counted_whatever_they_end_in() {
+    let folder = Folder::new("line_ends");
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!("{SIX}\nv 1 2\n# more\nf 1 2 3\n").replace('\n', end);
+        folder.fails_on_line(8, "vertex: 2 numbers of 3", text);
+    }
+}
+
+#[test]
+fn utf_16_is_named_and_so_is_the_remedy() {
+    let folder = Folder::new("utf_16");
+    let [obj, mtl] = [format!("mtllib m.mtl\n{SIX}f 1 2 3\n"), "newmtl red\nKd 1 0 0\n".into()];
+    for (bytes_of, mark) in
+        [(u16::to_le_bytes as fn(u16) -> [u8; 2], true), (u16::to_be_bytes, true), (u16::to_le_bytes, false)]
+    {
+        let encode = |text: &str| -> Vec<u8> {
+            let text = format!("{}{text}", if mark { "\u{feff}" } else { "" });
+            text.encode_utf16().flat_map(bytes_of).collect()
+        };
+        let name = if mark {
+            "it is UTF-16 text, by its byte order mark; save it as UTF-8"
+        } else {
+            "it is UTF-16 text or none at all, by a byte of 0 at its beginning; save it as UTF-8"
+        };
+        assert_eq!(folder.error(encode(&obj)), (None, name.into()));
+        folder.write("m.mtl", encode(&mtl));
+        assert_eq!(folder.scene(&obj).materials().len(), 1);
+        assert_eq!(
+            folder.warnings().last(),
+            Some(&format!("m.mtl: {name}; its materials are grey (line 1 of scene.obj)"))
+        );
+    }
+}
+
+#[test]
 fn vertices_with_and_without_colours_are_an_error_with_a_remedy() {
     let folder = Folder::new("colours");
     let faces = "f 1 2 3\n";
@@ -92,7 +130,8 @@ fn a_file_without_faces_is_an_error_that_says_so() {
     {
         let (line, reason) = folder.error(content);
         assert_eq!(line, None);
-        assert!(reason.starts_with(&format!("no faces and {vertices} vertices")), "{reason}");
+        let vertices = if vertices == 1 { "1 vertex".into() } else { format!("{vertices} vertices") };
+        assert!(reason.starts_with(&format!("no faces and {vertices};")), "{reason}");
     }
     let picture = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff\xfe\0".as_slice();
     assert!(folder.error(picture).1.starts_with("no faces"));

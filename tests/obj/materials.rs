@@ -25,7 +25,7 @@ fn diffuse_colours_are_taken_as_linear_and_kept_within_0_and_1() {
 #[test]
 fn a_bad_colour_is_grey_with_a_warning_that_names_file_and_line() {
     let folder = Folder::new("bad_kd");
-    let bad = ["", "0.5 0.5", "red", "nan 0 0", "0 inf 0", "0 0 1e99", "1 2 3 4", "spectral file.rfl"];
+    let bad = ["1.#QNAN 0 0", "", "0.5 0.5", "red", "nan 0 0", "0 inf 0", "0 0 1e99", "1 2 3 4", "spectral file.rfl"];
     for kd in bad {
         folder.write("m.mtl", format!("Kd 1 1 1\nnewmtl bad\nKd {kd}\nKa 1\nillum x\nnewmtl good\nKd 0 0 1\n"));
         let scene = folder.scene(format!("mtllib m.mtl\n{SIX}usemtl bad\nf 1 2 3\nusemtl good\nf 2 3 4\n"));
@@ -46,8 +46,17 @@ fn a_missing_mtl_is_grey_with_a_warning() {
     let warnings = folder.warnings();
     assert!(warnings.iter().any(|warning| warning.starts_with("gone.mtl: ")), "{warnings:?}");
     assert!(warnings.iter().any(|warning| warning.starts_with("scene.obj:8: no material 'red'")), "{warnings:?}");
-    // The folder itself, for a library without a name.
-    assert_eq!(folder.scene(format!("mtllib\n{SIX}f 1 2 3\n")).primitive_count(), 1);
+    let before = warnings.len();
+    folder.scene(format!("# spaces\nmtllib no such.mtl\nmtllib\n{SIX}f 1 2 3\n"));
+    let mut warnings = folder.warnings().split_off(before);
+    warnings.sort();
+    assert_eq!(warnings[1], "scene.obj:3: mtllib names no file; it is left out");
+    assert!(
+        warnings[0].starts_with("no such.mtl: ")
+            && warnings[0].ends_with("; its materials are grey (line 2 of scene.obj)"),
+        "{warnings:?}"
+    );
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
 }
 
 #[test]
@@ -78,6 +87,14 @@ fn names_may_be_odd_and_libraries_several() {
     let albedo = |triangle: usize| scene.materials()[scene.triangles()[triangle].material.0 as usize].albedo;
     assert_eq!([0, 1, 2, 3].map(albedo), [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)]);
     assert!(folder.warnings().is_empty(), "{:?}", folder.warnings());
+}
+
+#[test]
+fn lines_may_end_in_a_carriage_return_alone() {
+    let folder = Folder::new("mtl_line_ends");
+    folder.write("m.mtl", "\u{feff}newmtl red\rKd 1 0 0\rnewmtl green\rKd 0 1 0\r");
+    let scene = folder.scene(format!("mtllib m.mtl\n{SIX}usemtl green\nf 1 2 3\n"));
+    assert_eq!((materials(&scene), scene.materials()[2].albedo), (vec!["green"], Vec3::Y));
 }
 
 #[test]

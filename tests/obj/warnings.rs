@@ -16,9 +16,9 @@ fn of_like_warnings_five_are_printed_and_the_rest_counted() {
     let counts = [starting("m.mtl:"), starting("scene.obj:"), starting("gone")];
     assert_eq!(counts, [6, 7, 5], "{warnings:?}");
     for counted in [
-        "scene.obj: 3 more MTL files that can't be read",
-        "m.mtl: 4 more diffuse colours",
-        "scene.obj: 7 more materials that are in no MTL file",
+        "scene.obj: MTL files that can't be read: 3 more",
+        "m.mtl: diffuse colours (Kd) that are none: 4 more",
+        "scene.obj: materials that are in no MTL file: 7 more",
     ] {
         assert_eq!(starting(counted), 1, "{counted}: {warnings:?}");
     }

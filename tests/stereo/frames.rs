@@ -58,7 +58,7 @@ fn progress_runs_up_to_one_and_may_cancel() {
     renderer.render_with(&uploaded, &camera, &Options::default(), &mut watch).unwrap();
     assert!(seen.is_sorted_by_key(|(_, done)| *done) && seen.last().unwrap().1 == 1.0, "{seen:?}");
     let names: Vec<_> = seen.iter().map(|(name, _)| *name).collect();
-    assert_eq!(names, ["bound_tiles", "compose"], "a band of the left view, then one of the right");
+    assert_eq!(names, ["bound_tiles", "shade_listed"], "a band of the left view, then one of the right");
     let mut stop = |_| std::ops::ControlFlow::Break(());
     let error = renderer.render_with(&uploaded, &camera, &Options::default(), &mut stop).unwrap_err();
     assert!(matches!(error, Error::Cancelled));
@@ -80,8 +80,9 @@ fn a_smaller_g_buffer_changes_no_picture() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Fence.scene()).unwrap();
     for &method in Method::ALL {
-        let mut render =
-            |g_buffer| renderer.render(&uploaded, &camera, &Options::new(method).g_buffer(g_buffer)).unwrap();
+        let mut render = |g_buffer| {
+            renderer.render(&uploaded, &camera, &Options::new(method).linear(true).g_buffer(g_buffer)).unwrap()
+        };
         let [full, depth, none] = [GBuffer::Ids, GBuffer::Depth, GBuffer::None].map(&mut render);
         for less in [&depth, &none] {
             assert_eq!((&less.left.linear, &less.right.linear), (&full.left.linear, &full.right.linear), "{method}");
@@ -107,8 +108,8 @@ fn a_map_of_costs_adds_up_to_the_counts_and_changes_no_picture() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
     for &method in Method::ALL {
-        let plain = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &Options::new(method).cost_map(true)).unwrap();
+        let plain = renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(method).linear(true).cost_map(true)).unwrap();
         assert_eq!((&pair.left.linear, &pair.right.linear), (&plain.left.linear, &plain.right.linear), "{method}");
         assert!(plain.left.cost.is_empty() && plain.left.cost_picture(100).is_none());
         for (view, work) in [(&pair.left, pair.statistics.left), (&pair.right, pair.statistics.right)] {

@@ -139,7 +139,7 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
         let mut renderer = renderer();
         let uploaded = renderer.upload(&builtin.scene()).unwrap();
         let camera = builtin.camera(SIZE.0, SIZE.1);
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC).count(true)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::ATOMIC).linear(true).count(true)).unwrap();
         let count = |kind| pair.source.iter().filter(|source| **source == kind).count() as u64;
         let (s, pixels) = (&pair.statistics, u64::from(SIZE.0 * SIZE.1));
         let fates = [PixelSource::Reused, PixelSource::Bad, PixelSource::Missed].map(count);

@@ -51,7 +51,7 @@ fn many_lights_add_up_to_one() {
         scene.lights = vec![PointLight::new(light.position, light.intensity / count as f32); count];
         let mut renderer = renderer();
         let uploaded = renderer.upload(&scene).unwrap();
-        let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
         assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);
         for (many, one) in many.left.linear.iter().zip(&one.left.linear) {
             // Roundings of a sum below 2.
@@ -107,7 +107,7 @@ fn every_effort_at_the_tree_gives_the_same_picture() {
         let uploaded = renderer.upload_with(&Builtin::Hall.scene(), build).unwrap();
         let info = uploaded.info();
         assert!(info.node_bytes > 0 && info.primitive_bytes > 0 && !info.build.is_zero() && !info.upload.is_zero());
-        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).count(true)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true).count(true)).unwrap();
         (pair.left.linear, pair.right.primitive, pair.statistics.left.nodes)
     }));
     for (build, pair) in BvhBuild::ALL.iter().zip(&pairs) {

@@ -1,5 +1,7 @@
 //! Numbers and indices of an OBJ file, checked before tobj reads them: it names no line.
 
+use crate::message::{counted, noun};
+
 use super::{Fault, MAX_COORDINATE, lines, split_keyword};
 
 /// Checks the corners of a face against the vertices and normals so far, and tells whether all corners have normals.
@@ -38,7 +40,8 @@ fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
     match parse_index(what, word)? {
         0 => Err(format!("{what} index 0; the first is 1")),
         index if index.unsigned_abs() > count => {
-            Err(format!("{what} index {index} is out of range: there are {count} before this line"))
+            let are = noun(count, "is", "are");
+            Err(format!("{what} index {index} is out of range: there {are} {count} before this line"))
         }
         _ => Ok(()),
     }
@@ -67,7 +70,8 @@ fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
         values.push(word.parse::<f32>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
     }
     let count = values.len();
-    let (coordinates, more) = values.split_at_checked(3).ok_or_else(|| format!("{what}: {count} numbers of 3"))?;
+    let (coordinates, more) =
+        values.split_at_checked(3).ok_or_else(|| format!("{what}: {} of 3", counted(count, "number", "numbers")))?;
     let scale = match *more {
         [] | [_, _, _] => 1.0,
         [0.0] => return Err(format!("{what}: the weight w is 0")),

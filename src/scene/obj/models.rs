@@ -2,11 +2,17 @@
 
 use glam::Vec3;
 
-use super::{MaterialId, Mesh, Prepared, Section};
+use super::{
+    MaterialId, Mesh, Prepared, Section,
+    polygon::{Split, split},
+};
 
-/// Makes one mesh of each object out of tobj's models, which end at each change of material and section.
-pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> Vec<Mesh> {
+/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. Returns the lines
+/// of faces for which no split was found, too.
+pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> (Vec<Mesh>, Vec<usize>) {
     let Prepared { sections, names, .. } = prepared;
+    let mut lines = prepared.polygon_lines.iter().copied();
+    let mut fanned = Vec::new();
     let has_objects = sections.iter().any(|section| section.object > 0);
     let mut meshes: Vec<Mesh> = Vec::new();
     let mut last: Option<&Section> = None;
@@ -24,7 +30,7 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> Vec<Me
             meshes.push(Mesh { name: names[name].clone(), ..Mesh::default() });
         }
         if let Some(mesh) = meshes.last_mut() {
-            add_model(mesh, &model.mesh);
+            add_model(mesh, &model.mesh, &mut lines, &mut fanned);
         }
     }
     for mesh in &mut meshes {
@@ -32,15 +38,16 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> Vec<Me
             mesh.normals.resize(mesh.triangles.len(), [Vec3::ZERO; 3]);
         }
     }
-    meshes
+    (meshes, fanned)
 }
 
-fn add_model(mesh: &mut Mesh, model: &tobj::Mesh) {
+/// Adds a model's triangles. `lines` are those of the faces of more than three corners from the model's first on.
+fn add_model(mesh: &mut Mesh, model: &tobj::Mesh, lines: &mut impl Iterator<Item = usize>, fanned: &mut Vec<usize>) {
     let first_vertex = mesh.positions.len() as u32;
     let first_triangle = mesh.triangles.len();
     let (positions, _) = model.positions.as_chunks::<3>();
-    let (triangles, _) = model.indices.as_chunks::<3>();
     mesh.positions.extend(positions.iter().copied().map(Vec3::from_array));
+    let triangles = split_faces(model, &mesh.positions[first_vertex as usize..], lines, fanned);
     mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first_vertex + corner)));
     let material = model.material_id.map_or(MaterialId(0), |index| MaterialId(index as u32 + 1));
     mesh.materials.resize(mesh.triangles.len(), material);
@@ -54,6 +61,35 @@ fn add_model(mesh: &mut Mesh, model: &tobj::Mesh) {
             if normals.contains(&Vec3::ZERO) { [Vec3::ZERO; 3] } else { normals }
         }));
     }
+}
+
+/// The triangles of a model's faces.
+fn split_faces(
+    model: &tobj::Mesh,
+    positions: &[Vec3],
+    lines: &mut impl Iterator<Item = usize>,
+    fanned: &mut Vec<usize>,
+) -> Vec<[u32; 3]> {
+    if model.face_arities.is_empty() {
+        return model.indices.as_chunks::<3>().0.to_vec(); // all are triangles
+    }
+    let mut triangles = Vec::with_capacity(model.indices.len() - 2 * model.face_arities.len());
+    let (mut indices, mut corners) = (model.indices.as_slice(), Vec::new());
+    for &arity in &model.face_arities {
+        let (face, others) = indices.split_at(arity as usize);
+        indices = others;
+        let line = if face.len() > 3 { lines.next() } else { None };
+        corners.clear();
+        corners.extend(face.iter().map(|&corner| positions[corner as usize]));
+        match split(&corners) {
+            Split::Ears(ears) => triangles.extend(ears.into_iter().map(|ear| ear.map(|corner| face[corner]))),
+            fan => {
+                fanned.extend(line.filter(|_| matches!(fan, Split::Unknown)));
+                triangles.extend(face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]));
+            }
+        }
+    }
+    triangles
 }
 
 /// Zero has no direction and stays zero; f64, so that tiny and huge normals keep theirs.

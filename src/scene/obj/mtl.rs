@@ -7,7 +7,7 @@ use std::{
 
 use glam::Vec3;
 
-use super::{GREY, lines, read_text, split_keyword};
+use super::{GREY, lines, read_text, split_keyword, without_comment};
 use crate::{Limits, Material, scene::warnings::Warnings};
 
 /// From this illumination model on, materials are mirrors or glass, with one exception that nothing writes (10).
@@ -23,12 +23,13 @@ pub(super) struct Library {
 
 /// Reads the files that `mtllib` lines name. Each line names one file, whose name may have spaces, or several. Grey
 /// replaces what can't be read: a picture in grey is more use than none.
-pub(super) fn read(obj: &Path, names: &[String], limits: &Limits, warnings: &mut Warnings) -> Library {
+pub(super) fn read(obj: &Path, names: &[(usize, String)], limits: &Limits, warnings: &mut Warnings) -> Library {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let mut library = Library::default();
     let mut read = HashSet::new();
     let mut limits_left = *limits;
-    for file in names.iter().flat_map(|name| locate(folder, name)) {
+    let files = names.iter().flat_map(|(line, name)| locate(folder, name).into_iter().map(move |file| (*line, file)));
+    for (line, file) in files {
         // A file may have several names.
         if !read.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
             continue;
@@ -38,19 +39,20 @@ pub(super) fn read(obj: &Path, names: &[String], limits: &Limits, warnings: &mut
                 limits_left.file_bytes -= bytes;
                 library.add(&file, &text);
             }
-            Err(error) => warnings.warn_of("MTL files that can't be read", &error, "its materials are grey"),
+            Err(error) => warnings.warn_of("MTL files that can't be read", line, &error, "its materials are grey"),
         }
     }
     library
 }
 
-/// The files of one `mtllib` line.
+/// The files of one `mtllib` line: several where one of them is there, else the name as it stands.
 fn locate(folder: &Path, names: &str) -> Vec<PathBuf> {
     let whole = locate_one(folder, names);
-    if whole.is_file() || !names.contains(char::is_whitespace) {
+    if whole.is_file() {
         return vec![whole];
     }
-    names.split_whitespace().map(|name| locate_one(folder, name)).collect()
+    let several: Vec<_> = names.split_whitespace().map(|name| locate_one(folder, name)).collect();
+    if several.iter().any(|file| file.is_file()) { several } else { vec![whole] }
 }
 
 /// Names are relative to the OBJ; some come with the separators of another system.
@@ -132,7 +134,7 @@ impl Draft {
 /// Takes what a line says of the current material, and notes what pictures don't show of it. Values that change nothing, as
 /// exporters write them, are not worth a word.
 fn read_statement(keyword: &str, rest: &str, line: usize, draft: Option<&mut Draft>, warnings: &mut Warnings) {
-    let numbers = rest.split_once('#').map_or(rest, |(numbers, _)| numbers).trim();
+    let numbers = without_comment(rest).trim();
     let color = parse_color(numbers);
     let is = |value: f32| color.is_some_and(|color| color == Vec3::splat(value));
     match (keyword, draft) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::is_map;
-use crate::{Error, Limits};
+use crate::{Error, Limits, message::counted};
 
 /// Bytes of an HDR file, as the image crate asks for them.
 struct HdrBytes<R> {
@@ -72,7 +72,7 @@ fn colors(
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());
     if sample > size_of::<Vec3>() {
-        return Err(no_sky(format!("pixels of {sample} bytes")));
+        return Err(no_sky(format!("pixels of {}", counted(sample, "byte", "bytes"))));
     }
     // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
@@ -218,7 +218,7 @@ mod tests {
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
         // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
-        let gpu = Gpu::open(&wanted).unwrap();
+        let gpu = Gpu::open(wanted).unwrap();
         let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();
         assert!(most < u64::MAX && most >= Limits::default().largest_sky(), "{most}");
         assert_eq!(Limits::default().sky_pixels(9).gpu(&gpu).largest_sky(), 9);

@@ -1,0 +1,70 @@
+//! What the example prints of the names that it is given.
+
+#[path = "../../tests/common/folder.rs"]
+#[allow(dead_code, reason = "these tests use a part of it")]
+mod folder;
+
+use clap::Parser;
+
+use self::folder::Folder;
+use crate::{arguments::Arguments, error_line, run};
+
+/// What would clear the screen, and what turns the direction of writing.
+const STEERING: &str = "\u{1b}[2J\u{202e}";
+const ESCAPED: &str = r"\u{1b}[2J\u{202e}";
+
+/// Runs the example, and gives what it prints last: the table, or the error's message.
+fn printed(arguments: &[&str]) -> String {
+    let arguments = Arguments::try_parse_from([&["anaglyph", "--size", "16x12"], arguments].concat()).unwrap();
+    run(&arguments).unwrap_or_else(|error| error_line(&*error))
+}
+
+#[test]
+fn out_must_be_a_folder_and_the_message_says_so() {
+    let folder = Folder::new("out");
+    let file = folder.write("out.png", "old").to_str().unwrap().to_owned();
+    assert_eq!(printed(&["--out", &file]), format!("{file}: it is no folder; --out takes a folder to write into"));
+    let below = format!("{file}/pictures");
+    let message = printed(&["--out", &below]);
+    assert!(message.starts_with(&format!("{below}: the folder can't be made: ")), "{message}");
+    assert_eq!(std::fs::read(file).unwrap(), b"old");
+}
+
+#[test]
+fn one_of_anything_is_singular() {
+    let folder = Folder::new("singular");
+    let scene = folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let cases: [(&[&str], &str); 3] = [
+        (&[&scene, "--lights", "1"], "\nscene      one: 1 triangle, 0 spheres, 1 light\n"),
+        (&[&scene, "--method", "buffer-1"], "\nmethod     buffer-1: 1 slot a pixel, "),
+        (&["builtin:spheres", "--frames", "1"], "1 frame in "),
+    ];
+    for (arguments, expected) in cases {
+        let text = printed(&[arguments, &["--out", &out]].concat());
+        assert!(text.contains(expected), "{text}");
+    }
+}
+
+#[test]
+fn names_of_files_and_folders_do_not_steer_the_terminal() {
+    let folder = Folder::new(STEERING);
+    let scene = format!("scene{STEERING}.obj");
+    let scene = folder.write(&scene, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").to_str().unwrap().to_owned();
+    let [out, file] = ["out", "file"].map(|name| folder.file(name).to_str().unwrap().to_owned());
+    folder.write("file", "");
+    let cases: [(&[&str], usize); 6] = [
+        // The scene's name, and three files written.
+        (&[&scene, "--out", &out], 4),
+        (&["builtin:spheres", "--frames", "1", "--out", &out], 1),
+        (&[&format!("{scene}.gone")], 2),
+        (&[&out], 1),
+        (&[&scene, "--out", &file], 1),
+        (&[&scene, "--out", &out, "--cameras", &file], 1),
+    ];
+    for (arguments, names) in cases {
+        let text = printed(arguments);
+        assert!(!text.contains(['\u{1b}', '\u{202e}']), "{text}");
+        assert_eq!(text.matches(ESCAPED).count(), names, "{text}");
+    }
+}

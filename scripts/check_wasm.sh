@@ -1,0 +1,21 @@
+#!/bin/sh
+# Compiles the library for browsers (wasm32-unknown-unknown with WebGPU), alone and with all features that go there. A warning is
+# an error. Nothing is run. The target's standard library is installed by rustup where it is missing.
+#   sh scripts/check_wasm.sh
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+target=wasm32-unknown-unknown
+
+if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
+    command -v rustup >/dev/null 2>&1 || {
+        echo "this needs Rust's standard library for $target; without rustup install your distribution's" >&2
+        exit 1
+    }
+    rustup target add "$target"
+fi
+for features in webgpu webgpu,obj,png,sky,json; do
+    echo "wasm32: $features"
+    # With --target, flags are the target's alone: what is built for this machine stays.
+    RUSTFLAGS='-D warnings' cargo check --quiet --manifest-path "$root/Cargo.toml" --lib --target "$target" \
+        --no-default-features --features "$features"
+done

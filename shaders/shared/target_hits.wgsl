@@ -1,0 +1,18 @@
+// The hits that pixels of the target were found to have, as traversal returns them.
+fn target_hits(pixels: Pixels, wanted: B) -> Hits {
+    var found = Hits(F(FAR), U(MISS), U(0u));
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let pixel = view[pixel_index(pixel_of_ray(pixels, ray))];
+            let there = pixel.slot != MISS;
+            found.t = with_ray(found.t, ray, pixel.depth);
+            // Which one it is, only its slot tells.
+            found.primitive = with_ray_u(found.primitive, ray, select(MISS, 0u, there));
+            found.slot = with_ray_u(found.slot, ray, select(0u, pixel.slot, there));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    return found;
+}

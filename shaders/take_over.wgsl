@@ -1,0 +1,23 @@
+// Pass 3 of 3 of the thesis's methods, at last: reused pixels take over from the source's pixel that their key names. (After the
+// checks: what was found bad has been traced by then, and is not copied first.)
+//
+// launch  one thread per pixel of the target in the rows at work
+// reads   source  [height * width]
+// updates view    [height * width]  all but marks
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> source: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn take_over(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    let index = pixel_index(pixel);
+    let marks = view[index].marks;
+    if (marks & (BAD | MISSED)) != 0u { return; }
+    let place = pixel_index(vec2u(column_of(marks & KEY), pixel.y));
+    let taken = source[place];
+    view[index] = Pixel(taken.depth, taken.slot, marks, taken.color);
+    take_linear(index, place);
+}

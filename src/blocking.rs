@@ -1,0 +1,133 @@
+//! The blocking forms: each runs its async form to the end on the calling thread. They are the feature `blocking`, and not there on
+//! wasm32, where to block is to keep the browser from what is waited for.
+
+use std::ops::ControlFlow;
+
+use pollster::block_on;
+
+use crate::{
+    BvhBuild, Cast, Error, Gpu, Options, Ray, RayHit, Renderer, Scene, Statistics, StereoCamera, StereoPair,
+    UploadedScene, gpu::Adapter, render_stereo_async, renderer::OnProgress,
+};
+
+impl Gpu {
+    /// Opens a device, blocking: see [`Gpu::new_async`].
+    ///
+    /// # Errors
+    /// As [`Gpu::open_async`].
+    pub fn new() -> Result<Self, Error> {
+        block_on(Self::new_async())
+    }
+
+    /// Opens an adapter, blocking: see [`Gpu::open_async`].
+    ///
+    /// ```no_run
+    /// use stereotrace::{Adapter, Gpu};
+    ///
+    /// let gpu = Gpu::open(Adapter::Software)?; // or Gpu::open("software")
+    /// println!("{}", gpu.adapter_name());
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Gpu::open_async`].
+    pub fn open(adapter: impl Into<Adapter>) -> Result<Self, Error> {
+        block_on(Self::open_async(adapter))
+    }
+}
+
+impl Renderer {
+    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::upload_async`].
+    pub fn upload(&self, scene: &Scene) -> Result<UploadedScene, Error> {
+        self.upload_with(scene, BvhBuild::Balanced)
+    }
+
+    /// Builds a scene's BVH with a given effort and uploads it, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::upload_async`].
+    pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
+        block_on(self.upload_async(scene, build))
+    }
+
+    /// Renders a pair, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<StereoPair, Error> {
+        self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Renders a pair, blocking, with a callback for progress.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn render_with(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<StereoPair, Error> {
+        block_on(self.render_async(scene, camera, options, progress))
+    }
+
+    /// Runs the passes of a frame without reading the pictures back, blocking.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_async`].
+    pub fn trace(
+        &mut self,
+        scene: &UploadedScene,
+        camera: &StereoCamera,
+        options: &Options,
+    ) -> Result<Statistics, Error> {
+        block_on(self.trace_async(scene, camera, options))
+    }
+
+    /// The nearest hit of each ray, blocking: see [`Renderer::closest_hits_async`].
+    ///
+    /// ```
+    /// use stereotrace::{Gpu, Material, Ray, Renderer, Scene, Sphere, glam::Vec3};
+    ///
+    /// let mut scene = Scene::new();
+    /// let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
+    /// scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, grey))?;
+    /// let renderer = Renderer::new(Gpu::new()?);
+    /// let uploaded = renderer.upload(&scene)?;
+    /// let rays = [-Vec3::Z, Vec3::Z].map(|direction| Ray::new(4.0 * Vec3::Z, direction));
+    /// let cast = renderer.closest_hits(&uploaded, &rays)?;
+    /// assert_eq!([cast.hits[0].t, cast.hits[1].t], [3.0, f32::INFINITY]);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Renderer::closest_hits_async`].
+    pub fn closest_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
+        block_on(self.closest_hits_async(scene, rays))
+    }
+
+    /// Whether each ray hits anything, blocking: see [`Renderer::any_hits_async`].
+    ///
+    /// # Errors
+    /// As [`Renderer::closest_hits_async`].
+    pub fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
+        block_on(self.any_hits_async(scene, rays))
+    }
+}
+
+/// Renders a stereo pair in one call, blocking: see [`render_stereo_async`].
+///
+/// # Errors
+/// As [`render_stereo_async`].
+pub fn render_stereo(scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    block_on(render_stereo_async(scene, camera))
+}

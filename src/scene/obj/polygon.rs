@@ -1,0 +1,81 @@
+//! Splits the polygons of faces into triangles.
+//!
+//! Signs are what makes a split right: where every triangle turns the way the polygon does, triangles cover each point
+//! as many times as the polygon winds around it, which for one that does not cross itself is once inside and never
+//! outside. The fan from the first corner is taken where that holds for it, as for every convex polygon; else ears are
+//! cut off.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::ears::cut_ears;
+
+/// What is narrower than this share of a face's size is rounding: a fan that covers so much wrongly is right.
+const ROUNDING: f64 = 1e-5;
+/// Thicker along its normal than this share of its size, a face is not flat, and no split is the meant one.
+const FLAT: f64 = 0.2;
+/// Ears are cut off faces of at most so many corners, which takes seconds at worst: a file must not take hours.
+const MOST_CORNERS: usize = 1 << 17;
+
+/// How to split a face into two triangles fewer than it has corners.
+pub(super) enum Split {
+    /// By a fan from the first corner.
+    Fan,
+    /// Into these triangles of its corners.
+    Ears(Vec<[usize; 3]>),
+    /// No split was found: the face crosses itself, is far from flat, or too intricate.
+    Unknown,
+}
+
+/// Finds the split of a face of three corners or more.
+pub(super) fn split(corners: &[Vec3]) -> Split {
+    let Some((first, others)) = corners.split_first().filter(|(_, others)| others.len() > 2) else { return Split::Fan };
+    let first = first.as_dvec3();
+    let others = || others.iter().map(|corner| corner.as_dvec3() - first);
+    let size = others().fold(0.0, |size: f64, corner| size.max(corner.abs().max_element()));
+
+    // Newell's normal is the sum of the fan's own.
+    let (mut normal, mut areas) = (DVec3::ZERO, 0.0);
+    for (b, c) in others().zip(others().skip(1)) {
+        normal += b.cross(c);
+        areas += b.cross(c).length();
+    }
+    if areas <= ROUNDING * size * size {
+        return Split::Fan; // a line or a point
+    }
+    let Some(unit) = normal.try_normalize() else { return Split::Unknown };
+    let heights = others()
+        .map(|corner| corner.dot(unit))
+        .fold([0.0, 0.0], |[low, high]: [f64; 2], height| [low.min(height), high.max(height)]);
+    if heights[1] - heights[0] > FLAT * size {
+        return Split::Unknown;
+    }
+    // To leave out the normal's longest component keeps all signs, and coordinates exact.
+    let flat = |corner: DVec3| {
+        let longest = normal.abs().max_position();
+        let [u, v] = [1, 2].map(|step| corner[(longest + step) % 3]);
+        if normal[longest] > 0.0 { DVec2::new(u, v) } else { DVec2::new(v, u) }
+    };
+    if is_fan(others().map(flat), ROUNDING * size) {
+        return Split::Fan;
+    }
+    if corners.len() > MOST_CORNERS {
+        return Split::Unknown;
+    }
+    let points: Vec<DVec2> = std::iter::once(DVec2::ZERO).chain(others().map(flat)).collect();
+    cut_ears(&points).map_or(Split::Unknown, Split::Ears)
+}
+
+/// Whether corners go around the first one, at the origin, without turning back further than rounding does.
+fn is_fan(corners: impl Iterator<Item = DVec2>, rounding: f64) -> bool {
+    let mut front = DVec2::ZERO;
+    for corner in corners {
+        let area = front.perp_dot(corner);
+        if area < -rounding * front.length().max(corner.length()) {
+            return false;
+        }
+        if area >= 0.0 && corner.length() > rounding {
+            front = corner;
+        }
+    }
+    true
+}
