@@ -82,6 +82,7 @@ pub mod camera;
 mod camera_file;
 pub mod cast;
 pub mod cpu;
+mod disparity;
 mod error;
 #[cfg(test)]
 #[path = "../tests/common/folder.rs"]
@@ -116,6 +117,7 @@ pub use blocking::{render_stereo, render_views};
 pub use bvh::BvhBuild;
 pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
+pub use disparity::Occlusion;
 pub use error::Error;
 pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]

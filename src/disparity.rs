@@ -1,0 +1,211 @@
+//! Which points of the two views are one: disparities, and what only one eye sees, for stereo vision.
+
+use crate::{Pose, StereoPair, View};
+
+/// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an occluder
+/// leaves is not told where it is narrower.
+const NEARER_PX: f64 = 0.25;
+
+/// Whether the right eye sees what a left pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[repr(u8)]
+pub enum Occlusion {
+    /// It does.
+    Visible = 0,
+    /// Something nearer stands before it.
+    Hidden = 1,
+    /// It lies outside the right picture.
+    OutOfFrame = 2,
+}
+
+impl Pose {
+    /// Disparity `x_l - x_r` in pixels of a point at depth `z`, with the sign of stereo vision: the opposite of
+    /// [`Pose::parallax_px`], in f64. `e_px (d/Z - 1)`: above 0 before the screen, 0 on it, below 0 behind it, `-e_px` at
+    /// infinity.
+    ///
+    /// Since both eyes look through one screen rectangle, disparities of this camera are those of two parallel
+    /// cameras of baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`: `f B / Z - e_px`.
+    pub fn disparity_px(&self, z: f32) -> f64 {
+        let e_px = f64::from(self.interaxial_px);
+        // No eyes apart, no disparity, not even in their plane.
+        if e_px == 0.0 { 0.0 } else { e_px * (f64::from(self.screen_distance) / f64::from(z) - 1.0) }
+    }
+}
+
+impl StereoPair {
+    /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i + 0.5`
+    /// stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not ([`StereoPair::occlusion`]).
+    ///
+    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`] by [`Pose::disparity_px`]. d is above
+    /// 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
+    /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add
+    /// [`Pose::interaxial_px`] to get disparities of parallel cameras, which are 0 at infinity. A point in the plane of the eyes
+    /// has `f32::INFINITY`. Empty where depth was not kept ([`GBuffer::None`](crate::GBuffer)).
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, render_stereo};
+    ///
+    /// let pair = render_stereo(&Builtin::Hall.scene(), &Builtin::Hall.camera(64, 48))?;
+    /// let before_the_screen = pair.left.depth.iter().map(|z| *z < pair.pose.screen_distance);
+    /// assert!(pair.disparity().iter().zip(before_the_screen).all(|(d, before)| (*d > 0.0) == before));
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    pub fn disparity(&self) -> Vec<f32> {
+        disparities(&self.left, &self.pose)
+    }
+
+    /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take pixels
+    /// over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left ones' disparities, seen up to
+    /// half a pixel aside.
+    pub fn right_disparity(&self) -> Vec<f32> {
+        disparities(&self.right, &self.pose)
+    }
+
+    /// Whether the right eye sees what each left pixel shows, as far as the right view's depth tells. Row-major,
+    /// `[height][width]`, top row first; empty where depth was not kept.
+    ///
+    /// A point lands up to half a pixel beside the centre of the nearest right pixel. The surface seen there is taken to go on to the
+    /// landing place with the flatter of the slopes of disparity to the two neighbours, or level where they have opposite
+    /// signs: on a plane, however slanted, that is exact. The point is hidden where that surface has over 0.25
+    /// px more disparity. At silhouettes and creases, which lie somewhere between two samples, a pixel may be wrong: by rays
+    /// from the right eye to each point 0.3 to 2.9% of the pixels of the built-in scenes are (docs/DESIGN.md, section 7). Sky is a
+    /// surface at infinity.
+    pub fn occlusion(&self) -> Vec<Occlusion> {
+        let width = (self.left.width as usize).max(1);
+        let exact = |view: &View| view.depth.iter().map(|&z| self.pose.disparity_px(z)).collect::<Vec<_>>();
+        let (left, right) = (exact(&self.left), exact(&self.right));
+        let rows = left.chunks_exact(width).zip(right.chunks_exact(width));
+        rows.flat_map(|(left, right)| left.iter().enumerate().map(|(column, &d)| seen(column, d, right))).collect()
+    }
+}
+
+fn disparities(view: &View, pose: &Pose) -> Vec<f32> {
+    view.depth.iter().map(|&z| pose.disparity_px(z) as f32).collect()
+}
+
+/// Whether a left point of this disparity is seen in a row of right disparities.
+fn seen(column: usize, disparity: f64, right: &[f64]) -> Occlusion {
+    let x = column as f64 + 0.5 - disparity;
+    // Compared as floats: near the plane of the eyes x is any number.
+    if !(x >= 0.0 && x < right.len() as f64) {
+        return Occlusion::OutOfFrame;
+    }
+    let nearest = x as usize;
+    let here = right[nearest];
+    let from_left = nearest.checked_sub(1).map(|left| here - right[left]);
+    let to_right = right.get(nearest + 1).map(|right| right - here);
+    let slope = match (from_left, to_right) {
+        (Some(a), Some(b)) if a * b <= 0.0 => 0.0,
+        (Some(a), Some(b)) if a.abs() < b.abs() => a,
+        (a, b) => b.or(a).unwrap_or(0.0),
+    };
+    let surface = here + slope * (x - (nearest as f64 + 0.5));
+    if surface > disparity + NEARER_PX { Occlusion::Hidden } else { Occlusion::Visible }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{MISS, Statistics, StereoCamera};
+
+    /// `e_px` = 8 and d = 4: disparity 8 (4/Z - 1).
+    fn pose(width: u32) -> Pose {
+        let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
+        camera.size(width, 1).interaxial_pixels(8.0).pose().unwrap()
+    }
+
+    fn depth_of(disparity: f64) -> f32 {
+        (4.0 / (disparity / 8.0 + 1.0)) as f32
+    }
+
+    fn view(disparities: &[f64]) -> View {
+        let (count, colors) = (disparities.len(), disparities.len());
+        View {
+            width: count as u32,
+            height: 1,
+            rgba8: vec![[0; 4]; colors],
+            linear: vec![[0.0; 4]; colors],
+            depth: disparities.iter().map(|&d| depth_of(d)).collect(),
+            primitive: vec![MISS; count],
+            object: vec![MISS; count],
+            cost: Vec::new(),
+        }
+    }
+
+    fn pair(left: &[f64], right: &[f64]) -> StereoPair {
+        StereoPair {
+            left: view(left),
+            right: view(right),
+            source: Vec::new(),
+            shadow_source: Vec::new(),
+            statistics: Statistics::default(),
+            pose: pose(left.len() as u32),
+        }
+    }
+
+    /// The columns that are so.
+    fn columns(pair: &StereoPair, wanted: Occlusion) -> Vec<usize> {
+        pair.occlusion().iter().enumerate().filter(|(_, found)| **found == wanted).map(|(column, _)| column).collect()
+    }
+
+    #[test]
+    fn disparity_is_above_0_before_the_screen_and_minus_e_at_the_sky() {
+        let pose = pose(40);
+        assert!((pose.disparity_px(2.0) - 8.0).abs() < 1e-6);
+        assert_eq!(pose.disparity_px(4.0), 0.0);
+        assert!((pose.disparity_px(8.0) + 4.0).abs() < 1e-6);
+        assert!((pose.disparity_px(f32::INFINITY) + 8.0).abs() < 1e-6);
+        assert_eq!(pose.disparity_px(0.0), f64::INFINITY);
+        for z in [0.1, 1.0, 3.0, 7.0, 1e6, f32::INFINITY] {
+            assert!((pose.disparity_px(z) + f64::from(pose.parallax_px(z))).abs() < 1e-5 * pose.disparity_px(z).abs());
+        }
+        let none = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).interaxial(0.0).pose().unwrap();
+        assert!([0.0, 1.0, f32::INFINITY].iter().all(|&z| none.disparity_px(z).to_bits() == 0));
+    }
+
+    #[test]
+    fn a_board_before_a_wall_hides_as_many_columns_as_it_moves() {
+        // The wall is on the screen; the board moves by 8 columns, from 20..25 to 12..17.
+        let board =
+            |from: usize| Vec::from_iter((0..40).map(|i| if (from..from + 5).contains(&i) { 8.0 } else { 0.0 }));
+        let pair = pair(&board(20), &board(12));
+        assert_eq!(columns(&pair, Occlusion::Hidden), [12, 13, 14, 15, 16]);
+        assert_eq!(columns(&pair, Occlusion::OutOfFrame), [0; 0]);
+        assert_eq!(pair.disparity()[22], 8.0);
+        assert_eq!(pair.right_disparity()[14], 8.0);
+    }
+
+    #[test]
+    fn what_leaves_the_picture_is_out_of_frame_and_sky_is_seen_beside_it() {
+        // Sky moves 8 columns to the right, and past the edge.
+        let pair = pair(&[-8.0; 40], &[-8.0; 40]);
+        assert_eq!(columns(&pair, Occlusion::OutOfFrame), Vec::from_iter(32..40));
+        assert_eq!(columns(&pair, Occlusion::Hidden), [0; 0]);
+    }
+
+    #[test]
+    fn a_plane_hides_nothing_of_itself_however_slanted_it_is() {
+        // d = a + b x on the left is (a + b x) / (1 - b) at x on the right. Slopes over 1 turn the plane's back to the right eye.
+        for slope in [-9.0, -1.0, -0.3, 0.0, 0.2, 0.5, 0.9] {
+            for start in [0.0, 0.13, 0.5, 0.77] {
+                // Deepest at the edge, and no deeper than the screen.
+                let first = if slope < 0.0 { start - 40.0 * slope } else { start };
+                let left = Vec::from_iter((0..40).map(|i| first + slope * (f64::from(i) + 0.5)));
+                let right = Vec::from_iter((0..40).map(|i| (first + slope * (f64::from(i) + 0.5)) / (1.0 - slope)));
+                let pair = pair(&left, &right);
+                assert_eq!(columns(&pair, Occlusion::Hidden), [0; 0], "{slope} {start}");
+                assert!(columns(&pair, Occlusion::Visible).len() >= 3, "{slope} {start}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_depth_there_is_nothing_to_tell() {
+        let mut pair = pair(&[0.0; 4], &[0.0; 4]);
+        pair.left.depth.clear();
+        assert!(pair.disparity().is_empty() && pair.occlusion().is_empty());
+    }
+}
