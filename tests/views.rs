@@ -74,7 +74,7 @@ fn a_pair_is_a_rig_of_two_and_auto_chooses_for_each_view() {
     let views = renderer.render_views(&uploaded, &rig, &Options::new(Method::Auto)).unwrap();
     let methods = [1, 2].map(|view| views.views[view].choice.unwrap().method);
     assert_eq!(methods, [Method::BRACKET, Method::Naive]);
-    assert_eq!(traced(&views.views[2]), true);
+    assert!(traced(&views.views[2]));
 }
 
 #[test]
