@@ -118,7 +118,7 @@ mod tests {
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
         let pose = camera.size(97, 5).interaxial_pixels(9.0).pose().unwrap();
         let mut random = Random::new(7);
-        let depths: Vec<f32> = (0..97 * 5).map(|index| 1.0 + (index / 7 % 5) as f32 + 0.1 * random.unit()).collect();
+        let depths: Vec<f32> = (0..97 * 5).map(|index| 3.0 + (index / 7 % 5) as f32 + 0.1 * random.unit()).collect();
         let mirrored: Vec<f32> = depths.chunks_exact(97).flat_map(|row| row.iter().rev().copied()).collect();
         let to_right = sweep(&Frame::between(&pose, -0.5, 0.5), &depths);
         let to_left = sweep(&Frame::between(&pose, 0.5, -0.5), &mirrored);

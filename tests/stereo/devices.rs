@@ -30,7 +30,7 @@ fn a_device_of_the_caller_with_webgpu_s_default_limits_renders_the_same() {
     let scene = Builtin::Hall.scene();
     let uploaded = theirs.upload(&scene).unwrap();
     let camera = Builtin::Hall.camera(SIZE.0, SIZE.1);
-    let pair = theirs.render(&uploaded, &camera, &Options::new(Method::BUFFER)).unwrap();
+    let pair = theirs.render(&uploaded, &camera, &Options::new(Method::BUFFER).linear(true)).unwrap();
     assert!(pair.statistics.times.is_none(), "timestamps were not asked for");
     assert_eq!(pair.right, render_builtin(Builtin::Hall, Method::BUFFER).right);
     theirs.gpu().device().destroy();
