@@ -49,7 +49,7 @@ impl Ground {
     /// A dozen boxes on the ground, in no light but three lamps'.
     fn scene(self, boxes: bool) -> Scene {
         let mut scene = Scene::new();
-        let grey = scene.add_material(Material::new(Vec3::splat(0.6)));
+        let grey = scene.add_material(Material::new(Vec3::splat(0.6)).name("grey"));
         let red = scene.add_material(Material::new(Vec3::new(0.8, 0.3, 0.2)));
         match self {
             Self::Quad { half_side, .. } => {
