@@ -4,7 +4,7 @@ mod common;
 
 use common::{RandomScene, is_exact, random::Random, renderer};
 use stereotrace::{
-    FAR, MISS, Mesh, Method, Options, PixelSource, Scene, Sphere, StereoCamera, StereoPair,
+    FAR, MISS, Mesh, Method, Options, PixelSource, Rig, Scene, Sphere, StereoCamera, StereoPair,
     cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
     glam::Vec3,
 };
@@ -58,6 +58,14 @@ fn check(scene: &Scene, camera: &StereoCamera) {
             assert_eq!(found, expected, "pixel {index}, {fate:?}");
         }
     }
+    // To the other side: the right view is the source.
+    let rig = Rig::at(*camera, vec![0.5, -0.5]).traced(vec![0]);
+    let views = renderer.render_views(&uploaded, &rig, &Options::new(Method::ATOMIC)).unwrap();
+    let mirrored = Frame::between(&naive.pose, 0.5, -0.5);
+    let depths: Vec<f32> = right.iter().map(|(depth, _)| *depth).collect();
+    let fates = resolve_right(scene, &mirrored, &right, &reproject(&mirrored, &depths));
+    let wrong = views.views[1].source.iter().zip(&fates).filter(|(gpu, twin)| gpu != twin).count();
+    assert!(wrong <= allowed, "{wrong} of {} left pixels resolved otherwise", fates.len());
     let seen = left.iter().filter(|(_, id)| *id != MISS).count();
     assert!(seen > 0 || scene.primitive_count() == 0, "the test must see something");
 }

@@ -2,20 +2,21 @@
 
 use glam::Vec3;
 
-use super::{Eye, Frame, intersect::closest_hit};
+use super::{Eye, Frame, intersect::closest_hit, reproject::in_sweep};
 use crate::{FAR, MISS, PixelSource, Scene};
 
 /// Share of the way to the reused point that must be free.
 pub const VERIFY_FRACTION: f32 = 0.999;
 
-/// Each right pixel's fate; `left` is (depth, id) of each left pixel, `right_source` the twin of reprojection's.
-pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], right_source: &[u32]) -> Vec<PixelSource> {
+/// The fate of each of the target's pixels; `left` is (depth, id) of each of the source's, `keys` the twin of reprojection's.
+pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], keys: &[u32]) -> Vec<PixelSource> {
     let width = frame.size()[0];
-    let fate = |(index, &source): (usize, &u32)| {
-        if source == 0 {
+    let columns: Vec<usize> = in_sweep(frame).collect();
+    let fate = |(index, &key): (usize, &u32)| {
+        if key == 0 {
             return PixelSource::Missed;
         }
-        let (row, column) = (index / width, source as usize - 1);
+        let (row, column) = (index / width, columns[key as usize - 1]);
         let (depth, primitive) = left[row * width + column];
         let direction = frame.direction(Eye::Left, column, row);
         let axis: Vec3 = frame.raw.right_axis.into();
@@ -28,5 +29,5 @@ pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], right_so
             _ => PixelSource::Bad,
         }
     };
-    right_source.iter().enumerate().map(fate).collect()
+    keys.iter().enumerate().map(fate).collect()
 }
