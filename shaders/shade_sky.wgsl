@@ -15,10 +15,7 @@ fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
     let block = listed_tile_pixels(SKY, id.x);
     if !any_ray(block.wanted) { return; }
     let direction = pixel_directions(frame.target_corner, block.pixels);
-    let bright = sky(direction);
-    let low = F(0.0);
-    let high = F(1.0);
-    let color = F3(clamp(bright.x, low, high), clamp(bright.y, low, high), clamp(bright.z, low, high));
+    let color = in_range(sky(direction));
     let packed = packed_srgb(color);
     var ray = 0u;
     loop {

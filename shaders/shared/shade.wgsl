@@ -25,6 +25,13 @@ fn pixel_of(samples: Samples, packed: U, ray: u32) -> Pixel {
     return Pixel(of_ray(samples.depth, ray), of_ray_u(samples.slot, ray), 0u, of_ray_u(packed, ray));
 }
 
+// Linear colour as pictures hold it, 0..1.
+fn in_range(color: F3) -> F3 {
+    let low = F(0.0);
+    let high = F(1.0);
+    return F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
+}
+
 fn srgb(linear: F) -> F {
     let high = 1.055 * pow(linear, F(1.0 / 2.4)) - 0.055;
     return select(high, 12.92 * linear, linear <= F(0.0031308));
@@ -58,12 +65,9 @@ fn trace_pixels(rays: Rays, wanted: B) -> Samples {
 fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), direct_light(surfaces, rays.origin)));
     color = select3(sky(rays.direction), color, surfaces.there);
-    let low = F(0.0);
-    let high = F(1.0);
-    let clamped = F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
     let depth = select(F(FAR), hits.t, surfaces.there);
     let slots = select(U(MISS), hits.slot, surfaces.there);
-    return Samples(clamped, depth, slots, surfaces.component, light_bits());
+    return Samples(in_range(color), depth, slots, surfaces.component, light_bits());
 }
 
 // Normals and albedos are fetched here, once a hit.

@@ -4,6 +4,7 @@ use super::{
     Traced,
     driver::Driver,
     plan::{Launch, Plan},
+    read,
     targets::Used,
 };
 use crate::{
@@ -38,7 +39,7 @@ impl Renderer {
         driver.finish().await?;
         let made = std::mem::take(&mut driver.made);
         let counts = self.counts(&targets).await?;
-        let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
+        let threads = read::threads_cut_short(&counts);
         if threads > 0 {
             return Err(Error::cut_short(threads));
         }

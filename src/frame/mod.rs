@@ -97,7 +97,7 @@ impl Renderer {
         let choices = driver.choices.iter().enumerate().map(choose).collect();
         let buffer_depth = driver.frames.iter().map(|frame| frame.buffer_depth).max().unwrap_or(0);
         let counts = self.counts(&targets).await?;
-        let threads: u64 = counts.iter().map(|counts| counts.cut_short).sum();
+        let threads = read::threads_cut_short(&counts);
         if threads > 0 {
             let threads = counted(threads, "thread", "threads");
             log::warn!(

@@ -135,7 +135,7 @@ impl Plan {
         };
         let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
         let mut stages = vec![Stage::Bands(traced)];
-        for (view, &source) in sources.iter().enumerate().filter(|(view, source)| *view != **source) {
+        for (view, source) in targets(sources) {
             stages.extend(target(method, view, source));
         }
         if method == Method::Auto {
@@ -147,12 +147,11 @@ impl Plan {
 
     /// Its steps, with those that the host may add.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
-        let targets = || views(&self.sources).filter(|&view| self.sources[view] != view);
         self.stages.iter().flat_map(move |stage| match stage {
             Stage::Bands(steps) => steps.clone(),
-            Stage::Host(Host::Choose) => {
-                targets().flat_map(|view| join([trace::target(view), bracket::resolve(view)])).collect()
-            }
+            Stage::Host(Host::Choose) => targets(&self.sources)
+                .flat_map(|(view, _)| join([trace::target(view), bracket::resolve(view)]))
+                .collect(),
             Stage::Host(_) | Stage::Wait => Vec::new(),
         })
     }
@@ -204,6 +203,11 @@ impl Plan {
 
 fn views(sources: &[usize]) -> std::ops::Range<usize> {
     0..sources.len()
+}
+
+/// The views that are not traced, each with its source.
+pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    sources.iter().copied().enumerate().filter(|(view, source)| view != source)
 }
 
 /// The stages by which a method makes a view from its source.

@@ -20,7 +20,7 @@ pub(crate) struct Counts {
     missed: u64,
     pub(crate) lost_candidates: u64,
     /// Threads whose loops an adapter ended.
-    pub(crate) cut_short: u64,
+    cut_short: u64,
 }
 
 impl Counts {
@@ -36,6 +36,11 @@ impl Counts {
             cut_short: sum(layout::CUT_SHORT),
         }
     }
+}
+
+/// In how many threads of all views an adapter cut loops short.
+pub(crate) fn threads_cut_short(counts: &[Counts]) -> u64 {
+    counts.iter().map(|counts| counts.cut_short).sum()
 }
 
 /// A view, and how its pixels came about.
@@ -79,7 +84,7 @@ impl Traced {
     pub(crate) fn pair_statistics(&self) -> Statistics {
         let (right, reused) = self.work(1);
         Statistics {
-            method: self.choices[1].map_or(self.method, |choice| choice.method),
+            method: self.method_of(1),
             choice: self.choices[1],
             in_steps: self.in_steps,
             left: self.work(0).0,

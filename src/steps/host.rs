@@ -9,7 +9,7 @@ use crate::{
     auto::CostModel,
     frame::{
         driver::Driver,
-        plan::{Made, Step},
+        plan::{Made, Step, targets},
         read::sum_of,
         targets::Target,
     },
@@ -75,7 +75,7 @@ async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32),
 /// What sources say of the cost of the views that are made from them, and the steps that follow.
 pub(crate) async fn choose(driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> {
     let mut steps = Vec::new();
-    for (view, &source) in driver.eyes.sources.iter().enumerate().filter(|(view, source)| *view != **source) {
+    for (view, source) in targets(&driver.eyes.sources) {
         let shadow_rays = sum_of(&counters(driver, source).await?, layout::SHADOW_RAYS);
         let gaps = sum_of(&counters(driver, view).await?, layout::GAP_PIXELS);
         let choice = CostModel::of(driver.gpu).choose(&driver.eyes.pose, shadow_rays, gaps);
