@@ -36,9 +36,10 @@ var<private> listed: array<u32, TILE_BLOCKS>;
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
     if outside(corner) { return; }
-    let tile = Tile(corner, min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner));
+    let size = min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
+    let tile = Tile(corner + vec2u(0u, frame.first_row), size);
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
-    let lists = tile_lists(tile.corner);
+    let lists = tile_lists(corner);
     search(tile, lists, min(bound * DEEPER, FAR));
     var anything = bound < FAR;
     var block = 0u;

@@ -1,4 +1,4 @@
-//! Which way to the right view costs less: what `Method::Auto` asks after the left view.
+//! Which way to the right view costs less: what `Method::Auto` asks once a band of the left view is there (shaders/choose.wgsl).
 
 use std::fmt;
 
@@ -8,8 +8,10 @@ use crate::{Gpu, Method, Pose, wgpu};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Choice {
-    /// The method that made the right view: [`Method::BRACKET`] or [`Method::Naive`].
+    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. It is chosen for each band of rows.
     pub method: Method,
+    /// The share that was made by bracket, 0 to 1.
+    pub by_bracket: f32,
     /// Share of right pixels in gaps that no left sample saw, 0 to 1.
     pub gaps: f32,
     /// Shadow rays a pixel of the left view.
@@ -22,10 +24,12 @@ pub struct Choice {
 
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { method, gaps, shadow_rays, bracket, naive } = self;
+        let Self { method, by_bracket, gaps, shadow_rays, bracket, naive } = self;
+        let share = if *method == Method::Naive { 1.0 - by_bracket } else { *by_bracket };
+        let part = if share < 1.0 { format!(" for {:.0}% of the rows", 100.0 * share) } else { String::new() };
         write!(
             f,
-            "{method}: the right view is predicted to cost {bracket:.2} primary rays a pixel by bracket, {naive:.2} by naive \
+            "{method}{part}: the right view is predicted to cost {bracket:.2} primary rays a pixel by bracket, {naive:.2} by naive \
              ({shadow_rays:.1} shadow rays a left pixel, {:.1}% of right pixels in gaps)",
             100.0 * gaps
         )
@@ -36,15 +40,15 @@ impl fmt::Display for Choice {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CostModel {
     /// A pixel's share of bounding, searching and resolving tiles.
-    search: f32,
+    pub(crate) search: f32,
     /// A shadow ray among a whole picture's.
-    shadow: f32,
+    pub(crate) shadow: f32,
     /// A shadow ray of a list, relative to that.
-    listed: f32,
+    pub(crate) listed: f32,
 }
 
 impl CostModel {
-    /// Share of shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls.
+    /// Share of shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls. (As in shaders/choose.wgsl.)
     const DISAGREED: f32 = 0.05;
 
     /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (docs/BRACKET.md). GPU: from counted nodes and
@@ -64,7 +68,8 @@ impl CostModel {
         let naive = 1.0 + shadows;
         let bracket = self.search + self.listed * shadows * (gaps + Self::DISAGREED).min(1.0);
         let method = if bracket < naive { Method::BRACKET } else { Method::Naive };
-        Choice { method, gaps, shadow_rays, bracket, naive }
+        let by_bracket = if method == Method::Naive { 0.0 } else { 1.0 };
+        Choice { method, by_bracket, gaps, shadow_rays, bracket, naive }
     }
 }
 

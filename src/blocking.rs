@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 use crate::{
-    BvhBuild, Cast, Error, Gpu, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera, StereoPair,
-    UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async, renderer::OnProgress,
+    BvhBuild, Cast, Error, Gpu, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera,
+    StereoPair, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async, renderer::OnProgress,
 };
 
 impl Gpu {
@@ -110,6 +110,36 @@ impl Renderer {
     /// As [`Renderer::render_views_async`].
     pub fn render_views(&mut self, scene: &UploadedScene, rig: &Rig, options: &Options) -> Result<Views, Error> {
         block_on(self.render_views_async(scene, rig, options, &mut |_| ControlFlow::Continue(())))
+    }
+
+    /// Renders the views of a rig and hands their rows on as they are done, blocking: see [`Renderer::render_rows_async`].
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Options, Renderer, Rig};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(96, 200));
+    /// let mut renderer = Renderer::new(Gpu::new()?);
+    /// let uploaded = renderer.upload(&scene)?;
+    /// let mut rows = 0;
+    /// renderer.render_rows(&uploaded, &Rig::pair(camera), &Options::default(), &mut |band| {
+    ///     assert_eq!(band.first, rows);
+    ///     rows += band.views[0].view.height;
+    ///     Ok(())
+    /// })?;
+    /// assert_eq!(rows, 200);
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Renderer::render_rows_async`].
+    pub fn render_rows(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        on_rows: &mut OnRows<'_>,
+    ) -> Result<Views, Error> {
+        block_on(self.render_rows_async(scene, rig, options, &mut |_| ControlFlow::Continue(()), on_rows))
     }
 
     /// The nearest hit of each ray, blocking: see [`Renderer::closest_hits_async`].

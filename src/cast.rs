@@ -242,19 +242,10 @@ impl<'a> List<'a> {
     }
 
     /// Reads the answers and the time they took.
-    async fn read<T: bytemuck::Pod>(&self, cast: &mut Cast<T>) -> Result<(), Error> {
+    async fn read<T: bytemuck::Pod>(&mut self, cast: &mut Cast<T>) -> Result<(), Error> {
         let gpu = &self.renderer.gpu;
-        let time = match &self.timestamps {
-            Some(timestamps) => {
-                let resolve = || {
-                    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                    timestamps.resolve(&mut encoder);
-                    gpu.queue.submit([encoder.finish()]);
-                    Ok(())
-                };
-                gpu.checked(resolve).await?;
-                timestamps.read(gpu).await?.map(|times| times.total())
-            }
+        let time = match &mut self.timestamps {
+            Some(timestamps) => timestamps.read(gpu).await?.map(|times| times.total()),
             None => None,
         };
         cast.hits.extend(gpu.read::<T>(&self.found, self.count as usize).await?);

@@ -95,6 +95,15 @@ pub enum Error {
         /// What is expected of them.
         reason: &'static str,
     },
+    /// What no frame can be encoded with.
+    #[non_exhaustive]
+    #[error("{what} can't be encoded ahead: {reason}; render it instead")]
+    Encoding {
+        /// The method, or what was asked for.
+        what: String,
+        /// Why not.
+        reason: &'static str,
+    },
     /// A ray that can't be traced.
     #[non_exhaustive]
     #[error("invalid ray {index}: {reason}")]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::{
     cast,
     frame::targets::Target,
-    gpu::{Gpu, Pipeline, Pipelines, Program, entry, layout_of, storage_type, texture_type, uniform_type},
+    gpu::{Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, storage_type, texture_type, uniform_type},
     layout,
     steps::resolve::TAKE_OVER,
     traversal::Fetch,
@@ -54,8 +54,9 @@ pub(crate) struct Kernel {
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
+/// Where in group 1 is bound the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
 /// and the texture of a source's samples.
+pub(crate) const PICTURE_BINDING: u32 = 11;
 const SOURCE_LINEAR_BINDING: u32 = 12;
 const LINEAR_BINDING: u32 = 13;
 pub(crate) const STEPS_BINDING: u32 = 14;
@@ -112,6 +113,15 @@ impl Kernel {
         }
     }
 
+    /// The format of the texture that it writes, at `PICTURE_BINDING` of group 1.
+    pub(crate) fn picture(&self) -> Option<wgpu::TextureFormat> {
+        match self.name {
+            "show_color" => Some(wgpu::TextureFormat::Rgba8Unorm),
+            "show_depth" => Some(wgpu::TextureFormat::R32Float),
+            _ => None,
+        }
+    }
+
     /// Whether its threads leave work to the next dispatch (`src/lanes.rs`).
     pub(crate) fn in_steps(&self) -> bool {
         matches!(self.name, "trace_in_steps" | "closest_hits_in_steps" | "any_hits_in_steps")
@@ -147,7 +157,7 @@ pub(crate) struct Kernels {
 impl Kernels {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         Self {
-            textures: SceneLayouts::new(gpu, texture_type(wgpu::StorageTextureAccess::ReadOnly)),
+            textures: SceneLayouts::new(gpu, texture_type(TEXELS, wgpu::StorageTextureAccess::ReadOnly)),
             buffers: SceneLayouts::new(gpu, storage_type(true)),
             built: Pipelines::default(),
         }
@@ -178,12 +188,14 @@ impl Kernels {
         if kernel.in_steps() {
             own.push(entry(STEPS_BINDING, storage_type(false)));
         }
+        let write = wgpu::StorageTextureAccess::WriteOnly;
+        own.extend(kernel.picture().map(|format| entry(PICTURE_BINDING, texture_type(format, write))));
         own.extend(kernel.samples(with).map(|access| {
             let access = match access {
                 Read => wgpu::StorageTextureAccess::ReadOnly,
                 Write => wgpu::StorageTextureAccess::WriteOnly,
             };
-            entry(SAMPLES_BINDING, texture_type(access))
+            entry(SAMPLES_BINDING, texture_type(TEXELS, access))
         }));
         let scene = self.layouts(with.traversal.fetch);
         let counting =

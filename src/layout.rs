@@ -25,6 +25,10 @@ pub(crate) struct Frame {
     pub(crate) runs: u32,
     pub(crate) forward: [f32; 3],
     pub(crate) wider: f32,
+    pub(crate) first_row: u32,
+    pub(crate) cost_of_search: f32,
+    pub(crate) cost_of_shadow: f32,
+    pub(crate) cost_of_listed: f32,
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.
@@ -55,8 +59,12 @@ pub(crate) const TO_TRACE: u32 = 0;
 pub(crate) const TO_LIGHT: u32 = 1;
 pub(crate) const TO_RESOLVE: u32 = 2;
 pub(crate) const SKY: u32 = 3;
+/// Heads behind theirs: of launches that are made whole or not at all.
+pub(crate) const HEADS: usize = LISTS + 2;
+pub(crate) const TO_SEARCH: u32 = 4;
+pub(crate) const ALL_TRACED: u32 = 5;
 /// Bytes of `Lists` before its entries.
-pub(crate) const LISTS_HEADS: u64 = (LISTS * size_of::<[u32; 4]>()) as u64;
+pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 /// Blocks of a tile, and words of each one's list of primitives (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE_BLOCKS: u32 = 16;
 pub(crate) const LIST_WORDS: u32 = 64;
@@ -70,7 +78,7 @@ pub(crate) const LIST_WORKGROUP: u32 = 64;
 pub(crate) const TILE: u32 = 8;
 
 /// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
-pub(crate) const COUNTERS: usize = 10;
+pub(crate) const COUNTERS: usize = 11;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
 pub(crate) const PRIMITIVES_TESTED: usize = 2;
@@ -81,6 +89,9 @@ pub(crate) const NEAREST_DEPTH: usize = 6;
 pub(crate) const FARTHEST_DEPTH: usize = 7;
 pub(crate) const CUT_SHORT: usize = 8;
 pub(crate) const GAP_PIXELS: usize = 9;
+pub(crate) const CHOSEN: usize = 10;
+/// What stands in `CHOSEN` of a band's first row where that is cheaper.
+pub(crate) const BRACKET_CHOSEN: u32 = 1;
 
 /// Marks of pixels (`shaders/shared/marks.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;

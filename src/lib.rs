@@ -119,6 +119,7 @@ pub use camera::{Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use disparity::Occlusion;
 pub use error::Error;
+pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
 pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 pub use input::Limits;

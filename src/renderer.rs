@@ -5,8 +5,13 @@ use std::{ops::ControlFlow, sync::Once};
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use crate::blocking::render_stereo;
 use crate::{
-    BvhBuild, Error, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views, frame,
-    gpu::Timestamps, kernels::Kernels, lanes::Steps, rig::Eyes, traversal::Traversal,
+    BvhBuild, Error, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
+    frame::{self, Done, OnRows, Rows, ViewRows},
+    gpu::Timestamps,
+    kernels::Kernels,
+    lanes::Steps,
+    rig::Eyes,
+    traversal::Traversal,
 };
 
 /// What to render with.
@@ -146,7 +151,7 @@ impl Renderer {
             kernels: Kernels::new(&gpu),
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
-            band_pixels: frame::BAND_PIXELS,
+            band_pixels: frame::band_pixels(&gpu),
             runs: gpu.threads(),
             steps: Steps::default(),
             rounding_warned: Once::new(),
@@ -173,8 +178,8 @@ impl Renderer {
         progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
         let eyes = Eyes::pair(&camera.pose()?);
-        let traced = self.trace_frame(scene, &eyes, options, progress).await?;
-        self.read_pair(scene, options, traced).await
+        let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
+        Ok(StereoPair::of(done, views))
     }
 
     /// Runs the passes of a frame without reading the pictures back: for benchmarks.
@@ -188,8 +193,8 @@ impl Renderer {
         options: &Options,
     ) -> Result<Statistics, Error> {
         let eyes = Eyes::pair(&camera.pose()?);
-        let traced = self.trace_frame(scene, &eyes, options, &mut |_| ControlFlow::Continue(())).await?;
-        Ok(traced.pair_statistics())
+        let mut go_on = |_| ControlFlow::Continue(());
+        Ok(self.frame(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?.pair_statistics())
     }
 
     /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
@@ -203,8 +208,46 @@ impl Renderer {
         options: &Options,
         progress: &mut OnProgress<'_>,
     ) -> Result<Views, Error> {
-        let traced = self.trace_frame(scene, &rig.eyes()?, options, progress).await?;
-        self.read_views(scene, options, traced).await
+        let eyes = rig.eyes()?;
+        let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
+        Ok(Views::of(done, views))
+    }
+
+    /// Renders the views of a rig and hands their rows on as they are done, from the top down, some dozens at a time: for pictures
+    /// of any height, since neither the device nor the host then holds more than a band of rows. A pair is [`Rig::pair`].
+    /// What comes back is what whole views come with, but for the views' pictures, which have no rows.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_views_async`], and what `on_rows` returns, which ends the frame.
+    pub async fn render_rows_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+        on_rows: &mut OnRows<'_>,
+    ) -> Result<Views, Error> {
+        let eyes = rig.eyes()?;
+        let done = self.frame(scene, &eyes, options, true, progress, on_rows).await?;
+        let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
+        Ok(Views::of(done, nothing))
+    }
+
+    /// A frame and its views, whole.
+    async fn whole_frame(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<(Done, Vec<ViewRows>), Error> {
+        let mut views = ViewRows::with_room(eyes, options)?;
+        let mut keep = |rows: Rows| {
+            views.iter_mut().zip(rows.views).for_each(|(view, rows)| view.append(rows));
+            Ok(())
+        };
+        let done = self.frame(scene, eyes, options, true, progress, &mut keep).await?;
+        Ok((done, views))
     }
 }
 

@@ -45,7 +45,7 @@ fn inside_rows(pixels: Pixels) -> B {
 // Directions from an eye through the pixels' centres.
 fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     let x = F(pixels.x) + 0.5;
-    let y = F(pixels.y) + 0.5;
+    let y = F(pixels.y + frame.first_row) + 0.5;
     return F3(
         corner.x + frame.step_x.x * x + frame.step_y.x * y,
         corner.y + frame.step_x.y * x + frame.step_y.y * y,

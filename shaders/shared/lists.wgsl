@@ -4,6 +4,9 @@ const TO_TRACE: u32 = 0u;     // pixels that need a primary ray
 const TO_LIGHT: u32 = 1u;     // pixels that need shadow rays only
 const TO_RESOLVE: u32 = 2u;   // tiles in which something was found, or something else is left to do
 const SKY: u32 = 3u;          // tiles in which there is nothing
+// Heads of launches that are made whole or not at all, as `choose` says.
+const TO_SEARCH: u32 = 4u;    // the tiles of a band
+const ALL_TRACED: u32 = 5u;   // its pixels
 
 struct ListHead {
     workgroups_x: atomic<u32>,
@@ -13,7 +16,7 @@ struct ListHead {
 }
 
 struct Lists {
-    heads: array<ListHead, 4>,
+    heads: array<ListHead, 6>,
     entries: array<u32>,        // a quarter for each list
 }
 

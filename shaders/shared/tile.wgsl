@@ -1,7 +1,7 @@
 // Projection of boxes and primitives onto a tile of right pixels.
 
 struct Tile {
-    corner: vec2u,
+    corner: vec2u,   // in the picture
     size: vec2u,
 }
 

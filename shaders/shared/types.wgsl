@@ -5,7 +5,7 @@ const FAR: f32 = 3.4e38;
 // Primitive id, and place in `primitives`, where a ray hits nothing.
 const MISS: u32 = 0xffffffffu;
 
-// Two of the rig's eyes and the rows at work: the source, whose view is there, and the target, whose view is made; where a view is
+// Two of the rig's eyes and the rows at work, a band of the picture's: the source, whose view is there, and the target, whose view is made; where a view is
 // traced, both are its own. Directions have length 1 along the view axis, so that a ray's t is the depth Z of the point it
 // reaches (DESIGN, section 2).
 struct Frame {
@@ -20,14 +20,18 @@ struct Frame {
     step_x: vec3f,           // direction from a pixel to its right neighbour
     buffer_depth: u32,       // slots a right pixel in the 3D buffer
     step_y: vec3f,           // direction from a pixel to the one below
-    row_begin: u32,          // rows of this dispatch: [row_begin, row_end)
+    row_begin: u32,          // rows of this dispatch: [row_begin, row_end), counted as buffers do
     right_axis: vec3f,       // r, the image's right
     row_end: u32,
-    image_size: vec2u,       // width, height
+    image_size: vec2u,       // width, rows of the buffers that are of the picture
     longest: f32,            // at least the length of every pixel's direction
     runs: u32,               // runs that rows of workgroups are dealt to (launched_row)
     forward: vec3f,          // f, unit
     wider: f32,              // pixels that a tile's search adds around projected bounds, far more than rounding
+    first_row: u32,          // row of the picture that the buffers' first one is
+    cost_of_search: f32,     // what `choose` weighs: of a tile's pixel, of a shadow ray, of one of a list relative to it
+    cost_of_shadow: f32,
+    cost_of_listed: f32,
 }
 
 // Threads of a workgroup in x and in y.
@@ -68,13 +72,14 @@ fn outside(pixel: vec2u) -> bool {
     return pixel.x >= frame.image_size.x || pixel.y >= frame.row_end;
 }
 
-// Index of a pixel in a row-major list of one view.
+// Index of a pixel in a row-major list of one view's band. Rows of pixels count from the band's first one, here and in all kernels; only
+// where rays point to does the picture's count.
 fn pixel_index(pixel: vec2u) -> u32 {
     return pixel.y * frame.image_size.x + pixel.x;
 }
 
 // Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 10u;
+const COUNTERS: u32 = 11u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
 const PRIMITIVES_TESTED: u32 = 2u;
@@ -85,3 +90,4 @@ const NEAREST_DEPTH: u32 = 6u;
 const FARTHEST_DEPTH: u32 = 7u;
 const CUT_SHORT: u32 = 8u;
 const GAP_PIXELS: u32 = 9u;
+const CHOSEN: u32 = 10u;

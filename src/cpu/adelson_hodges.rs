@@ -15,8 +15,8 @@ pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
 /// land more than one column apart, the columns strictly between lie in a gap that nobody saw and are cleared, and so are
 /// those past the last sample (DESIGN, section 4). To a target on the left all is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
-    let [width, height] = frame.size();
-    let mut right_source = vec![0; width * height];
+    let width = frame.size()[0];
+    let mut right_source = vec![0; left_depth.len()];
     for (row, depths) in right_source.chunks_exact_mut(width).zip(left_depth.chunks_exact(width)) {
         let mirrored = frame.raw.parallax_px < 0.0;
         let clear_between = |row: &mut [u32], after: i32, before: i32| match mirrored {

@@ -1,17 +1,20 @@
-//! Runs plans: bands of rows, encoders, indirect heads, timestamps, progress and cancel.
+//! Runs plans: encoders, bindings, indirect heads and timestamps.
 
-use std::{ops::ControlFlow, sync::Arc, time::Duration};
+use std::{ops::ControlFlow, time::Duration};
 
 use super::{
-    plan::{Launch, Made, Plan, Stage, Step},
+    bands::Band,
+    plan::{Launch, Plan, Stage, Step},
     targets::{FRAME_STRIDE, Target, Targets},
 };
 use crate::{
-    Choice, Error, OnProgress, Progress, UploadedScene,
+    Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Access, Kernel, Kernels, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Access, Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
+    steps::trace::TRACE_LEFT,
     variant::Variant,
 };
 
@@ -24,128 +27,136 @@ pub(crate) struct Driver<'a> {
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
     /// The 3D buffer, once it has been sized; before, the last frame's.
-    pub(crate) slots: &'a mut Option<Arc<wgpu::Buffer>>,
-    /// Bytes of it that a band uses.
+    pub(crate) slots: &'a mut Option<wgpu::Buffer>,
+    /// Bytes of it that the band uses, and that any band has used.
     pub(crate) slot_bytes: u64,
-    /// Rows of a band.
-    pub(crate) rows: u32,
+    pub(crate) most_slot_bytes: u64,
     /// Of each view; rows are those of the band at work.
     pub(crate) frames: Vec<layout::Frame>,
+    /// Slots a pixel of the deepest 3D buffer.
+    pub(crate) buffer_depth: u32,
     pub(crate) timestamps: Option<&'a mut Timestamps>,
     /// What threads keep from dispatch to dispatch, for kernels that go on.
-    pub(crate) lanes: Option<wgpu::Buffer>,
+    pub(crate) lanes: Option<Lanes>,
+    /// The texture that a kernel writes, if it writes one.
+    pub(crate) picture: Option<wgpu::TextureView>,
     /// Time of what the host did in place of a step.
     pub(crate) host: Duration,
-    /// What `Auto` chose for each view.
-    pub(crate) choices: Vec<Option<Choice>>,
-    /// How each view came about.
-    pub(crate) made: Vec<Made>,
-    pub(crate) rows_done: f32,
-    pub(crate) rows_total: f32,
+    pub(crate) rows_done: u32,
     pub(crate) progress: &'a mut OnProgress<'a>,
 }
 
 impl Driver<'_> {
-    /// All stages, in order.
-    pub(crate) async fn run(&mut self, plan: &Plan) -> Result<(), Error> {
+    /// What a plan's bands share.
+    pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
         }
-        self.clear().await?;
-        self.made.clone_from(&plan.made);
-        for stage in &plan.stages {
-            match stage {
-                Stage::Bands(steps) => self.bands(steps).await?,
-                Stage::Wait => {}
-                Stage::Host(host) => {
-                    let steps = host.run(self).await?;
-                    if !steps.is_empty() {
-                        self.bands(&steps).await?;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// What steps add to. (By `&mut self`, since a reference that is shared would keep the frame's future from other threads: the
-    /// callback for progress is no `Sync`.)
-    pub(crate) async fn clear(&mut self) -> Result<(), Error> {
-        let clear = || {
-            let mut encoder = self.encoder();
-            for (view, source) in self.eyes.sources.iter().enumerate() {
-                // Of a view that is not traced the marks.
-                let pixels = (*source != view).then_some(Target::View);
-                for target in [Target::Counters, Target::Bounds].into_iter().chain(pixels) {
-                    if let Some(buffer) = self.targets.find((target, view)) {
-                        encoder.clear_buffer(buffer, 0, None);
-                    }
-                }
-            }
-            self.gpu.queue.submit([encoder.finish()]);
+        let write = || {
+            self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads()));
             Ok(())
         };
-        self.gpu.checked(clear).await
+        self.gpu.checked(write).await
     }
 
-    /// Steps over the picture, band by band, each in one submission. At most two bands are in flight, so that progress means
-    /// something and a callback can stop the frame.
-    pub(crate) async fn bands(&mut self, steps: &[Step]) -> Result<(), Error> {
-        let gpu = self.gpu;
-        let name = steps.iter().rev().find_map(|step| step.name()).unwrap_or_default();
-        let height = self.eyes.pose.size[1];
-        let mut before = None;
-        for begin in (0..height).step_by(self.rows as usize) {
-            let submit = || {
-                self.write_frames(begin, height.min(begin + self.rows));
-                let mut encoder = self.encoder();
-                for step in steps {
-                    self.encode(&mut encoder, *step);
-                }
-                Ok(gpu.submit([encoder.finish()]))
-            };
-            let submission = gpu.checked(submit).await?;
-            if let Some(before) = before.replace(submission) {
-                gpu.finished(before).await?;
-            }
-            self.rows_done += self.at_work()[1] as f32;
-            self.tell(name, 0.0)?;
+    /// Heads of lists before a step adds to them; launches that are made whole or not at all are whole until `choose` says otherwise.
+    pub(crate) fn heads(&self) -> [[u32; 4]; layout::HEADS] {
+        let rows = self.targets.shape.bands.rows;
+        let block = TRACE_LEFT.block(&self.variant);
+        let mut heads = [layout::EMPTY_LIST; layout::HEADS];
+        for (head, block) in [(layout::TO_SEARCH, layout::TILE), (layout::ALL_TRACED, block)] {
+            heads[head as usize][..3].copy_from_slice(&self.workgroups(rows, [block, block]));
         }
-        Ok(())
+        heads
     }
 
-    /// Tells the caller how far the frame is, with so many rows more than are done.
+    /// All stages of a band. Returns the commands that the host has not handed over yet.
+    pub(crate) async fn band(&mut self, plan: &Plan, band: &Band) -> Result<wgpu::CommandEncoder, Error> {
+        let gpu = self.gpu;
+        let mut encoder = self.encoder();
+        let begin = || {
+            self.set_rows(band);
+            self.upload_frames();
+            self.clear(&mut encoder, plan.clears_marks());
+            Ok(())
+        };
+        gpu.checked(begin).await?;
+        for stage in &plan.stages {
+            match stage {
+                Stage::Steps(steps) => {
+                    let encode = || {
+                        steps.iter().for_each(|step| self.encode(&mut encoder, *step));
+                        Ok(())
+                    };
+                    gpu.checked(encode).await?;
+                }
+                Stage::Host(host) => {
+                    let before = std::mem::replace(&mut encoder, self.encoder());
+                    gpu.checked(|| Ok(gpu.submit([before.finish()]))).await?;
+                    host.run(self).await?;
+                }
+            }
+        }
+        Ok(encoder)
+    }
+
+    /// Empties what steps add to; of views that are not traced the marks too.
+    pub(crate) fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
+        for (view, source) in self.eyes.sources.iter().enumerate() {
+            let pixels = (marks && *source != view).then_some(Target::View);
+            for target in [Target::Counters, Target::Bounds].into_iter().chain(pixels) {
+                if let Some(buffer) = self.targets.find((target, view)) {
+                    encoder.clear_buffer(buffer, 0, None);
+                }
+            }
+        }
+    }
+
+    /// Tells the caller how far the frame is, with a share of so many rows more than are done.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops it.
     pub(crate) fn tell(&mut self, pass: &'static str, more: f32) -> Result<(), Error> {
-        let done = ((self.rows_done + more) / self.rows_total).min(1.0);
+        let done = ((self.rows_done as f32 + more) / self.targets.shape.size[1] as f32).min(1.0);
         match (self.progress)(Progress { pass, done }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Cancelled),
         }
     }
 
-    /// The eyes and a band's rows, for each view.
-    pub(crate) fn write_frames(&mut self, begin: u32, end: u32) {
-        let mut bytes = vec![0; self.frames.len() * FRAME_STRIDE as usize];
-        for (frame, place) in self.frames.iter_mut().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
-            (frame.row_begin, frame.row_end) = (begin, end);
-            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(frame));
+    /// A band's rows, for each view; sources' rows are all that are looked at.
+    pub(crate) fn set_rows(&mut self, band: &Band) {
+        for (view, frame) in self.frames.iter_mut().enumerate() {
+            let rows = if self.eyes.sources[view] == view { &band.seen } else { &band.rows };
+            frame.first_row = band.first;
+            frame.image_size[1] = band.seen.end - band.first;
+            (frame.row_begin, frame.row_end) = (rows.start - band.first, rows.end - band.first);
         }
-        self.gpu.queue.write_buffer(&self.targets.frames, 0, &bytes);
     }
 
-    /// Picture size and rows at work.
-    fn at_work(&self) -> [u32; 2] {
-        [self.eyes.pose.size[0], self.frames[0].row_end - self.frames[0].row_begin]
+    /// The uniforms of all views, as buffers have them.
+    pub(crate) fn frame_bytes(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.frames.len() * FRAME_STRIDE as usize];
+        for (frame, place) in self.frames.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
+            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(frame));
+        }
+        bytes
+    }
+
+    pub(crate) fn upload_frames(&self) {
+        self.gpu.queue.write_buffer(&self.targets.frames, 0, &self.frame_bytes());
+    }
+
+    /// Rows at work of a view.
+    fn rows_of(&self, view: usize) -> u32 {
+        self.frames[view].row_end - self.frames[view].row_begin
     }
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {
+    pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {
         let targets = self.targets;
         match step {
             Step::EmptyLists => {
@@ -171,7 +182,7 @@ impl Driver<'_> {
     /// The rows at work of a view become its source's.
     fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
         let first = self.frames[view].row_begin;
-        let [width, rows] = self.at_work();
+        let (width, rows) = (self.targets.shape.size[0], self.rows_of(view));
         for target in [Target::View, Target::Linear] {
             let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((target, view)));
             if let [Some(from), Some(to)] = buffers {
@@ -207,20 +218,24 @@ impl Driver<'_> {
             };
             pass.set_bind_group(2, table, &[]);
         }
-        let [width, rows] = self.at_work();
-        // Pixels of a thread in x and in y.
-        let runs = self.frames[view].runs;
-        let mut over = |x: u32, y: u32| {
-            let rows = rows.div_ceil(WORKGROUP * y).div_ceil(runs);
-            pass.dispatch_workgroups(width.div_ceil(WORKGROUP * x), rows, runs);
+        let rows = self.rows_of(view);
+        let block = kernel.block(&self.variant);
+        let [x, y, z] = match launch {
+            Launch::Pixels => self.workgroups(rows, [block, block]),
+            Launch::Runs => self.workgroups(rows, [layout::TILE, 1]),
+            Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
+            Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
+            Launch::Once => [1, 1, 1],
+            Launch::Listed(_) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
         };
-        match launch {
-            Launch::Pixels => over(kernel.block(&self.variant), kernel.block(&self.variant)),
-            Launch::Runs => over(layout::TILE, 1),
-            Launch::Tiles => over(layout::TILE, layout::TILE),
-            Launch::Rows => pass.dispatch_workgroups(1, rows.div_ceil(WORKGROUP * WORKGROUP), 1),
-            Launch::Listed(_) => pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
-        }
+        pass.dispatch_workgroups(x, y, z);
+    }
+
+    /// Workgroups over so many rows, each thread with a block of so many pixels in x and in y.
+    fn workgroups(&self, rows: u32, [across, down]: [u32; 2]) -> [u32; 3] {
+        let runs = self.frames[0].runs;
+        let columns = self.targets.shape.size[0].div_ceil(WORKGROUP * across);
+        [columns, rows.div_ceil(WORKGROUP * down).div_ceil(runs), runs]
     }
 
     /// Group 1 of a kernel: the frame, the buffers that it names, and what else it has.
@@ -242,22 +257,12 @@ impl Driver<'_> {
             let texture = &self.targets.samples[if access == Access::Write { &view } else { &source }];
             (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
         });
+        let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());
+        let picture = picture.map(|texture| (PICTURE_BINDING, wgpu::BindingResource::TextureView(texture)));
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
-        let lanes = lanes.map(|buffer| (STEPS_BINDING, buffer.as_entire_binding()));
-        let resources = (0..).zip(std::iter::once(frame).chain(storage)).chain(linear).chain(samples).chain(lanes);
+        let lanes = lanes.map(|lanes| (STEPS_BINDING, lanes.buffer.as_entire_binding()));
+        let resources =
+            (0..).zip(std::iter::once(frame).chain(storage)).chain(linear).chain(samples).chain(lanes).chain(picture);
         bind_group_at(self.gpu, kernel.name, layout, resources)
-    }
-
-    /// Waits for the last band and lets the timestamps be read.
-    pub(crate) async fn finish(&mut self) -> Result<(), Error> {
-        let resolve = || {
-            let mut encoder = self.encoder();
-            if let Some(timestamps) = &self.timestamps {
-                timestamps.resolve(&mut encoder);
-            }
-            Ok(self.gpu.submit([encoder.finish()]))
-        };
-        let submission = self.gpu.checked(resolve).await?;
-        self.gpu.finished(submission).await
     }
 }

@@ -1,91 +1,67 @@
-//! A frame that no bound on a thread's loops can end: both views traced in steps.
+//! A band that no bound on a thread's loops can end: all views traced in steps.
 
-use super::{
-    Traced,
-    driver::Driver,
-    plan::{Launch, Plan},
-    read,
-    targets::Used,
-};
+use super::{bands::Band, driver::Driver, plan::Launch};
 use crate::{
-    Error, Method, OnProgress, Options, RaysPerLane, Renderer, UploadedScene,
+    Error, RaysPerLane,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    rig::Eyes,
     steps::trace::TRACE_IN_STEPS,
     variant::Shadows,
 };
 
-impl Renderer {
-    /// A frame by `Naive` in steps; its buffers then hold the views.
-    pub(super) async fn trace_in_steps(
-        &mut self,
-        scene: &UploadedScene,
-        eyes: &Eyes,
-        options: &Options,
-        progress: &mut OnProgress<'_>,
-    ) -> Result<Traced, Error> {
-        let (method, steps) = (Method::Naive, self.steps);
-        let mut variant = self.variant(scene, eyes, options);
-        if variant.shadows == Shadows::FromSurface {
-            // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
-            variant.traversal.rays = RaysPerLane::One;
-        }
-        let used: Used = Plan::of(method, &eyes.sources).uses(&variant);
-        let targets = self.targets(self.shape(scene, eyes, options), &used).await?;
-        let mut driver = self.driver(scene, eyes, variant, &targets, progress);
-        driver.rows_total = eyes.pose.size[1] as f32 * eyes.sources.len() as f32;
-        let lane_bytes = driver.run_in_steps(steps).await?;
-        driver.finish().await?;
-        let made = std::mem::take(&mut driver.made);
-        let counts = self.counts(&targets).await?;
-        let threads = read::threads_cut_short(&counts);
-        if threads > 0 {
-            return Err(Error::cut_short(threads));
-        }
-        Ok(Traced {
-            eyes: eyes.clone(),
-            made,
-            counts,
-            method,
-            choices: vec![None; eyes.sources.len()],
-            in_steps: true,
-            buffer_depth: 0,
-            times: self.times().await?,
-            intermediate_bytes: targets.intermediate_bytes(&used) + lane_bytes,
-            targets,
-        })
-    }
-}
-
 impl Driver<'_> {
-    /// All views. Returns the bytes that threads keep from step to step.
-    async fn run_in_steps(&mut self, steps: Steps) -> Result<u64, Error> {
-        let [width, height] = self.eyes.pose.size;
-        let block = WORKGROUP * self.variant.traversal.rays.block();
-        let threads_across = WORKGROUP * width.div_ceil(block);
-        let workgroups = (steps.threads / WORKGROUP / threads_across).clamp(1, height.div_ceil(block));
-        self.rows = workgroups * block;
-        let lanes = Lanes::new(self.gpu, &self.variant, workgroups * WORKGROUP * threads_across).await?;
-        self.lanes = Some(lanes.buffer.clone());
-        self.clear().await?;
-        for view in 0..self.eyes.sources.len() {
-            self.view_in_steps(view, &lanes, steps).await?;
+    /// All views of a band by `Naive` in steps.
+    pub(super) async fn band_in_steps(&mut self, band: &Band, steps: Steps) -> Result<(), Error> {
+        let usual = self.variant;
+        if self.variant.shadows == Shadows::FromSurface {
+            // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
+            self.variant.traversal.rays = RaysPerLane::One;
         }
-        Ok(lanes.buffer.size())
+        self.variant.samples = false;
+        let rows = self.rows_in_steps(steps);
+        if self.lanes.is_none() {
+            let block = self.variant.traversal.rays.block();
+            self.lanes = Some(Lanes::new(self.gpu, &self.variant, rows / block * self.threads_across()).await?);
+        }
+        self.set_rows(band); // of the next one by now, if that is in flight
+        let gpu = self.gpu;
+        let clear = || {
+            let mut encoder = self.encoder();
+            self.clear(&mut encoder, false);
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        };
+        gpu.checked(clear).await?;
+        for view in 0..self.eyes.sources.len() {
+            self.view_in_steps(band, view, rows, steps).await?;
+        }
+        self.variant = usual;
+        Ok(())
     }
 
-    /// One view, band by band, each in as many steps as it takes.
-    async fn view_in_steps(&mut self, view: usize, lanes: &Lanes, steps: Steps) -> Result<(), Error> {
+    fn threads_across(&self) -> u32 {
+        WORKGROUP * self.targets.shape.size[0].div_ceil(WORKGROUP * self.variant.traversal.rays.block())
+    }
+
+    /// Rows of a dispatch: as many as keep its threads few.
+    fn rows_in_steps(&self, steps: Steps) -> u32 {
+        let block = WORKGROUP * self.variant.traversal.rays.block();
+        let most = self.targets.shape.bands.rows.div_ceil(block);
+        (steps.threads / WORKGROUP / self.threads_across()).clamp(1, most) * block
+    }
+
+    /// One view, some rows at a time, each in as many steps as it takes.
+    async fn view_in_steps(&mut self, band: &Band, view: usize, rows: u32, steps: Steps) -> Result<(), Error> {
         let gpu = self.gpu;
         let name = if self.eyes.sources[view] == view { "trace_left" } else { "trace_right" };
-        let [width, height] = self.eyes.pose.size;
         let block = self.variant.traversal.rays.block();
-        for begin in (0..height).step_by(self.rows as usize) {
-            let rows = self.rows.min(height - begin);
-            self.write_frames(begin, begin + rows);
-            let threads = width.div_ceil(block) * rows.div_ceil(block);
-            lanes.begin(gpu, threads, steps.rounds).await?;
+        let views = self.eyes.sources.len() as f32;
+        for begin in band.place().step_by(rows as usize) {
+            let end = band.place().end.min(begin + rows);
+            (self.frames[view].row_begin, self.frames[view].row_end) = (begin, end);
+            self.upload_frames();
+            let threads = self.targets.shape.size[0].div_ceil(block) * (end - begin).div_ceil(block);
+            self.lanes().begin(gpu, threads, steps.rounds).await?;
             let mut unfinished = threads;
             while unfinished > 0 {
                 let submit = || {
@@ -97,12 +73,17 @@ impl Driver<'_> {
                     Ok(())
                 };
                 gpu.checked(submit).await?;
-                unfinished = lanes.unfinished(gpu).await?;
-                self.tell(name, rows as f32 * (1.0 - unfinished as f32 / threads as f32))?;
+                unfinished = self.lanes().unfinished(gpu).await?;
+                let rows = (end - begin) as f32 * (1.0 - unfinished as f32 / threads as f32);
+                let of_view = (begin - band.place().start) as f32 + rows;
+                self.tell(name, (view as f32 * band.count() as f32 + of_view) / views)?;
             }
-            self.rows_done += rows as f32;
         }
         Ok(())
+    }
+
+    fn lanes(&self) -> &Lanes {
+        self.lanes.as_ref().expect("made before the first step")
     }
 }
 
@@ -112,7 +93,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BvhBuild, GBuffer, Gpu, PointLight, Progress, Ray, Scene, StereoCamera, StereoPair, Traversal,
+        BvhBuild, GBuffer, Gpu, Method, Options, PointLight, Progress, Ray, Renderer, Scene, StereoCamera, StereoPair,
+        Traversal,
         glam::Vec3,
         random::Random,
         scene::builtin::Builtin,

@@ -1,45 +1,59 @@
-//! One frame: its plan, the buffers between its steps, the driver that runs it, and what is read back.
+//! One frame: its plan, the bands of rows that the plan is run on, the buffers between its steps, the driver that runs them, and what is
+//! read back.
 
+mod bands;
 pub(crate) mod driver;
+mod encode;
 mod in_steps;
 pub(crate) mod plan;
-pub(crate) mod read;
+mod read;
+mod rows;
+mod tally;
 pub(crate) mod targets;
 #[cfg(test)]
 mod tests;
 pub(crate) mod uniform;
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
+pub(crate) use bands::band_pixels;
+pub use encode::{Encoded, EncodedView};
+pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, Renderer, UploadedScene,
-    layout::{self, WORKGROUP},
+    Choice, Error, Method, OnProgress, Options, PassTimes, Renderer, UploadedScene,
+    auto::CostModel,
+    gpu::{Filling, Staging, Timestamps, add_times},
+    lanes::Steps,
+    layout,
     message::counted,
-    pair::PassTimes,
     rig::Eyes,
     variant::Variant,
 };
+use bands::{Band, Bands};
 use driver::Driver;
 use plan::{Made, Plan};
+use read::{Counts, ReadBack};
+use tally::Tally;
 use targets::{Shape, Targets, Used};
 
-/// Pixels of a band, in whole workgroups of rows: with 5 lights some 1.5 million rays, a tenth of a second on a slow
-/// GPU, so that no watchdog trips whatever the picture's size. More lights make it less.
-pub(crate) const BAND_PIXELS: u32 = 1 << 18;
-/// Bands of a picture at most: eight dispatches each, the most that a method has, fit one query set.
-const MAX_BANDS: u32 = 256;
+/// Takes rows as they are done. It can go to another thread with its frame, but for wasm32.
+#[cfg(not(target_arch = "wasm32"))]
+pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 
-/// A frame that has been traced: its buffers hold the views.
-pub(crate) struct Traced {
+/// Takes rows as they are done.
+#[cfg(target_arch = "wasm32")]
+pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
+
+/// What a frame was made by, and what it cost.
+pub(crate) struct Done {
     pub(crate) eyes: Eyes,
-    pub(crate) targets: Arc<Targets>,
-    /// How each view came about, and what it cost.
-    pub(crate) made: Vec<Made>,
-    pub(crate) counts: Vec<read::Counts>,
-    /// The method of the frame, and what `Auto` chose for each view.
-    pub(crate) method: Method,
+    /// The method that was asked for, or that stands for it.
+    method: Method,
+    /// Of each view.
+    pub(crate) tallies: Vec<Tally>,
+    /// What `Auto` chose for each view.
     pub(crate) choices: Vec<Option<Choice>>,
     pub(crate) in_steps: bool,
     pub(crate) buffer_depth: u32,
@@ -47,94 +61,104 @@ pub(crate) struct Traced {
     pub(crate) intermediate_bytes: u64,
 }
 
-/// Rows of a dispatch: whole workgroups of them.
-fn band_rows([width, height]: [u32; 2], band_pixels: u32) -> u32 {
-    let rows = (band_pixels / width).max(height.div_ceil(MAX_BANDS));
-    rows.next_multiple_of(WORKGROUP).min(height.next_multiple_of(WORKGROUP))
+impl Done {
+    /// The method that made a view.
+    pub(crate) fn method_of(&self, view: usize) -> Method {
+        match self.choices[view] {
+            _ if self.eyes.sources[view] == view => Method::Naive,
+            Some(choice) => choice.method,
+            None => self.method,
+        }
+    }
+}
+
+/// A frame at work.
+struct Frame<'a> {
+    driver: Driver<'a>,
+    plan: Plan,
+    read_back: ReadBack,
+    /// To be filled.
+    stagings: Vec<Staging>,
+    steps: Steps,
+    tallies: Vec<Tally>,
+    times: PassTimes,
+    /// How many bands were traced in steps.
+    in_steps: u32,
+    on_rows: &'a mut OnRows<'a>,
+}
+
+/// A band that the device works on.
+struct Flight {
+    band: Band,
+    filling: Filling,
+    /// The passes that are timed.
+    names: Vec<&'static str>,
+    in_steps: bool,
+}
+
+/// What came back of a band.
+enum Landed {
+    Rows(Vec<Counts>, Option<Rows>),
+    /// The adapter ended the loops of so many threads.
+    CutShort(u64),
 }
 
 impl Renderer {
-    /// The steps of a frame; its buffers then hold the views.
-    pub(crate) async fn trace_frame(
-        &mut self,
-        scene: &UploadedScene,
-        eyes: &Eyes,
+    /// All bands of a frame. Their rows go to `on_rows`, if `pictures` are wanted.
+    pub(crate) async fn frame<'a>(
+        &'a mut self,
+        scene: &'a UploadedScene,
+        eyes: &'a Eyes,
         options: &Options,
-        progress: &mut OnProgress<'_>,
-    ) -> Result<Traced, Error> {
+        pictures: bool,
+        progress: &'a mut OnProgress<'a>,
+        on_rows: &'a mut OnRows<'a>,
+    ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
-        let method = effective(options.method, eyes, scene);
-        if !self.steps.always
-            && let Some(traced) = self.trace_at_once(scene, eyes, options, method, progress).await?
-        {
-            return Ok(traced);
-        }
-        self.trace_in_steps(scene, eyes, options, progress).await
-    }
-
-    /// The steps of a frame, unless the adapter cuts a thread's work short: then `None`.
-    async fn trace_at_once(
-        &mut self,
-        scene: &UploadedScene,
-        eyes: &Eyes,
-        options: &Options,
-        method: Method,
-        progress: &mut OnProgress<'_>,
-    ) -> Result<Option<Traced>, Error> {
+        let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
-        let method = early.map_or(method, |choice| choice.method);
-        let plan = Plan::of(method, &eyes.sources);
-        let variant = Variant { bits: plan.bits, samples: plan.samples, ..self.variant(scene, eyes, options) };
+        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources);
+        let variant = self.variant(scene, eyes, options, &plan);
         let used = plan.uses(&variant);
-        let targets = self.targets(self.shape(scene, eyes, options), &used).await?;
-        let mut driver = self.driver(scene, eyes, variant, &targets, progress);
-        driver.rows_total = (eyes.pose.size[1] * plan.sweeps()) as f32;
-        driver.run(&plan).await?;
-        driver.finish().await?;
-        let (slot_bytes, host, made) = (driver.slot_bytes, driver.host, std::mem::take(&mut driver.made));
-        let own = |view: usize| eyes.sources[view] == view;
-        let choose = |(view, choice): (usize, &Option<Choice>)| choice.or(early).filter(|_| !own(view));
-        let choices = driver.choices.iter().enumerate().map(choose).collect();
-        let buffer_depth = driver.frames.iter().map(|frame| frame.buffer_depth).max().unwrap_or(0);
-        let counts = self.counts(&targets).await?;
-        let threads = read::threads_cut_short(&counts);
-        if threads > 0 {
-            let threads = counted(threads, "thread", "threads");
-            log::warn!(
-                "{method}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps"
-            );
-            return Ok(None);
-        }
-        let mut times = self.times().await?;
-        if let Some(times) = times.as_mut().filter(|_| !host.is_zero()) {
-            times.passes.insert(1, ("reproject_on_the_host", host));
-        }
-        let intermediate_bytes = targets.intermediate_bytes(&used) + slot_bytes;
-        let eyes = eyes.clone();
-        Ok(Some(Traced {
-            eyes,
-            targets,
-            made,
-            counts,
-            method,
-            choices,
-            in_steps: false,
-            buffer_depth,
-            times,
-            intermediate_bytes,
-        }))
+        let targets = self.targets(self.shape(scene, eyes, options, &plan), &used).await?;
+        let read_back = ReadBack::new(targets.shape, options, pictures);
+        let bytes = read_back.times_offset() + Timestamps::BYTES;
+        // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
+        let mut stagings = std::mem::take(&mut self.cache.staging);
+        stagings.retain(|staging| staging.bytes() == bytes);
+        let in_flight = targets.shape.bands.count().min(2) as usize;
+        let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
+        stagings.extend(self.gpu.checked(make).await?);
+        let mut frame = Frame {
+            plan,
+            read_back,
+            stagings,
+            steps: self.steps,
+            tallies: vec![Tally::default(); eyes.sources.len()],
+            times: PassTimes::default(),
+            in_steps: 0,
+            on_rows,
+            driver: driver(self, scene, eyes, variant, &targets, progress),
+        };
+        frame.run().await?;
+        let done = frame.done(method, early, &used);
+        let stagings = frame.stagings;
+        self.cache.staging = stagings;
+        Ok(done)
     }
 
-    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Shape {
+    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Shape {
         let band_pixels = self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6);
-        let rows = band_rows(eyes.pose.size, band_pixels);
-        Shape { size: eyes.pose.size, rows, views: eyes.sources.len(), cost_map: options.cost_map }
+        let views = eyes.sources.len();
+        let bands = Bands::new(eyes.pose.size, band_pixels, views, plan.reaches);
+        Shape { size: eyes.pose.size, bands, views, cost_map: options.cost_map }
     }
 
-    /// What kernels of a frame are specialised to, whatever its plan.
-    fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> Variant {
+    /// What kernels of a frame are specialised to.
+    fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Variant {
         let counting = scene.variant.counting(options.count, options.cost_map);
-        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), ..counting }
+        let (bits, samples) = (plan.bits, plan.samples);
+        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), bits, samples, ..counting }
     }
 
     async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {
@@ -147,49 +171,179 @@ impl Renderer {
         self.cache.targets = Some(targets.clone());
         Ok(targets)
     }
+}
 
-    async fn times(&self) -> Result<Option<PassTimes>, Error> {
-        match &self.timestamps {
-            Some(timestamps) => timestamps.read(&self.gpu).await,
-            None => Ok(None),
+/// A frame's driver, before its first step.
+fn driver<'a>(
+    renderer: &'a mut Renderer,
+    scene: &'a UploadedScene,
+    eyes: &'a Eyes,
+    variant: Variant,
+    targets: &'a Targets,
+    progress: &'a mut OnProgress<'a>,
+) -> Driver<'a> {
+    if let Some(timestamps) = &mut renderer.timestamps {
+        timestamps.restart();
+    }
+    let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
+    let frame = |view| layout::Frame {
+        runs: renderer.runs,
+        cost_of_search: search,
+        cost_of_shadow: shadow,
+        cost_of_listed: listed,
+        ..eyes.frame(view)
+    };
+    Driver {
+        gpu: &renderer.gpu,
+        kernels: &renderer.kernels,
+        scene,
+        eyes,
+        variant,
+        targets,
+        slots: &mut renderer.cache.slots,
+        slot_bytes: 0,
+        most_slot_bytes: 0,
+        frames: (0..eyes.sources.len()).map(frame).collect(),
+        buffer_depth: 0,
+        timestamps: renderer.timestamps.as_mut(),
+        lanes: None,
+        picture: None,
+        host: std::time::Duration::ZERO,
+        rows_done: 0,
+        progress,
+    }
+}
+
+impl Frame<'_> {
+    /// All bands, of which at most two are in flight.
+    async fn run(&mut self) -> Result<(), Error> {
+        self.driver.begin(&self.plan).await?;
+        let bands = self.driver.targets.shape.bands;
+        let mut flight: Option<Flight> = None;
+        for band in (0..bands.count()).map(|index| bands.get(index)) {
+            let next = if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? };
+            if let Some(before) = flight.replace(next) {
+                self.land(before).await?;
+            }
+        }
+        match flight {
+            Some(last) => self.land(last).await,
+            None => Ok(()),
         }
     }
 
-    /// A frame's driver, before its first step.
-    fn driver<'a>(
-        &'a mut self,
-        scene: &'a UploadedScene,
-        eyes: &'a Eyes,
-        variant: Variant,
-        targets: &'a Targets,
-        progress: &'a mut OnProgress<'a>,
-    ) -> Driver<'a> {
-        if let Some(timestamps) = &mut self.timestamps {
-            timestamps.restart();
-        }
-        let runs = self.runs;
-        let views = eyes.sources.len();
-        Driver {
-            gpu: &self.gpu,
-            kernels: &self.kernels,
-            scene,
-            eyes,
-            variant,
-            targets,
-            slots: &mut self.cache.slots,
-            slot_bytes: 0,
-            rows: targets.shape.rows,
-            frames: (0..views).map(|view| layout::Frame { runs, ..eyes.frame(view) }).collect(),
-            timestamps: self.timestamps.as_mut(),
-            lanes: None,
-            host: Duration::ZERO,
-            choices: vec![None; views],
-            made: vec![Made::Traced; views],
-            rows_done: 0.0,
-            rows_total: eyes.pose.size[1] as f32,
-            progress,
+    /// A band by the frame's plan.
+    async fn at_once(&mut self, band: Band) -> Result<Flight, Error> {
+        let commands = self.driver.band(&self.plan, &band).await?;
+        self.take_off(band, commands, false).await
+    }
+
+    /// A band by `Naive` in steps, which no bound on a thread's loops can end.
+    async fn in_steps(&mut self, band: Band) -> Result<Flight, Error> {
+        self.in_steps += 1;
+        self.driver.band_in_steps(&band, self.steps).await?;
+        let commands = self.driver.encoder();
+        self.take_off(band, commands, true).await
+    }
+
+    /// Hands over a band's last commands, with those that bring it back.
+    async fn take_off(
+        &mut self,
+        band: Band,
+        mut commands: wgpu::CommandEncoder,
+        in_steps: bool,
+    ) -> Result<Flight, Error> {
+        let (gpu, targets, read_back) = (self.driver.gpu, self.driver.targets, self.read_back);
+        let staging = self.stagings.pop().expect("as many as are in flight");
+        let timestamps = &mut self.driver.timestamps;
+        let submit = move || {
+            read_back.copy(&mut commands, targets, &band, staging.buffer());
+            let offset = read_back.times_offset();
+            let names = timestamps.as_mut().map(|times| times.resolve(&mut commands, staging.buffer(), offset));
+            let filling = staging.fill(gpu, commands.finish());
+            Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
+        };
+        gpu.checked(submit).await
+    }
+
+    /// Waits for a band, and hands its rows on.
+    async fn land(&mut self, flight: Flight) -> Result<(), Error> {
+        let mut flight = flight;
+        loop {
+            let Flight { band, filling, names, in_steps } = flight;
+            let (landed, staging) =
+                filling.read(self.driver.gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
+            self.stagings.push(staging);
+            match landed {
+                Landed::Rows(counts, rows) => {
+                    for (view, (tally, counts)) in self.tallies.iter_mut().zip(&counts).enumerate() {
+                        let made = made(&self.plan, view, counts, in_steps);
+                        tally.add(counts, &band, self.driver.targets.shape.size[0], made);
+                    }
+                    rows.map_or(Ok(()), |rows| (self.on_rows)(rows))?;
+                    self.driver.rows_done += band.count();
+                    return self.driver.tell(self.plan.name(), 0.0);
+                }
+                Landed::CutShort(threads) if in_steps => return Err(Error::cut_short(threads)),
+                Landed::CutShort(threads) => {
+                    let threads = counted(threads, "thread", "threads");
+                    log::warn!(
+                        "rows {} to {}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps",
+                        band.rows.start,
+                        band.rows.end
+                    );
+                    flight = self.in_steps(band).await?;
+                }
+            }
         }
     }
+
+    fn landed(&mut self, bytes: &[u8], band: &Band, names: &[&'static str], in_steps: bool) -> Landed {
+        let views = 0..self.tallies.len();
+        let counts = Vec::from_iter(views.clone().map(|view| self.read_back.counts(bytes, band, view)));
+        add_times(&mut self.times, names, &bytes[self.read_back.times_offset() as usize..], self.driver.gpu);
+        let threads = counts.iter().map(|counts| counts.cut_short).sum();
+        if threads > 0 {
+            return Landed::CutShort(threads);
+        }
+        let rows_of = |view: usize| {
+            let made = made(&self.plan, view, &counts[view], in_steps);
+            self.read_back.rows(bytes, band, view, made, self.driver.scene)
+        };
+        let views: Option<Vec<_>> = views.map(rows_of).collect();
+        let rows = views.map(|views| Rows { first: band.rows.start, views });
+        Landed::Rows(counts, rows)
+    }
+
+    fn done(&mut self, method: Method, early: Option<Choice>, used: &Used) -> Done {
+        let Driver { gpu, eyes, targets, .. } = self.driver;
+        let all_in_steps = self.in_steps == targets.shape.bands.count();
+        let choice = |view: usize| {
+            let source = eyes.sources[view];
+            let chosen = || self.tallies[view].choice(&self.tallies[source], gpu, &eyes.pose);
+            (method == Method::Auto && source != view && !all_in_steps).then(|| early.unwrap_or_else(chosen))
+        };
+        let timed = self.driver.timestamps.as_ref().is_some_and(|timestamps| !timestamps.is_full());
+        if !self.driver.host.is_zero() {
+            self.times.passes.insert(1.min(self.times.passes.len()), ("reproject_on_the_host", self.driver.host));
+        }
+        let lanes = self.driver.lanes.as_ref().map_or(0, |lanes| lanes.buffer.size());
+        Done {
+            eyes: eyes.clone(),
+            method: if all_in_steps { Method::Naive } else { method },
+            choices: (0..eyes.sources.len()).map(choice).collect(),
+            tallies: std::mem::take(&mut self.tallies),
+            in_steps: self.in_steps > 0,
+            buffer_depth: self.driver.buffer_depth,
+            times: timed.then(|| std::mem::take(&mut self.times)),
+            intermediate_bytes: targets.intermediate_bytes(used) + self.driver.most_slot_bytes + lanes,
+        }
+    }
+}
+
+/// How a band of a view came about.
+fn made(plan: &Plan, view: usize, counts: &Counts, in_steps: bool) -> Made {
+    if in_steps { Made::Traced } else { counts.made(plan.made[view]) }
 }
 
 /// The method that views are made by: without interaxial all are equal, and where there is nothing to hit there is nothing to

@@ -1,4 +1,4 @@
-//! What a method's frame does: steps over bands of rows, as data.
+//! What a method's frame does to each band of rows: steps over views, as data.
 
 use super::{
     driver::Driver,
@@ -11,7 +11,7 @@ use crate::{
     variant::Variant,
 };
 
-/// How a view came about.
+/// How a view came about, or a band of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Made {
     /// All of its pixels were traced.
@@ -20,11 +20,13 @@ pub(crate) enum Made {
     Bracketed,
     /// They are its source's.
     Copied,
-    /// Traced, or those of its source, as marks say.
-    Marked,
+    /// Traced, or those of its source, as marks say; those that are not were checked by a ray each, or not.
+    Marked { checked: bool },
+    /// Each band as its counters say: traced or bracketed.
+    Chosen,
 }
 
-/// What a frame does, and what its kernels are made for.
+/// What a frame does to a band, and what its kernels are made for.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) stages: Vec<Stage>,
@@ -32,6 +34,8 @@ pub(crate) struct Plan {
     pub(crate) bits: ShadowReuse,
     /// Whether it takes any of them over.
     pub(crate) samples: bool,
+    /// Whether some step looks into the rows above and below, as an edge and a block of a source's samples do.
+    pub(crate) reaches: bool,
     /// How each view comes about.
     pub(crate) made: Vec<Made>,
     /// Of each view the one that it is made from; one that is traced is its own.
@@ -41,12 +45,10 @@ pub(crate) struct Plan {
 /// What is done before the next stage begins.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
-    /// Steps over each band of rows, all of a band before the next band.
-    Bands(Vec<Step>),
-    /// What the host does once all bands are done. It may add steps, over all bands.
+    /// Steps of the device.
+    Steps(Vec<Step>),
+    /// What the host does, once all of them are done.
     Host(Host),
-    /// Nothing, once all bands are done: what follows looks into the rows above and below.
-    Wait,
 }
 
 /// What a step does to a band.
@@ -63,7 +65,7 @@ pub(crate) enum Step {
     },
     /// A view becomes its source's.
     Copy(usize),
-    /// Its lists are emptied.
+    /// The band's lists are emptied.
     EmptyLists,
     /// The 3D buffer is.
     EmptySlots,
@@ -80,27 +82,26 @@ pub(crate) enum Launch {
     Tiles,
     /// One a row of the band.
     Rows,
-    /// By a list that an earlier step filled.
+    /// As the head of a list says, which an earlier step filled.
     Listed(u32),
+    /// One workgroup.
+    Once,
 }
 
-/// What the host does between bands.
+/// What the host does between steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Host {
     /// Adelson & Hodges' sweep, for a view.
     Sweep(usize),
-    /// Sizes the 3D buffer for a view.
-    SizeSlots(BufferDepth, usize),
-    /// Chooses how the views that have a source are made.
-    Choose,
+    /// Sizes the 3D buffer for a view, and reprojects by it.
+    Slots(BufferDepth, usize),
 }
 
 impl Host {
-    pub(crate) async fn run(self, driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> {
+    pub(crate) async fn run(self, driver: &mut Driver<'_>) -> Result<(), Error> {
         match self {
-            Self::Sweep(view) => host::sweep(driver, view).await.map(|()| Vec::new()),
-            Self::SizeSlots(depth, view) => host::size_slots(driver, depth, view).await.map(|()| Vec::new()),
-            Self::Choose => host::choose(driver).await,
+            Self::Sweep(view) => host::sweep(driver, view).await,
+            Self::Slots(depth, view) => host::slots(driver, depth, view).await,
         }
     }
 }
@@ -128,31 +129,32 @@ impl Plan {
             _ => (ShadowReuse::Rays, false),
         };
         let made = match method {
-            Method::Auto | Method::Naive => Made::Traced,
+            Method::Naive => Made::Traced,
             Method::Ideal => Made::Copied,
+            Method::Auto => Made::Chosen,
             Method::Bracket(_) => Made::Bracketed,
-            Method::Atomic(_) | Method::Buffer(..) | Method::Sweep(_) => Made::Marked,
+            Method::Atomic(check) | Method::Buffer(_, check) => Made::Marked { checked: check == Check::All },
+            Method::Sweep(_) => Made::Marked { checked: false },
         };
+        let reaches = matches!(
+            method,
+            Method::Atomic(Check::Edges) | Method::Buffer(_, Check::Edges) | Method::Bracket(ShadowReuse::Block)
+        );
         let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
-        let mut stages = vec![Stage::Bands(traced)];
+        let mut stages = vec![Stage::Steps(traced)];
         for (view, source) in targets(sources) {
             stages.extend(target(method, view, source));
         }
-        if method == Method::Auto {
-            stages.push(Stage::Host(Host::Choose));
-        }
         let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
-        Self { stages: joined(stages), bits, samples, made, sources: sources.to_vec() }
+        Self { stages: joined(stages), bits, samples, reaches, made, sources: sources.to_vec() }
     }
 
-    /// Its steps, with those that the host may add.
+    /// Its steps, with those of the host's stages.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
-        self.stages.iter().flat_map(move |stage| match stage {
-            Stage::Bands(steps) => steps.clone(),
-            Stage::Host(Host::Choose) => targets(&self.sources)
-                .flat_map(|(view, _)| join([trace::target(view), bracket::resolve(view)]))
-                .collect(),
-            Stage::Host(_) | Stage::Wait => Vec::new(),
+        self.stages.iter().flat_map(|stage| match stage {
+            Stage::Steps(steps) => steps.clone(),
+            Stage::Host(Host::Slots(_, view)) => reproject::slots(*view),
+            Stage::Host(Host::Sweep(_)) => Vec::new(),
         })
     }
 
@@ -194,10 +196,19 @@ impl Plan {
         self.steps().any(|step| matches!(step, Step::Run { kernel, .. } if kernel.touches == Touches::Objects))
     }
 
-    /// How often the picture is gone over.
-    pub(crate) fn sweeps(&self) -> u32 {
-        let goes_over = |stage: &&Stage| matches!(stage, Stage::Bands(_) | Stage::Host(Host::Choose));
-        self.stages.iter().filter(goes_over).count() as u32
+    /// Whether views' marks are to be empty before the first step, since steps add to them.
+    pub(crate) fn clears_marks(&self) -> bool {
+        self.made.iter().any(|made| matches!(made, Made::Marked { .. }))
+    }
+
+    /// Whether the host has a part in it.
+    pub(crate) fn needs_host(&self) -> bool {
+        self.stages.iter().any(|stage| matches!(stage, Stage::Host(_)))
+    }
+
+    /// What progress calls it: the last step of a band.
+    pub(crate) fn name(&self) -> &'static str {
+        self.steps().filter_map(|step| step.name()).last().unwrap_or_default()
     }
 }
 
@@ -212,46 +223,37 @@ pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)>
 
 /// The stages by which a method makes a view from its source.
 fn target(method: Method, view: usize, source: usize) -> Vec<Stage> {
-    match method {
-        Method::Naive => vec![Stage::Bands(trace::target(view))],
-        Method::Ideal => vec![Stage::Bands(vec![Step::Copy(view)])],
-        Method::Auto => vec![Stage::Bands(bracket::bound(view))],
-        Method::Atomic(check) => banded(reproject::atomic(view), resolve::of(view, check), check == Check::Edges),
+    let steps = match method {
+        Method::Naive => trace::target(view),
+        Method::Ideal => vec![Step::Copy(view)],
+        Method::Auto => bracket::or_traced(view),
+        Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check)].concat(),
         Method::Buffer(depth, check) => {
             let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
-            let sized = vec![Stage::Bands(range), Stage::Host(Host::SizeSlots(depth, view))];
-            [sized, banded(reproject::slots(view), resolve::of(view, check), check == Check::Edges)].concat()
+            return vec![
+                Stage::Steps(range),
+                Stage::Host(Host::Slots(depth, view)),
+                Stage::Steps(resolve::of(view, check)),
+            ];
         }
         // What the sweep leaves is trusted: it has cleared the gaps.
-        Method::Sweep(Sweep::Scanline) => banded(reproject::scanline(view), resolve::of(view, Check::None), false),
+        Method::Sweep(Sweep::Scanline) => [reproject::scanline(view), resolve::of(view, Check::None)].concat(),
         Method::Sweep(Sweep::Sequential) => {
-            vec![Stage::Host(Host::Sweep(view)), Stage::Bands(resolve::of(view, Check::None))]
+            return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None))];
         }
-        Method::Bracket(shadows) => banded(bracket::bound(view), bracket::resolve(view), shadows == ShadowReuse::Block),
-    }
+        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view)].concat(),
+    };
+    vec![Stage::Steps(steps)]
 }
 
-/// What is carried to a view, and then the rest: where that reaches into the rows above and below, as an edge and a block of a
-/// source's samples do, only once all of these are there.
-fn banded(carried: Vec<Step>, rest: Vec<Step>, reaches: bool) -> Vec<Stage> {
-    match reaches {
-        true => vec![Stage::Bands(carried), Stage::Wait, Stage::Bands(rest)],
-        false => vec![Stage::Bands(join([carried, rest]))],
-    }
-}
-
-/// With steps over bands that follow each other as one stage.
+/// With steps that follow each other as one stage.
 fn joined(stages: Vec<Stage>) -> Vec<Stage> {
     let mut all: Vec<Stage> = Vec::new();
     for stage in stages {
         match (all.last_mut(), stage) {
-            (Some(Stage::Bands(steps)), Stage::Bands(more)) => steps.extend(more),
+            (Some(Stage::Steps(steps)), Stage::Steps(more)) => steps.extend(more),
             (_, stage) => all.push(stage),
         }
     }
     all
-}
-
-fn join<const N: usize>(parts: [Vec<Step>; N]) -> Vec<Step> {
-    parts.concat()
 }

@@ -5,13 +5,14 @@ use std::{
     sync::Arc,
 };
 
+use super::bands::Bands;
 use crate::{
     Error,
-    gpu::{Gpu, check_bytes},
+    gpu::{Gpu, Staging, check_bytes},
     layout::{self, WORKGROUP},
 };
 
-/// A buffer of a frame, by what it holds.
+/// A buffer of a frame, by what it holds of a band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Target {
     /// The pixels of the view at work.
@@ -26,12 +27,16 @@ pub(crate) enum Target {
     Bounds,
     /// Counters of each row of it, and behind them a map of costs.
     Counters,
-    /// Lists of pixels and tiles of a band, with indirect heads.
+    /// Those of its source.
+    SourceCounters,
+    /// Lists of pixels and tiles, with indirect heads.
     Lists,
-    /// What `search_tiles` finds in a band.
+    /// What `search_tiles` finds.
     Found,
-    /// The 3D buffer of a band.
+    /// The 3D buffer.
     Slots,
+    /// How many threads of an encoded frame were ended.
+    Unfinished,
 }
 
 /// A buffer and the view that it belongs to; those that views share are the first one's.
@@ -43,8 +48,9 @@ impl Target {
         match self {
             Self::Source => (Self::View, source),
             Self::SourceLinear => (Self::Linear, source),
+            Self::SourceCounters => (Self::Counters, source),
             Self::View | Self::Linear | Self::Bounds | Self::Counters => (self, view),
-            Self::Lists | Self::Found | Self::Slots => (self, 0),
+            Self::Lists | Self::Found | Self::Slots | Self::Unfinished => (self, 0),
         }
     }
 
@@ -57,61 +63,74 @@ impl Target {
 /// What the sizes of a frame's buffers follow from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
+    /// Of the picture.
     pub(crate) size: [u32; 2],
-    /// Rows of a band.
-    pub(crate) rows: u32,
+    pub(crate) bands: Bands,
     pub(crate) views: usize,
     pub(crate) cost_map: bool,
 }
 
 impl Shape {
+    /// Columns and rows of the frame's buffers: a band's.
+    pub(crate) fn kept(&self) -> [u32; 2] {
+        [self.size[0], self.bands.rows_kept()]
+    }
+
     fn bytes(&self, target: Target) -> u64 {
-        let [width, height] = self.size.map(u64::from);
-        let pixels = width * height;
-        let band = width * u64::from(self.rows);
-        let tiles = |rows: u64| width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
+        let [width, rows] = self.kept().map(u64::from);
+        let pixels = width * rows;
+        let tiles = width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
         match target {
             Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
             Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
-            Target::Bounds => tiles(height) * 4,
-            Target::Counters => 4 * (height * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 }),
-            Target::Lists => layout::LISTS_HEADS + layout::LISTS as u64 * band * 4,
-            Target::Found => 4 * tiles(self.rows.into()) * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS),
+            Target::Bounds => tiles * 4,
+            Target::Counters | Target::SourceCounters => {
+                4 * (rows * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 })
+            }
+            Target::Lists => layout::LISTS_HEADS + layout::LISTS as u64 * pixels * 4,
+            Target::Found => 4 * tiles * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS),
             // Made when its depth is known.
             Target::Slots => 0,
+            Target::Unfinished => 4,
         }
     }
 
     /// # Errors
-    /// [`Error::Limit`], naming the limit that a picture of this size does not keep.
+    /// [`Error::Limit`], naming the limit that a picture of this width, or so many views, do not keep.
     fn check(&self, gpu: &Gpu, used: &Used) -> Result<(), Error> {
-        let [width, height] = self.size;
-        let what = format!("a {width}x{height} picture");
+        let [width, rows] = self.kept();
+        let what = format!("a picture {width} pixels wide");
         let largest = used.places.iter().map(|(target, _)| self.bytes(*target)).max().unwrap_or(0);
-        check_bytes(&what, largest, gpu.binding_limit(), "render a smaller one")?;
+        check_bytes(&what, largest, gpu.binding_limit(), "render a narrower one")?;
         let all: u64 = used.places.iter().map(|(target, _)| self.bytes(*target)).sum();
         if all > MOST_BYTES {
             return Err(Error::Limit {
-                what: crate::message::counted(self.views, "view", "views") + &format!(" of {width}x{height}"),
+                what: crate::message::counted(self.views, "view", "views") + &format!(" {width} pixels wide"),
                 needed: format!("{} MiB", all >> 20),
                 limit: "memory for a frame",
                 allowed: format!("{} MiB", MOST_BYTES >> 20),
-                remedy: "render fewer or smaller ones at a time",
+                remedy: "render fewer or narrower ones at a time",
             });
         }
         let limit = |what, needed, limit, allowed: u32, remedy| {
             Err(Error::Limit { what, needed, limit, allowed: allowed.to_string(), remedy })
         };
         let side = gpu.limits.max_texture_dimension_2d;
-        if !used.samples.is_empty() && width.max(height) > side {
-            let (what, needed) = (format!("{what} by bracket"), format!("a texture of {width}x{height}"));
-            return limit(what, needed, "max_texture_dimension_2d", side, "render a smaller one, or by another method");
+        if !used.samples.is_empty() && width.max(rows) > side {
+            let (what, needed) = (format!("{what} by bracket"), format!("a texture of {width}x{rows}"));
+            return limit(
+                what,
+                needed,
+                "max_texture_dimension_2d",
+                side,
+                "render a narrower one, or by another method",
+            );
         }
-        let workgroups = width.max(self.rows).div_ceil(WORKGROUP);
+        let workgroups = width.max(rows).div_ceil(WORKGROUP);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
         if workgroups > allowed {
             let needed = format!("{workgroups} workgroups in a row or column");
-            return limit(what, needed, "max_compute_workgroups_per_dimension", allowed, "render a smaller one");
+            return limit(what, needed, "max_compute_workgroups_per_dimension", allowed, "render a narrower one");
         }
         Ok(())
     }
@@ -127,7 +146,7 @@ pub(crate) struct Targets {
     pub(crate) indirect: wgpu::Buffer,
     /// What `bracket` asks of sources' samples.
     pub(crate) samples: BTreeMap<usize, wgpu::TextureView>,
-    /// The heads of empty lists.
+    /// The heads of lists before a step adds to them.
     pub(crate) empty_lists: wgpu::Buffer,
     buffers: BTreeMap<Place, wgpu::Buffer>,
 }
@@ -140,8 +159,9 @@ pub(crate) struct Used {
     pub(crate) samples: BTreeSet<usize>,
 }
 
-/// Bytes of a frame's buffers at most. Drivers don't say how much there is; a rig of many large views would take it all.
-const MOST_BYTES: u64 = 8 << 30;
+/// Bytes of a frame's buffers at most, and of its pictures on the host. Drivers don't say how much there is; a rig of many large views
+/// would take it all.
+pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
 /// From one view's `layout::Frame` to the next, in bytes: WebGPU's default alignment of uniform offsets.
 pub(crate) const FRAME_STRIDE: u64 = 256;
@@ -157,10 +177,8 @@ impl Targets {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
         };
-        let empty = [layout::EMPTY_LIST; layout::LISTS];
         let empty_lists =
             plain("empty_lists", layout::LISTS_HEADS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST);
-        gpu.queue.write_buffer(&empty_lists, 0, bytemuck::cast_slice(&empty));
         Ok(Self {
             shape,
             frames: plain(
@@ -169,7 +187,7 @@ impl Targets {
                 wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             ),
             indirect: plain("indirect", 12, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST),
-            samples: used.samples.iter().map(|view| (*view, samples_texture(gpu, shape.size))).collect(),
+            samples: used.samples.iter().map(|view| (*view, samples_texture(gpu, shape.kept()))).collect(),
             empty_lists,
             buffers: used.places.iter().map(buffer).collect(),
         })
@@ -195,8 +213,17 @@ impl Targets {
     /// Bytes between the steps of a plan that uses these, without what is rendered.
     pub(crate) fn intermediate_bytes(&self, used: &Used) -> u64 {
         let between = used.places.iter().filter(|(target, _)| !target.is_output());
-        let samples = 16 * u64::from(self.shape.size[0]) * u64::from(self.shape.size[1]) * used.samples.len() as u64;
-        between.map(|place| self.buffers[place].size()).sum::<u64>() + samples
+        let [width, rows] = self.shape.kept().map(u64::from);
+        between.map(|place| self.buffers[place].size()).sum::<u64>() + 16 * width * rows * used.samples.len() as u64
+    }
+}
+
+/// Of itself a browser frees nothing before it collects garbage.
+impl Drop for Targets {
+    fn drop(&mut self) {
+        let own = [&self.frames, &self.indirect, &self.empty_lists];
+        self.buffers.values().chain(own).for_each(wgpu::Buffer::destroy);
+        self.samples.values().for_each(|view| view.texture().destroy());
     }
 }
 
@@ -209,5 +236,13 @@ fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
 #[derive(Debug, Default)]
 pub(crate) struct Cache {
     pub(crate) targets: Option<Arc<Targets>>,
-    pub(crate) slots: Option<Arc<wgpu::Buffer>>,
+    pub(crate) slots: Option<wgpu::Buffer>,
+    /// None of them is mapped.
+    pub(crate) staging: Vec<Staging>,
+}
+
+impl Drop for Cache {
+    fn drop(&mut self) {
+        self.slots.iter().for_each(wgpu::Buffer::destroy); // as targets
+    }
 }

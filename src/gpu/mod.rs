@@ -3,6 +3,7 @@
 mod adapter;
 mod device;
 mod pipelines;
+mod staging;
 mod timing;
 mod transfer;
 mod wait;
@@ -11,7 +12,9 @@ pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;
 pub(crate) use device::lock;
 pub(crate) use pipelines::{
-    Pipeline, Pipelines, Program, bind_group, bind_group_at, entry, layout_of, storage_type, texture_type, uniform_type,
+    Pipeline, Pipelines, Program, TEXELS, bind_group, bind_group_at, entry, layout_of, storage_type, texture_type,
+    uniform_type,
 };
-pub(crate) use timing::Timestamps;
+pub(crate) use staging::{Filling, Staging};
+pub(crate) use timing::{Timestamps, add_times};
 pub(crate) use transfer::{TEXTURE_WIDTH, Texels, check_bytes};

@@ -86,9 +86,11 @@ fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
-/// Of textures of texels ([`super::Texels`]).
-pub(crate) fn texture_type(access: wgpu::StorageTextureAccess) -> wgpu::BindingType {
-    let (format, view_dimension) = (wgpu::TextureFormat::Rgba32Uint, wgpu::TextureViewDimension::D2);
+/// The format of textures of texels ([`super::Texels`]).
+pub(crate) const TEXELS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+
+pub(crate) fn texture_type(format: wgpu::TextureFormat, access: wgpu::StorageTextureAccess) -> wgpu::BindingType {
+    let view_dimension = wgpu::TextureViewDimension::D2;
     wgpu::BindingType::StorageTexture { access, format, view_dimension }
 }
 

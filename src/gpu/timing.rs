@@ -1,6 +1,6 @@
 //! Timestamps of compute passes.
 
-use super::Gpu;
+use super::{Gpu, Staging};
 use crate::Error;
 
 /// Timestamps of the compute passes of one frame, a pair each.
@@ -43,6 +43,11 @@ impl Timestamps {
         self.full = false;
     }
 
+    /// Whether there were more passes in one band than can be timed.
+    pub(crate) fn is_full(&self) -> bool {
+        self.full
+    }
+
     /// The next pair, for a pass of this name; `None` when all are used up.
     pub(crate) fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.names.len() as u32;
@@ -58,26 +63,48 @@ impl Timestamps {
         })
     }
 
-    pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..2 * self.names.len() as u32, &self.resolved, 0);
+    /// Bytes that [`Timestamps::resolve`] writes at most.
+    pub(crate) const BYTES: u64 = MAX_QUERIES as u64 * 8;
+
+    /// Writes the times of all passes since the last call to a buffer from `offset` on, once they are known. Returns their names.
+    pub(crate) fn resolve(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        to: &wgpu::Buffer,
+        offset: u64,
+    ) -> Vec<&'static str> {
+        let names = std::mem::take(&mut self.names);
+        if !names.is_empty() {
+            encoder.resolve_query_set(&self.queries, 0..2 * names.len() as u32, &self.resolved, 0);
+            encoder.copy_buffer_to_buffer(&self.resolved, 0, to, offset, Some(16 * names.len() as u64));
+        }
+        names
     }
 
-    /// Sums by name, in order of first use; `None` if there were more passes than could be timed.
-    pub(crate) async fn read(&self, gpu: &Gpu) -> Result<Option<crate::PassTimes>, Error> {
-        if self.full {
-            return Ok(None);
-        }
-        let ticks: Vec<u64> = gpu.read(&self.resolved, 2 * self.names.len()).await?;
-        let period = f64::from(gpu.queue.get_timestamp_period());
+    /// Waits for all passes since the last call and sums them by name; `None` if there were more than could be timed.
+    pub(crate) async fn read(&mut self, gpu: &Gpu) -> Result<Option<crate::PassTimes>, Error> {
+        let fill = || {
+            let staging = Staging::new(gpu, Self::BYTES);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let names = self.resolve(&mut encoder, staging.buffer(), 0);
+            Ok((names, staging.fill(gpu, encoder.finish())))
+        };
+        let (names, filling) = gpu.checked(fill).await?;
         let mut times = crate::PassTimes::default();
-        for (name, pair) in self.names.iter().zip(ticks.chunks_exact(2)) {
-            let nanoseconds = pair[1].saturating_sub(pair[0]) as f64 * period;
-            let time = std::time::Duration::from_nanos(nanoseconds as u64);
-            match times.passes.iter_mut().find(|(known, _)| known == name) {
-                Some((_, sum)) => *sum += time,
-                None => times.passes.push((name, time)),
-            }
+        filling.read(gpu, |ticks| add_times(&mut times, &names, ticks, gpu)).await?;
+        Ok((!self.full).then_some(times))
+    }
+}
+
+/// Adds what a band's passes took, by name in order of first use.
+pub(crate) fn add_times(times: &mut crate::PassTimes, names: &[&'static str], ticks: &[u8], gpu: &Gpu) {
+    let period = f64::from(gpu.queue.get_timestamp_period());
+    for (name, pair) in names.iter().zip(ticks.chunks_exact(16)) {
+        let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(pair);
+        let time = std::time::Duration::from_nanos((end.saturating_sub(begin) as f64 * period) as u64);
+        match times.passes.iter_mut().find(|(known, _)| known == name) {
+            Some((_, sum)) => *sum += time,
+            None => times.passes.push((name, time)),
         }
-        Ok(Some(times))
     }
 }

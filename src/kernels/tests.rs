@@ -10,22 +10,24 @@ use crate::{
     cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
     steps::{
         LISTS, MARKS,
-        bracket::{BOUND_TILES, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
+        bracket::{BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
         edges::MARK_EDGES,
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TAKE_OVER, TRACE_LISTED},
+        show::{SHOW_COLOR, SHOW_DEPTH},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Traversal},
     variant::{Shadows, SkyKind, part},
 };
 
-const ALL: [&Kernel; 22] = [
+const ALL: [&Kernel; 25] = [
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
     &SHADE_SKY,
     &BOUND_TILES,
+    &CHOOSE,
     &SEARCH_TILES,
     &TRACE_BOUNDED,
     &RESOLVE_TILES,
@@ -43,6 +45,8 @@ const ALL: [&Kernel; 22] = [
     &RESOLVE_TRUSTED,
     &TRACE_LISTED,
     &TAKE_OVER,
+    &SHOW_COLOR,
+    &SHOW_DEPTH,
 ];
 
 /// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
@@ -233,7 +237,7 @@ fn bindings_of_group_1_are_as_the_table_says() {
             .global_variables
             .iter()
             .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-            .filter(|(binding, _)| binding.group == 1 && (1..SOURCE_LINEAR_BINDING).contains(&binding.binding))
+            .filter(|(binding, _)| binding.group == 1 && (1..PICTURE_BINDING).contains(&binding.binding))
             .map(|(binding, space)| match space {
                 naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
                     (binding.binding, Write)
@@ -314,6 +318,10 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             runs,
             forward,
             wider,
+            first_row,
+            cost_of_search,
+            cost_of_shadow,
+            cost_of_listed,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });

@@ -1,16 +1,16 @@
 //! Passes 2 and 3 of `bracket`: how deep each tile is searched, its search, and what that leaves (docs/BRACKET.md).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, step};
+use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, step, trace};
 use crate::{
     frame::{
         plan::{Launch, Step},
-        targets::Target::{Bounds, Counters, Found, Lists, Source, View},
+        targets::Target::{Bounds, Counters, Found, Lists, Source, SourceCounters, View},
     },
     kernels::{
         Access::{Read, Write},
         Kernel, Touches,
     },
-    layout::{SKY, TO_LIGHT, TO_RESOLVE, TO_TRACE},
+    layout::{SKY, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
     variant::{Part, part},
 };
 
@@ -65,6 +65,14 @@ pub(crate) const SHADE_LISTED: Kernel = Kernel {
     main: part!("shade_listed.wgsl"),
 };
 
+pub(crate) const CHOOSE: Kernel = Kernel {
+    name: "choose",
+    touches: Touches::Pixels,
+    storage: &[(SourceCounters, Read), (Counters, Write), (Lists, Write)],
+    extra: &[LISTS],
+    main: part!("choose.wgsl"),
+};
+
 /// How deep each tile must be searched.
 pub(crate) fn bound(view: usize) -> Vec<Step> {
     vec![step(&BOUND_TILES, view, Launch::Runs)]
@@ -72,12 +80,22 @@ pub(crate) fn bound(view: usize) -> Vec<Step> {
 
 /// Primary visibility by tiles, the rest by rays; then shading, shadow rays where bits don't agree.
 pub(crate) fn resolve(view: usize) -> Vec<Step> {
+    [vec![Step::EmptyLists, step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view)].concat()
+}
+
+fn resolve_listed(view: usize) -> Vec<Step> {
     vec![
-        Step::EmptyLists,
-        step(&SEARCH_TILES, view, Launch::Tiles),
         step(&RESOLVE_TILES, view, Launch::Listed(TO_RESOLVE)),
         step(&SHADE_SKY, view, Launch::Listed(SKY)),
         step(&TRACE_BOUNDED, view, Launch::Listed(TO_TRACE)),
         step(&SHADE_LISTED, view, Launch::Listed(TO_LIGHT)),
     ]
+}
+
+/// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
+/// nothing listed.)
+pub(crate) fn or_traced(view: usize) -> Vec<Step> {
+    let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
+    let search = vec![step(&SEARCH_TILES, view, Launch::Listed(TO_SEARCH))];
+    [bound(view), choose, search, resolve_listed(view), trace::chosen(view)].concat()
 }

@@ -1,68 +1,88 @@
-//! What the host does between bands.
-
-use std::sync::Arc;
+//! What the host does between steps.
 
 use web_time::Instant;
 
 use crate::{
-    Error, Method,
-    auto::CostModel,
-    frame::{
-        driver::Driver,
-        plan::{Made, Step, targets},
-        read::sum_of,
-        targets::Target,
-    },
-    gpu::check_bytes,
+    Error,
+    frame::{driver::Driver, targets::Target},
+    gpu::{Gpu, check_bytes},
     layout,
     method::BufferDepth,
-    steps::{bracket, trace},
+    steps::reproject,
 };
 
 /// Pass 2 of `AdelsonHodges`, row after row.
 pub(crate) async fn sweep(driver: &mut Driver<'_>, view: usize) -> Result<(), Error> {
-    let (gpu, targets) = (driver.gpu, driver.targets);
+    let (gpu, targets, frame) = (driver.gpu, driver.targets, driver.frames[view]);
     let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
     gpu.finished(submission).await?;
     let begin = Instant::now();
-    let pixels = driver.eyes.pose.size[0] as usize * driver.eyes.pose.size[1] as usize;
-    let source: Vec<layout::Pixel> = gpu.read(targets.get(Target::View, driver.eyes.sources[view]), pixels).await?;
-    let depths: Vec<f32> = source.iter().map(|pixel| pixel.depth).collect();
+    let width = frame.image_size[0] as usize;
+    let rows = frame.row_begin as usize * width..frame.row_end as usize * width;
+    let source: Vec<layout::Pixel> = gpu.read(targets.get(Target::View, driver.eyes.sources[view]), rows.end).await?;
+    let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
     let keys = crate::cpu::adelson_hodges::sweep(&driver.eyes.cpu_frame(view), &depths);
     let marked: Vec<_> = keys.into_iter().map(|marks| layout::Pixel { marks, ..Default::default() }).collect();
-    gpu.queue.write_buffer(targets.get(Target::View, view), 0, bytemuck::cast_slice(&marked));
+    let offset = (rows.start * size_of::<layout::Pixel>()) as u64;
+    gpu.queue.write_buffer(targets.get(Target::View, view), offset, bytemuck::cast_slice(&marked));
     driver.host += begin.elapsed();
     Ok(())
 }
 
-/// How deep the 3D buffer is, and how many rows of it fit one binding.
-pub(crate) async fn size_slots(driver: &mut Driver<'_>, depth: BufferDepth, view: usize) -> Result<(), Error> {
+/// Reprojects by the 3D buffer, as many rows at a time as fit one binding.
+pub(crate) async fn slots(driver: &mut Driver<'_>, depth: BufferDepth, view: usize) -> Result<(), Error> {
     let range = match depth {
-        BufferDepth::Adaptive => depth_range(driver, driver.eyes.sources[view]).await?,
+        BufferDepth::Adaptive => depth_range(driver, view).await?,
         _ => (f32::INFINITY, f32::INFINITY),
     };
     let depth = depth.slots(&driver.eyes.pair_of(view), range);
-    let [width, height] = driver.eyes.pose.size;
-    let row_bytes = u64::from(width) * u64::from(depth) * 4;
-    let allowed = driver.gpu.binding_limit();
-    check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
-    let rows = (allowed / row_bytes).min(u64::from(height.min(driver.rows))) as u32;
-    let bytes = u64::from(rows) * row_bytes;
-    // One that is too small goes before the new one comes.
-    let slots = match driver.slots.take().filter(|slots| slots.size() >= bytes) {
-        Some(slots) => slots,
-        None => driver.gpu.checked(|| Ok(Arc::new(driver.gpu.storage_buffer("slots", bytes)))).await?,
-    };
-    *driver.slots = Some(slots);
-    (driver.slot_bytes, driver.rows) = (bytes, rows);
-    driver.frames[view].buffer_depth = depth;
+    let rows = size_slots(driver, depth, view).await?;
+    let gpu = driver.gpu;
+    let band = driver.frames[view];
+    for begin in (band.row_begin..band.row_end).step_by(rows as usize) {
+        let run = || {
+            let frame = &mut driver.frames[view];
+            (frame.row_begin, frame.row_end) = (begin, band.row_end.min(begin + rows));
+            driver.upload_frames();
+            let mut encoder = driver.encoder();
+            reproject::slots(view).into_iter().for_each(|step| driver.encode(&mut encoder, step));
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        };
+        gpu.checked(run).await?;
+    }
+    driver.frames[view] = layout::Frame { buffer_depth: depth, ..band };
+    driver.upload_frames();
     Ok(())
 }
 
-/// Nearest and farthest depth of a view; the farthest is infinite as soon as one pixel is sky.
+/// Makes the 3D buffer so deep, and says for how many rows.
+async fn size_slots(driver: &mut Driver<'_>, depth: u32, view: usize) -> Result<u32, Error> {
+    let frame = &mut driver.frames[view];
+    frame.buffer_depth = depth;
+    let row_bytes = u64::from(frame.image_size[0]) * u64::from(depth) * 4;
+    let allowed = driver.gpu.binding_limit();
+    check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
+    let rows = (allowed / row_bytes).min(u64::from(frame.row_end - frame.row_begin)) as u32;
+    let bytes = u64::from(rows) * row_bytes;
+    if driver.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
+        // One that is too small goes before the new one comes.
+        driver.slots.take().iter().for_each(wgpu::Buffer::destroy);
+        *driver.slots = Some(driver.gpu.checked(|| Ok(driver.gpu.storage_buffer("slots", bytes))).await?);
+    }
+    driver.slot_bytes = bytes;
+    driver.most_slot_bytes = driver.most_slot_bytes.max(bytes);
+    driver.buffer_depth = driver.buffer_depth.max(depth);
+    Ok(rows)
+}
+
+/// Nearest and farthest depth of a view's source in the rows at work; the farthest is infinite as soon as one pixel is sky.
 async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32), Error> {
-    let words = counters(driver, view).await?;
-    let rows = words.chunks_exact(layout::COUNTERS);
+    let (gpu, frame): (&Gpu, _) = (driver.gpu, driver.frames[view]);
+    let words = frame.row_end as usize * layout::COUNTERS;
+    let counters = driver.targets.get(Target::Counters, driver.eyes.sources[view]);
+    let words: Vec<u32> = gpu.read(counters, words).await?;
+    let rows = words.chunks_exact(layout::COUNTERS).skip(frame.row_begin as usize);
     Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
         let far = match f32::from_bits(row[layout::FARTHEST_DEPTH]) {
             far if far >= crate::FAR => f32::INFINITY,
@@ -70,27 +90,4 @@ async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32),
         };
         (nearest.min(f32::from_bits(row[layout::NEAREST_DEPTH])), farthest.max(far))
     }))
-}
-
-/// What sources say of the cost of the views that are made from them, and the steps that follow.
-pub(crate) async fn choose(driver: &mut Driver<'_>) -> Result<Vec<Step>, Error> {
-    let mut steps = Vec::new();
-    for (view, source) in targets(&driver.eyes.sources) {
-        let shadow_rays = sum_of(&counters(driver, source).await?, layout::SHADOW_RAYS);
-        let gaps = sum_of(&counters(driver, view).await?, layout::GAP_PIXELS);
-        let choice = CostModel::of(driver.gpu).choose(&driver.eyes.pose, shadow_rays, gaps);
-        log::debug!("view {view}: {choice}");
-        let (made, more) = match choice.method {
-            Method::Naive => (Made::Traced, trace::target(view)),
-            _ => (Made::Bracketed, bracket::resolve(view)),
-        };
-        (driver.choices[view], driver.made[view]) = (Some(choice), made);
-        steps.extend(more);
-    }
-    Ok(steps)
-}
-
-async fn counters(driver: &mut Driver<'_>, view: usize) -> Result<Vec<u32>, Error> {
-    let words = driver.eyes.pose.size[1] as usize * layout::COUNTERS;
-    driver.gpu.read(driver.targets.get(Target::Counters, view), words).await
 }

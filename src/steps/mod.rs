@@ -6,6 +6,7 @@ pub(crate) mod edges;
 pub(crate) mod host;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
+pub(crate) mod show;
 pub(crate) mod trace;
 
 use crate::{

@@ -7,6 +7,7 @@ use crate::{
         targets::Target,
     },
     kernels::{Access::Write, Kernel, Touches},
+    layout::ALL_TRACED,
     variant::{Part, part},
 };
 
@@ -31,4 +32,9 @@ pub(crate) fn source(view: usize) -> Vec<Step> {
 /// A view that is traced though it has a source.
 pub(crate) fn target(view: usize) -> Vec<Step> {
     vec![Step::Run { name: "trace_right", kernel: &TRACE_LEFT, view, launch: Launch::Pixels }]
+}
+
+/// The same where `choose` wants it.
+pub(crate) fn chosen(view: usize) -> Vec<Step> {
+    vec![Step::Run { name: "trace_right", kernel: &TRACE_LEFT, view, launch: Launch::Listed(ALL_TRACED) }]
 }

@@ -1,0 +1,25 @@
+// A view's picture in a texture that stays on the device, and whether it is whole.
+//
+// launch  one thread per pixel of the rows at work
+// reads   view        [rows * width]
+// reads   counters    [rows * COUNTERS]  CUT_SHORT
+// writes  picture     [height, width]    sRGB-encoded, alpha 1
+// adds    unfinished  [1]                threads that an adapter ended
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read> counters: array<u32>;
+@group(1) @binding(3) var<storage, read_write> unfinished: array<atomic<u32>>;
+@group(1) @binding(11) var picture: texture_storage_2d<rgba8unorm, write>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn show_color(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    if pixel.x == 0u {
+        let ended = counters[pixel.y * COUNTERS + CUT_SHORT];
+        if ended > 0u { atomicAdd(&unfinished[0], ended); }
+    }
+    let color = unpack4x8unorm(view[pixel_index(pixel)].color);
+    textureStore(picture, pixel + vec2u(0u, frame.first_row), color);
+}

@@ -1,0 +1,119 @@
+//! Which rows of a picture are done together.
+
+use std::ops::Range;
+
+use crate::{Gpu, layout};
+
+/// Rows of a band are a multiple of this, but for a picture's last ones: whole workgroups of the tiles' search.
+const WHOLE: u32 = layout::WORKGROUP * layout::TILE;
+
+/// Rows that are kept above and below a band for steps that look there: the one next to it, and what keeps tiles whole.
+const HALO: u32 = layout::TILE;
+
+/// Pixels of all views of a band at most, as far as its least number of rows allows: 64 MiB of them.
+const VIEWS_PIXELS: u32 = 1 << 22;
+
+/// Pixels of a band, about, for up to five lights; more lights make it less. On a software adapter some 1.5 million rays. A GPU has
+/// thousands of threads to feed, and a watchdog that ends a submission after a second or more: with eight times as many rays a slow one
+/// takes a fifth of that.
+pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
+    match gpu.adapter_info().device_type {
+        wgpu::DeviceType::Cpu => 1 << 18,
+        _ => 1 << 21,
+    }
+}
+
+/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2), so all steps of one band can run before
+/// the next one, and what lies between the steps takes a band's memory, whatever the picture's size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bands {
+    height: u32,
+    /// Of a band; the last one may have fewer.
+    pub(crate) rows: u32,
+    /// Rows kept above and below it.
+    halo: u32,
+}
+
+/// One of them, in the picture's rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Band {
+    pub(crate) rows: Range<u32>,
+    /// The same with rows above and below that some step looks at, where there are such.
+    pub(crate) seen: Range<u32>,
+    /// The row that the frame's buffers begin with.
+    pub(crate) first: u32,
+}
+
+impl Bands {
+    /// Bands of so many pixels, about, for so many views; `reaches` if a step looks at the rows above and below.
+    pub(crate) fn new([width, height]: [u32; 2], pixels: u32, views: usize, reaches: bool) -> Self {
+        let pixels = pixels.min(VIEWS_PIXELS / u32::try_from(views).unwrap_or(u32::MAX).max(1));
+        let most = (pixels / width).max(WHOLE);
+        let alike = height.div_ceil(height.div_ceil(most));
+        let rows = if height <= most { height } else { alike.next_multiple_of(WHOLE).min(height) };
+        Self { height, rows, halo: if reaches && rows < height { HALO } else { 0 } }
+    }
+
+    pub(crate) fn count(self) -> u32 {
+        self.height.div_ceil(self.rows)
+    }
+
+    /// Rows of a frame's buffers.
+    pub(crate) fn rows_kept(self) -> u32 {
+        self.rows + 2 * self.halo
+    }
+
+    pub(crate) fn get(self, index: u32) -> Band {
+        let begin = index * self.rows;
+        let end = self.height.min(begin + self.rows);
+        // Above it two: four rays of a lane are two rows, which stay together.
+        let (above, below) = (self.halo.min(2), self.halo.min(1));
+        Band {
+            rows: begin..end,
+            seen: begin.saturating_sub(above)..self.height.min(end + below),
+            first: begin.saturating_sub(self.halo),
+        }
+    }
+}
+
+impl Band {
+    /// Its rows from the one that buffers begin with.
+    pub(crate) fn place(&self) -> Range<u32> {
+        self.rows.start - self.first..self.rows.end - self.first
+    }
+
+    pub(crate) fn count(&self) -> u32 {
+        self.rows.end - self.rows.start
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_are_whole_workgroups_and_cover_a_picture_once() {
+        for size in [[1, 1], [63, 65], [1280, 720], [3840, 2160], [100_000, 7], [7, 100_000], [16384, 16384]] {
+            for (views, reaches) in [(1, true), (2, false), (45, true), (1024, false)] {
+                let bands = Bands::new(size, 1 << 18, views, reaches);
+                let mut next = 0;
+                for band in (0..bands.count()).map(|index| bands.get(index)) {
+                    assert_eq!(band.rows.start, next);
+                    next = band.rows.end;
+                    assert!(band.count() % WHOLE == 0 || next == size[1], "{size:?} {band:?}");
+                    assert!(
+                        band.place().start % layout::TILE == 0 && band.first <= band.seen.start,
+                        "{size:?} {band:?}"
+                    );
+                    assert!(band.seen.end - band.first <= bands.rows_kept(), "{size:?} {band:?}");
+                    let looks = u32::from(reaches && bands.count() > 1);
+                    assert_eq!(band.seen.start, band.rows.start.saturating_sub(2 * looks));
+                    assert_eq!(band.seen.end, size[1].min(next + looks));
+                }
+                assert_eq!(next, size[1]);
+            }
+        }
+        assert_eq!(Bands::new([1200, 1200], 1 << 18, 2, false).rows, 256);
+        assert_eq!(Bands::new([16384, 8192], 1 << 18, 2, false).rows, 64);
+    }
+}

@@ -1,0 +1,213 @@
+//! A frame as commands for the caller's encoder: its views stay on the device, as textures.
+
+use std::{ops::ControlFlow, sync::Arc};
+
+use super::{
+    driver::Driver,
+    plan::{Launch, Plan, Stage, Step},
+    targets::{FRAME_STRIDE, Target, Targets},
+};
+use crate::{
+    Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
+    rig::Eyes,
+    steps::show::{SHOW_COLOR, SHOW_DEPTH},
+};
+
+/// Views on the device, there once the commands that make them have run.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Encoded {
+    /// One an eye, in the rig's order.
+    pub views: Vec<EncodedView>,
+    /// Four bytes, to be mapped once the commands have run: how many threads the adapter ended before their work was done, u32. Unless it
+    /// is 0 the pictures are not whole, and are to be rendered by [`Renderer::render_views_async`], which goes on in steps.
+    pub unfinished: wgpu::Buffer,
+    /// What the commands use.
+    _targets: Arc<Targets>,
+    _upload: wgpu::Buffer,
+}
+
+/// A view on the device: textures that can be sampled and copied.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct EncodedView {
+    /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may be viewed as `Rgba8UnormSrgb` too.
+    pub color: wgpu::Texture,
+    /// Depth along the view direction in world units, `R32Float`, 3.4e38 where nothing was hit; unless [`Options::g_buffer`] is
+    /// [`GBuffer::None`].
+    pub depth: Option<wgpu::Texture>,
+}
+
+impl EncodedView {
+    fn new(gpu: &Gpu, [width, height]: [u32; 2], depth: bool) -> Self {
+        let texture = |label, format, view_formats| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::STORAGE_BINDING
+                    | wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::COPY_SRC,
+                view_formats,
+            })
+        };
+        Self {
+            color: texture("color", wgpu::TextureFormat::Rgba8Unorm, &[wgpu::TextureFormat::Rgba8UnormSrgb]),
+            depth: depth.then(|| texture("depth", wgpu::TextureFormat::R32Float, &[])),
+        }
+    }
+}
+
+impl Renderer {
+    /// Adds the commands of a frame to an encoder. Its views stay on the device: nothing is read back, and nothing is waited for but what the
+    /// driver says to new buffers and kernels. What is encoded is fixed: threads whose rays take more rounds than the adapter grants a
+    /// thread end, and [`Encoded::unfinished`] says how many did.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_views_async`]; [`Error::Encoding`] for a method that needs the host between its steps, and for options
+    /// that ask for what is read back; [`Error::Limit`] for a picture that no texture of the adapter holds.
+    pub async fn encode_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<Encoded, Error> {
+        self.encode_each(scene, rig, options, Some(encoder)).await.map(|(encoded, _)| encoded)
+    }
+
+    /// The same as a command buffer for each band of rows, from the top down: for frames so heavy that a watchdog would end one submission, or
+    /// that are to leave the device to others in between. They are to be submitted in order, and nothing else of this renderer between
+    /// them.
+    ///
+    /// # Errors
+    /// As [`Renderer::encode_async`].
+    pub async fn encode_bands_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        self.encode_each(scene, rig, options, None).await
+    }
+
+    async fn encode_each(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        mut into: Option<&mut wgpu::CommandEncoder>,
+    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        scene.belongs_to(&self.gpu)?;
+        let eyes = rig.eyes()?;
+        let method = super::effective(options.method, &eyes, scene);
+        let plan = Plan::of(method, &eyes.sources);
+        check(&self.gpu, options, &plan, &eyes)?;
+        let variant = self.variant(scene, &eyes, options, &plan);
+        let mut used = plan.uses(&variant);
+        used.places.insert((Target::Unfinished, 0));
+        let targets = self.targets(self.shape(scene, &eyes, options, &plan), &used).await?;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let mut driver = super::driver(self, scene, &eyes, variant, &targets, &mut go_on);
+        driver.timestamps = None; // nobody reads them
+        if plan.touches_objects() {
+            scene.upload_object_table(driver.gpu, driver.kernels).await?;
+        }
+        let depth = options.g_buffer != GBuffer::None;
+        let gpu = driver.gpu;
+        let encode = || {
+            let views = eyes.sources.iter().map(|_| EncodedView::new(gpu, eyes.pose.size, depth));
+            let encoded = Encoded::new(gpu, views.collect(), &targets);
+            let mut commands = Vec::new();
+            let bands = targets.shape.bands;
+            let mut upload = bytemuck::cast_slice(&driver.heads()).to_vec();
+            upload.resize(FRAME_STRIDE as usize, 0);
+            for index in 0..bands.count() {
+                let mut own = into.is_none().then(|| driver.encoder());
+                let encoder = own.as_mut().or(into.as_deref_mut()).expect("one of the two");
+                driver.set_rows(&bands.get(index));
+                upload.extend(driver.frame_bytes());
+                encoded.encode_band(&mut driver, &plan, encoder, index);
+                if index + 1 == bands.count() {
+                    let unfinished = targets.get(Target::Unfinished, 0);
+                    encoder.copy_buffer_to_buffer(unfinished, 0, &encoded.unfinished, 0, Some(4));
+                }
+                commands.extend(own.map(wgpu::CommandEncoder::finish));
+            }
+            gpu.queue.write_buffer(&encoded._upload, 0, &upload);
+            Ok((encoded, commands))
+        };
+        gpu.checked(encode).await
+    }
+}
+
+impl Encoded {
+    fn new(gpu: &Gpu, views: Vec<EncodedView>, targets: &Arc<Targets>) -> Self {
+        let buffer = |label, size, usage| {
+            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            gpu.device.create_buffer(&descriptor)
+        };
+        let uniforms = u64::from(targets.shape.bands.count()) * targets.shape.views as u64 * FRAME_STRIDE;
+        let (from, to) = (wgpu::BufferUsages::COPY_SRC, wgpu::BufferUsages::COPY_DST);
+        Self {
+            views,
+            unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
+            _upload: buffer("uniforms", FRAME_STRIDE + uniforms, from | to),
+            _targets: targets.clone(),
+        }
+    }
+
+    /// One band, from its uniforms to its rows of the textures.
+    fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
+        let targets = driver.targets;
+        let uniforms = driver.frames.len() as u64 * FRAME_STRIDE;
+        let begin = FRAME_STRIDE + u64::from(index) * uniforms;
+        encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.frames, 0, Some(uniforms));
+        if index == 0 {
+            encoder.copy_buffer_to_buffer(&self._upload, 0, &targets.empty_lists, 0, Some(targets.empty_lists.size()));
+            encoder.clear_buffer(targets.get(Target::Unfinished, 0), 0, None);
+        }
+        driver.clear(encoder, plan.clears_marks());
+        for stage in &plan.stages {
+            if let Stage::Steps(steps) = stage {
+                steps.iter().for_each(|step| driver.encode(encoder, *step));
+            }
+        }
+        for (index, view) in self.views.iter().enumerate() {
+            let shown = [(&SHOW_COLOR, Some(&view.color)), (&SHOW_DEPTH, view.depth.as_ref())];
+            for (kernel, texture) in shown {
+                let Some(texture) = texture else { continue };
+                driver.picture = Some(texture.create_view(&wgpu::TextureViewDescriptor::default()));
+                driver.encode(encoder, Step::Run { name: kernel.name, kernel, view: index, launch: Launch::Pixels });
+            }
+        }
+    }
+}
+
+/// # Errors
+/// [`Error::Encoding`] for what can't be encoded ahead, [`Error::Limit`] for a picture that is larger than a texture may be.
+fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
+    if plan.needs_host() {
+        let what = options.method.to_string();
+        return Err(Error::Encoding { what, reason: "a part of it is the host's" });
+    }
+    let read_back =
+        [(options.linear, "linear colour"), (options.cost_map, "a map of costs"), (options.count, "counting")];
+    if let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) {
+        return Err(Error::Encoding { what: what.into(), reason: "it is there for what is read back only" });
+    }
+    let ([width, height], side) = (eyes.pose.size, gpu.limits.max_texture_dimension_2d);
+    if width.max(height) > side {
+        return Err(Error::Limit {
+            what: format!("a {width}x{height} picture in a texture"),
+            needed: format!("a side of {}", width.max(height)),
+            limit: "max_texture_dimension_2d",
+            allowed: side.to_string(),
+            remedy: "encode a smaller one, or take its rows as they are done (render_rows)",
+        });
+    }
+    Ok(())
+}

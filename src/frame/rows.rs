@@ -1,0 +1,170 @@
+//! Rows of views, and the pairs and views that are put together of them.
+
+use super::{Done, targets::MOST_BYTES};
+use crate::{
+    Error, GBuffer, Options, PixelSource, RigView, ShadowSource, Statistics, StereoPair, View, Views, message::counted,
+    rig::Eyes,
+};
+
+/// Rows of all views of a frame, as they are done: see [`Renderer::render_rows`](crate::Renderer::render_rows_async).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Rows {
+    /// The row of the picture that is the first one here.
+    pub first: u32,
+    /// One an eye, in the rig's order.
+    pub views: Vec<ViewRows>,
+}
+
+/// Rows of a view, and how their pixels came about.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ViewRows {
+    /// What the eye sees; its height is the number of rows.
+    pub view: View,
+    /// Where each pixel came from, row-major.
+    pub source: Vec<PixelSource>,
+    /// How it is known which lights each pixel sees, row-major; by `bracket` only, else empty.
+    pub shadow_source: Vec<ShadowSource>,
+}
+
+impl ViewRows {
+    /// None yet.
+    pub(crate) fn new(width: u32) -> Self {
+        let view = View {
+            width,
+            height: 0,
+            rgba8: Vec::new(),
+            linear: Vec::new(),
+            depth: Vec::new(),
+            primitive: Vec::new(),
+            object: Vec::new(),
+            cost: Vec::new(),
+        };
+        Self { view, source: Vec::new(), shadow_source: Vec::new() }
+    }
+
+    /// None yet, with room for all of each view.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] for more than fits memory.
+    pub(crate) fn with_room(eyes: &Eyes, options: &Options) -> Result<Vec<Self>, Error> {
+        let [width, height] = eyes.pose.size;
+        let pixels = u64::from(width) * u64::from(height);
+        let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
+        // Colour and sources; then what was asked for.
+        let each: u64 = [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4)]
+            .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
+            .iter()
+            .sum();
+        let views = eyes.sources.len();
+        let needed = pixels.saturating_mul(each).saturating_mul(views as u64);
+        let refused = || Error::Limit {
+            what: counted(views, "view", "views") + &format!(" of {width}x{height}"),
+            needed: format!("{} MiB", needed >> 20),
+            limit: "memory for whole pictures",
+            allowed: format!("{} MiB", MOST_BYTES >> 20),
+            remedy: "render fewer or smaller ones at a time, or take their rows as they are done (render_rows)",
+        };
+        if needed > MOST_BYTES {
+            return Err(refused());
+        }
+        let room = |_| {
+            let mut rows = Self::new(width);
+            rows.reserve(pixels as usize, [depth, ids, options.linear, options.cost_map]).map_err(|_| refused())?;
+            Ok(rows)
+        };
+        (0..views).map(room).collect()
+    }
+
+    fn reserve(
+        &mut self,
+        pixels: usize,
+        [depth, ids, linear, cost]: [bool; 4],
+    ) -> Result<(), std::collections::TryReserveError> {
+        let wanted = |wanted: bool| if wanted { pixels } else { 0 };
+        self.view.rgba8.try_reserve_exact(pixels)?;
+        self.view.depth.try_reserve_exact(wanted(depth))?;
+        self.view.primitive.try_reserve_exact(wanted(ids))?;
+        self.view.object.try_reserve_exact(wanted(ids))?;
+        self.view.linear.try_reserve_exact(wanted(linear))?;
+        self.view.cost.try_reserve_exact(wanted(cost))?;
+        self.source.try_reserve_exact(pixels)
+    }
+
+    /// Puts others below these.
+    pub(crate) fn append(&mut self, mut rows: Self) {
+        // Bands that are traced have no shadow bits: where others have, theirs were traced.
+        let pixels = self.source.len() + rows.source.len();
+        if !rows.shadow_source.is_empty() || !self.shadow_source.is_empty() {
+            self.shadow_source.resize(self.source.len(), ShadowSource::Traced);
+            self.shadow_source.append(&mut rows.shadow_source);
+            self.shadow_source.resize(pixels, ShadowSource::Traced);
+        }
+        self.source.append(&mut rows.source);
+        let (view, mut below) = (&mut self.view, rows.view);
+        view.height += below.height;
+        view.rgba8.append(&mut below.rgba8);
+        view.linear.append(&mut below.linear);
+        view.depth.append(&mut below.depth);
+        view.primitive.append(&mut below.primitive);
+        view.object.append(&mut below.object);
+        view.cost.append(&mut below.cost);
+    }
+}
+
+impl Done {
+    /// Of a pair.
+    pub(crate) fn pair_statistics(&self) -> Statistics {
+        let [left, right] = [&self.tallies[0], &self.tallies[1]];
+        Statistics {
+            method: self.method_of(1),
+            choice: self.choices[1],
+            in_steps: self.in_steps,
+            left: left.work,
+            right: right.work,
+            reused: right.reused,
+            bad: right.bad,
+            missed: right.missed,
+            lost_candidates: right.lost_candidates,
+            buffer_depth: self.buffer_depth,
+            times: self.times.clone(),
+            intermediate_bytes: self.intermediate_bytes,
+        }
+    }
+}
+
+impl StereoPair {
+    pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
+        let statistics = done.pair_statistics();
+        let mut views = views.into_iter();
+        let mut next = || views.next().expect("a pair has two views");
+        let (left, right) = (next(), next());
+        Self {
+            left: left.view,
+            right: right.view,
+            source: right.source,
+            shadow_source: right.shadow_source,
+            statistics,
+            pose: done.eyes.pose,
+        }
+    }
+}
+
+impl Views {
+    pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
+        let with_what_it_cost = |(index, rows): (usize, ViewRows)| RigView {
+            view: rows.view,
+            offset: done.eyes.offsets[index],
+            made_from: done.eyes.sources[index],
+            method: done.method_of(index),
+            choice: done.choices[index],
+            source: rows.source,
+            shadow_source: rows.shadow_source,
+            work: done.tallies[index].work,
+        };
+        let views = views.into_iter().enumerate().map(with_what_it_cost).collect();
+        let Done { times, in_steps, intermediate_bytes, eyes, .. } = done;
+        Self { views, pose: eyes.pose, times, in_steps, intermediate_bytes }
+    }
+}

@@ -1,0 +1,57 @@
+//! What a frame's views cost, band by band, and how they came about.
+
+use super::{bands::Band, plan::Made, read::Counts};
+use crate::{Choice, Gpu, Method, Pose, ShadowReuse, Work, auto::CostModel};
+
+/// Of one view.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) work: Work,
+    /// Pixels taken over from the view's source.
+    pub(crate) reused: u64,
+    pub(crate) bad: u64,
+    pub(crate) missed: u64,
+    pub(crate) lost_candidates: u64,
+    /// Pixels in gaps, as far as they were counted.
+    gaps: u64,
+    /// Pixels that were resolved by `bracket`.
+    bracketed: u64,
+    pixels: u64,
+}
+
+impl Tally {
+    /// Adds a band that was made so.
+    pub(crate) fn add(&mut self, counts: &Counts, band: &Band, width: u32, made: Made) {
+        let pixels = u64::from(width) * u64::from(band.count());
+        let landed = pixels - counts.missed;
+        let (primary, verification, reused) = match made {
+            Made::Traced | Made::Chosen => (pixels, 0, 0),
+            Made::Copied => (0, 0, pixels),
+            Made::Marked { checked } => {
+                (counts.bad + counts.missed, if checked { landed } else { 0 }, landed - counts.bad)
+            }
+            Made::Bracketed => (counts.bad + counts.missed, 0, landed - counts.bad),
+        };
+        self.work.rays.primary += primary;
+        self.work.rays.verification += verification;
+        self.work.rays.shadow += counts.shadow_rays;
+        self.work.nodes += counts.nodes;
+        self.work.primitive_tests += counts.primitive_tests;
+        self.reused += reused;
+        self.bad += counts.bad;
+        self.missed += counts.missed;
+        self.lost_candidates += counts.lost_candidates;
+        self.gaps += counts.gaps;
+        self.bracketed += if made == Made::Bracketed { pixels } else { 0 };
+        self.pixels += pixels;
+    }
+
+    /// What `Auto` chose for most of a view, and what the model says of the whole.
+    pub(crate) fn choice(&self, source: &Self, gpu: &Gpu, pose: &Pose) -> Choice {
+        let predicted = CostModel::of(gpu).choose(pose, source.work.rays.shadow, self.gaps);
+        let mostly = 2 * self.bracketed >= self.pixels;
+        let method = if mostly { Method::Bracket(ShadowReuse::Two) } else { Method::Naive };
+        let by_bracket = self.bracketed as f32 / self.pixels.max(1) as f32;
+        Choice { method, by_bracket, ..predicted }
+    }
+}

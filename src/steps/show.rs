@@ -1,0 +1,25 @@
+//! What was made, in textures that stay on the device.
+
+use crate::{
+    frame::targets::Target::{Counters, Unfinished, View},
+    kernels::{
+        Access::{Read, Write},
+        Kernel, Touches,
+    },
+    variant::part,
+};
+
+pub(crate) const SHOW_COLOR: Kernel = Kernel {
+    name: "show_color",
+    touches: Touches::Pixels,
+    storage: &[(View, Read), (Counters, Read), (Unfinished, Write)],
+    extra: &[],
+    main: part!("show_color.wgsl"),
+};
+pub(crate) const SHOW_DEPTH: Kernel = Kernel {
+    name: "show_depth",
+    touches: Touches::Pixels,
+    storage: &[(View, Read)],
+    extra: &[],
+    main: part!("show_depth.wgsl"),
+};
