@@ -82,7 +82,7 @@ pub(crate) const FARTHEST_DEPTH: usize = 7;
 pub(crate) const CUT_SHORT: usize = 8;
 pub(crate) const GAP_PIXELS: usize = 9;
 
-/// Marks of pixels (`shaders/shared/marks.wgsl`).
+/// Marks of pixels (`shaders/shared/reprojection.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
