@@ -2,7 +2,7 @@
 //   node check_wgsl.mjs FOLDER PACKAGE
 // FOLDER is what the test `every_distinct_module_is_written_to_target_wgsl` writes, PACKAGE the path of webgpu's
 // index.js.
-// A line `// file: NAME` begins each part of a module, so that an error is told by the part's own file and line.
+// A line `// FILE:LINE` above each definition says where it comes from, so that an error is told by that file and line.
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -19,7 +19,8 @@ const device = await adapter.requestDevice();
 /** The file and line of a module's line, both counted from 1. */
 function origin(name, lines, lineNum) {
     for (let above = lineNum - 2; above >= 0; above--) {
-        if (lines[above].startsWith('// file: ')) return `${lines[above].slice(9)}:${lineNum - 1 - above}`;
+        const begin = /^\/\/ (\S+\.wgsl):(\d+)$/.exec(lines[above]);
+        if (begin) return `shaders/${begin[1]}:${Number(begin[2]) + lineNum - 2 - above}`;
     }
     return `${name}:${lineNum}`;
 }

@@ -12,17 +12,14 @@ use crate::{
     kernels::{Access::Write, Kernel, STEPS_BINDING, Touches},
     lanes::{DISPATCHES, Lanes},
     layout::{self, LIST_WORKGROUP},
-    steps::COUNT,
-    variant::{Part, Variant, part},
+    variant::Variant,
+    wgsl::part,
 };
-
-const RAY_LIST: Part = part!("shared/ray_list.wgsl");
 
 pub(crate) const CLOSEST_HITS: Kernel = Kernel {
     name: "closest_hits",
     touches: Touches::RayList,
     storage: &[(Target::Found, Write), (Target::Counters, Write)],
-    extra: &[COUNT, RAY_LIST],
     main: part!("closest_hits.wgsl"),
 };
 pub(crate) const ANY_HITS: Kernel = Kernel { name: "any_hits", main: part!("any_hits.wgsl"), ..CLOSEST_HITS };

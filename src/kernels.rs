@@ -1,4 +1,4 @@
-//! The table of kernels: what each touches, its bindings and the WGSL parts that are its own.
+//! The table of kernels: what each touches, its bindings and its WGSL file.
 
 use std::sync::Arc;
 
@@ -9,7 +9,8 @@ use crate::{
     layout,
     steps::resolve::TAKE_OVER,
     traversal::Fetch,
-    variant::{Part, Variant},
+    variant::Variant,
+    wgsl::Part,
 };
 
 /// How a kernel uses a storage buffer of its own.
@@ -48,7 +49,7 @@ pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     pub(crate) touches: Touches,
     pub(crate) storage: &'static [(Target, Access)],
-    pub(crate) extra: &'static [Part],
+    /// Its file; what that uses of `shaders/shared/` is added (`src/wgsl.rs`).
     pub(crate) main: Part,
 }
 
@@ -198,17 +199,19 @@ impl Kernels {
             entry(SAMPLES_BINDING, texture_type(TEXELS, access))
         }));
         let scene = self.layouts(with.traversal.fetch);
-        let counting =
-            [("COUNT", with.count), ("COST_MAP", with.cost_map)].map(|(name, on)| (name, f64::from(u8::from(on))));
+        let text = kernel.text(with);
+        let counting = [("COUNT", with.count), ("COST_MAP", with.cost_map)];
+        let counting = counting.into_iter().filter(|(name, _)| text.contains(&format!("override {name}:")));
+        let constants = counting.map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
         Program {
             label: kernel.name,
-            text: kernel.text(with),
+            text,
             own,
             shared: [
                 kernel.touches.geometry().then_some(&scene.geometry),
                 kernel.touches.table().then_some(&scene.table),
             ],
-            constants: if kernel.touches.geometry() { counting.to_vec() } else { Vec::new() },
+            constants,
         }
     }
 }

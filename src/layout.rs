@@ -93,7 +93,7 @@ pub(crate) const CHOSEN: usize = 10;
 /// What stands in `CHOSEN` of a band's first row where that is cheaper.
 pub(crate) const BRACKET_CHOSEN: u32 = 1;
 
-/// Marks of pixels (`shaders/shared/marks.wgsl`).
+/// Marks of pixels (`shaders/shared/reprojection.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;

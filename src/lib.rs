@@ -110,6 +110,7 @@ pub mod traversal;
 mod tree;
 mod upload;
 mod variant;
+mod wgsl;
 
 pub use auto::Choice;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]

@@ -1,7 +1,7 @@
-//! What kernels are specialised to, and the WGSL parts that follow from it: the only place that picks them.
+//! What kernels are specialised to, and the choices that follow from it for their WGSL: the only place that makes them.
 //!
-//! A kernel's text is its parts one after the other. What a scene does not have (spheres, vertex normals, lights, a
-//! sky gradient, anything to hit) is not among the parts, so it is not in the kernel that runs (DESIGN, section 6).
+//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, vertex normals, lights, a sky gradient,
+//! anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
     Scene, ShadowReuse, Sky,
@@ -11,28 +11,10 @@ use crate::{
         Kernel, Touches,
     },
     large::LARGE,
-    steps::{bracket::SEARCH_TILES, resolve::TAKE_OVER},
+    steps::resolve::{RESOLVE_TRUSTED, TAKE_OVER},
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
+    wgsl::{self, Choice},
 };
-
-/// A WGSL file: its name below `shaders/` and its text.
-#[derive(Clone, Copy)]
-pub(crate) struct Part {
-    #[cfg(test)]
-    pub(crate) file: &'static str,
-    pub(crate) text: &'static str,
-}
-
-macro_rules! part {
-    ($file:literal) => {
-        $crate::variant::Part {
-            #[cfg(test)]
-            file: $file,
-            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $file)),
-        }
-    };
-}
-pub(crate) use part;
 
 /// Which way shadow rays run, if there are any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,14 +38,6 @@ impl Shadows {
             _ if !scene.shadows => Self::None,
             Some(bounds) if far(bounds) => Self::FromSurface,
             _ => Self::FromLight,
-        }
-    }
-
-    fn part(self) -> Part {
-        match self {
-            Self::None => part!("shared/shadows_none.wgsl"),
-            Self::FromLight => part!("shared/shadows_from_light.wgsl"),
-            Self::FromSurface => part!("shared/shadows_from_surface.wgsl"),
         }
     }
 }
@@ -181,75 +155,58 @@ impl Variant {
 }
 
 impl Kernel {
-    /// The files a kernel is made of, in order.
-    pub(crate) fn parts(&self, with: &Variant) -> Vec<Part> {
-        let mut parts = vec![part!("shared/types.wgsl")];
-        if self.touches != Touches::Pixels {
-            parts.push(match with.traversal.fetch {
-                Fetch::Texture => part!("shared/table_texture.wgsl"),
-                Fetch::Buffer => part!("shared/table_buffer.wgsl"),
-            });
-        }
-        if self.touches.geometry() {
-            parts.push(match with.traversal.rays {
-                RaysPerLane::One => part!("shared/rays_1.wgsl"),
-                RaysPerLane::Four => part!("shared/rays_2x2.wgsl"),
-            });
-            parts.push(part!("shared/lane.wgsl"));
-            parts.push(match with.traversal.fetch {
-                Fetch::Texture => part!("shared/fetch_texture.wgsl"),
-                Fetch::Buffer => part!("shared/fetch_buffer.wgsl"),
-            });
-            parts.extend(geometry_parts(with));
-            parts.push(match self.in_steps() {
-                true => part!("shared/in_steps.wgsl"),
-                false => part!("shared/in_one_go.wgsl"),
-            });
-        }
-        if self.touches == Touches::Shading {
-            parts.push(match with.sky {
-                SkyKind::Constant => part!("shared/sky_constant.wgsl"),
-                SkyKind::Gradient => part!("shared/sky_gradient.wgsl"),
-                SkyKind::Map => part!("shared/sky_map.wgsl"),
-            });
-            match with.lights {
-                true => {
-                    let shadows = if with.triangles || with.spheres { with.shadows } else { Shadows::None };
-                    parts.extend([shadows.part(), part!("shared/lights.wgsl")]);
-                }
-                false => parts.extend([Shadows::None.part(), part!("shared/lights_none.wgsl")]),
-            }
-            if matches!(self.name, "resolve_tiles" | "trace_bounded" | "shade_listed") {
-                parts.push(match with.bits {
-                    ShadowReuse::Rays => part!("shared/bits_none.wgsl"),
-                    ShadowReuse::Two => part!("shared/bits_two.wgsl"),
-                    ShadowReuse::Block => part!("shared/bits_block.wgsl"),
-                });
-            }
-            parts.push(part!("shared/shade.wgsl"));
-            parts.push(match with.linear {
-                true => part!("shared/linear_kept.wgsl"),
-                false => part!("shared/linear_none.wgsl"),
-            });
-        }
-        if self.name == TAKE_OVER.name {
-            parts.push(match with.linear {
-                true => part!("shared/linear_taken.wgsl"),
-                false => part!("shared/linear_left.wgsl"),
-            });
-        }
-        match self.samples(with) {
-            Some(Read) => parts.push(part!("shared/samples_read.wgsl")),
-            Some(Write) => parts.push(part!("shared/samples_written.wgsl")),
-            None if self.touches == Touches::Shading => parts.push(part!("shared/samples_none.wgsl")),
-            None => {}
-        }
-        parts.extend(self.extra);
-        if self.name == SEARCH_TILES.name {
-            parts.extend(bounds_parts(with));
-        }
-        parts.push(self.main);
-        parts
+    /// What is chosen where shared WGSL has several definitions: a line for each choice.
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 14] {
+        let primitives = match (with.triangles, with.spheres) {
+            (true, true) => "mixed",
+            (true, false) => "triangles",
+            (false, true) => "spheres",
+            (false, false) => "none",
+        };
+        let boxes = match with.traversal.boxes {
+            Boxes::Grid16 => "grid",
+            Boxes::F32 if with.world_boxes => "world",
+            Boxes::F32 => "f32",
+        };
+        let sky = match with.sky {
+            SkyKind::Constant => "constant",
+            SkyKind::Gradient => "gradient",
+            SkyKind::Map => "map",
+        };
+        let shadows = match with.shadows {
+            _ if primitives == "none" || !with.lights => "none",
+            Shadows::None => "none",
+            Shadows::FromLight => "from_light",
+            Shadows::FromSurface => "from_surface",
+        };
+        let visibility = match self.name {
+            "resolve_tiles" => "taken",
+            "trace_bounded" | "shade_listed" => "taken_or_traced",
+            _ => "traced",
+        };
+        let bits = match with.bits {
+            ShadowReuse::Rays => "none",
+            ShadowReuse::Two => "two",
+            ShadowReuse::Block => "block",
+        };
+        let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
+        [
+            ("primitives", primitives),
+            // Spheres alone take as many texels as triangles without vertex normals.
+            ("normals", if with.triangles && with.normals { "smooth" } else { "flat" }),
+            ("boxes", boxes),
+            ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
+            ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
+            ("dispatches", if self.in_steps() { "many" } else { "one" }),
+            ("sky", sky),
+            ("lights", if with.lights { "some" } else { "none" }),
+            ("shadows", shadows),
+            ("visibility", visibility),
+            ("bits", bits),
+            ("samples", samples),
+            ("linear", if with.linear { "kept" } else { "none" }),
+            ("checks", if self.name == RESOLVE_TRUSTED.name { "none" } else { "all" }),
+        ]
     }
 
     /// The text that the driver gets.
@@ -257,52 +214,10 @@ impl Kernel {
         // Six samples are told apart by their normals, two have room for an occluder.
         let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
         let bits = self.samples(with) == Some(Write);
-        let mut text = format!(
+        format!(
             "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
-             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n"
-        );
-        for part in self.parts(with) {
-            text += part.text;
-        }
-        text
+             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n{}",
+            wgsl::text(self.main, &self.choices(with))
+        )
     }
-}
-
-/// How primitives are projected onto a tile.
-fn bounds_parts(with: &Variant) -> Vec<Part> {
-    let (triangles, spheres) = (part!("shared/bounds_triangle.wgsl"), part!("shared/bounds_sphere.wgsl"));
-    match (with.triangles, with.spheres) {
-        (true, true) => vec![triangles, spheres, part!("shared/bounds_mixed.wgsl")],
-        (true, false) => vec![triangles, part!("shared/bounds_triangles.wgsl")],
-        (false, true) => vec![spheres, part!("shared/bounds_spheres.wgsl")],
-        (false, false) => vec![],
-    }
-}
-
-fn geometry_parts(with: &Variant) -> Vec<Part> {
-    if !with.triangles && !with.spheres {
-        return vec![part!("shared/bvh_empty.wgsl")];
-    }
-    let boxes = match with.traversal.boxes {
-        Boxes::Grid16 => part!("shared/boxes_16bit.wgsl"),
-        Boxes::F32 if with.world_boxes => part!("shared/boxes_world.wgsl"),
-        Boxes::F32 => part!("shared/boxes_f32.wgsl"),
-    };
-    let mut parts = vec![part!("shared/bvh.wgsl"), boxes, part!("shared/double_float.wgsl")];
-    if with.triangles {
-        parts.push(part!("shared/triangle.wgsl"));
-        parts.push(match with.normals {
-            true => part!("shared/normal_smooth.wgsl"),
-            false => part!("shared/normal_flat.wgsl"),
-        });
-    }
-    if with.spheres {
-        parts.push(part!("shared/sphere.wgsl"));
-    }
-    parts.push(match (with.triangles, with.spheres) {
-        (true, true) => part!("shared/primitives_mixed.wgsl"),
-        (true, false) => part!("shared/primitives_triangles.wgsl"),
-        _ => part!("shared/primitives_spheres.wgsl"),
-    });
-    parts
 }

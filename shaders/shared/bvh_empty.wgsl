@@ -1,16 +1,11 @@
 // A scene without primitives: no traversal in the kernel, nothing is ever hit.
 
-struct Bvh { grid_origin: vec3f, extent: f32, grid_cell: vec3f, zero: u32 }
 struct Rays { origin: vec3f, direction: F3 }
 struct Hits { t: F, primitive: U, slot: U }
 alias Stack = array<u32, STACK_SIZE>;
 struct Surface { geometric_normal: vec3f, shading_normal: vec3f, material: u32, component: u32, reach: f32 }
 
-const LEAF: u32 = 0x80000000u;
-const DONE: u32 = 0xffffffffu;
 const NEVER: f32 = -3.402e38;
-const CHILD_TEXELS: u32 = 1u;
-const PRIMITIVE_TEXELS: u32 = 1u;
 override COUNT: bool = false;
 const nodes_visited: u32 = 0u;
 const primitives_tested: u32 = 0u;
@@ -26,8 +21,4 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
 
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return t_max < t_max;
-}
-
-fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
-    return U(MISS);
 }

@@ -1,5 +1,35 @@
+// A thread does all of its work in one dispatch, or so many rounds of its loops in each.
+
+//! if dispatches is one
+// None of these does anything.
+
+const paused = false;
+
+fn begin_step(thread: u32) -> bool { return true; }
+
+fn end_step() {}
+
+fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {}
+
+fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) -> bool { return false; }
+
+fn spend_round() {}
+
+fn is_tired() -> bool { return false; }
+
+fn is_step_over(link: u32) -> bool { return false; }
+
+fn sum_so_far() -> F3 { return all3(vec3f(0.0)); }
+
+fn first_light() -> u32 { return 0u; }
+
+fn is_put_off(asked: B) -> bool { return false; }
+
+fn keep_lights(sum: F3, light: u32) -> bool { return false; }
+
+//! if dispatches is many
 // A thread does so many rounds of its loops in one dispatch, keeps where it stands, and goes on from there in the next: for
-// rays and lights that take more rounds than an adapter grants a thread. Twin of in_one_go.wgsl: same names.
+// rays and lights that take more rounds than an adapter grants a thread.
 //
 // A traversal stops in front of a pair of boxes, where hits and stack are all that there is to keep. What it does after that
 // is what it would have done, so hits, colours and counts are those of one go, bit for bit.

@@ -1,5 +1,6 @@
-// Omnidirectional point lights (DESIGN, section 3); who sees them is for one of shadows_*.wgsl to say.
+// Omnidirectional point lights (DESIGN, section 3); who sees them is for visibility.wgsl to say.
 
+//! if lights is some
 // A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
 // the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
 // measurement.
@@ -56,4 +57,10 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
     }
     cut_short |= light < light_count && !keep_lights(sum, light);
     return sum;
+}
+
+//! if lights is none
+// Ambient light only.
+fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
+    return all3(vec3f(0.0));
 }

@@ -17,7 +17,7 @@ struct Samples {
     depth: F,
     slot: U,
     component: U,
-    bits: U,      // of lights (light_*.wgsl)
+    bits: U,      // of lights (visibility.wgsl)
 }
 
 // What is kept of one of them, with no marks.

@@ -7,7 +7,7 @@
 // its distance. Normals belong to the origin, so that a lane's rays share them.
 
 // A primitive's place in `primitives` in texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
-// scene has any, are a fourth (normal_smooth.wgsl).
+// scene has any, are a fourth (below).
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
@@ -110,4 +110,39 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
     return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w));
+}
+
+//! if normals is flat
+// No triangle of the scene has vertex normals: three texels a primitive, and the triangle's own normal.
+
+const PRIMITIVE_TEXELS: u32 = 3u;
+
+fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
+    return geometric;
+}
+
+//! if normals is smooth
+// Vertex normals: a fourth texel a primitive holds three of them, each two 16-bit snorms (octahedral mapping; Cigolle
+// et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors"), and 1 if they are to be used.
+
+const PRIMITIVE_TEXELS: u32 = 4u;
+
+fn unpack_normal(word: u32) -> vec3f {
+    let e = unpack2x16snorm(word);
+    let z = 1.0 - abs(e.x) - abs(e.y);
+    let fold = max(-z, 0.0);
+    let xy = e + select(vec2f(fold), vec2f(-fold), e >= vec2f(0.0));
+    return normalize(vec3f(xy, z));
+}
+
+// On the side of the geometric normal. Turned towards the viewer by itself, a normal that points away at a silhouette
+// would be mirrored, and a lit rim go dark.
+fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
+    let packed = primitive_texel(slot, 3u);
+    let sum = weights.x + weights.y + weights.z;
+    let w = weights / sum;
+    let blend = unpack_normal(packed.x) * w.x + unpack_normal(packed.y) * w.y + unpack_normal(packed.z) * w.z;
+    let usable = packed.w == 1u && dot(blend, blend) > 1e-6;
+    let normal = normalize(blend);
+    return select(geometric, select(normal, -normal, dot(normal, geometric) < 0.0), usable);
 }

@@ -1,5 +1,5 @@
 //! Twins of the passes of `bracket`: `bound_tiles.wgsl`, the fate of pixels in `resolve_tiles.wgsl`, and shadow bits
-//! (`shared/taken_bits.wgsl`, `bits_two.wgsl`, `bits_block.wgsl`), for scenes without vertex normals.
+//! (`shared/bits.wgsl`), for scenes without vertex normals.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::{FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource, layout::TI
 
 /// Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;
-/// `GROOVE` of `bits_two.wgsl`.
+/// `GROOVE` of `bits.wgsl`.
 const GROOVE: f32 = 1.0 / 96.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;

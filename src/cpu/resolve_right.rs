@@ -1,4 +1,4 @@
-//! Twin of `shaders/resolve_right.wgsl` with `shared/verify_all.wgsl`: which right pixels are taken over.
+//! Twin of `shaders/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: which right pixels are taken over.
 
 use glam::Vec3;
 

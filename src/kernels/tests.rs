@@ -9,16 +9,16 @@ use crate::{
     ShadowReuse,
     cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
     steps::{
-        LISTS, MARKS,
-        bracket::{BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TILES, TRACE_BOUNDED},
+        bracket::{BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TRACE_BOUNDED},
         edges::MARK_EDGES,
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TAKE_OVER, TRACE_LISTED},
         show::{SHOW_COLOR, SHOW_DEPTH},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
-    traversal::{Boxes, Traversal},
-    variant::{Shadows, SkyKind, part},
+    traversal::{Boxes, Fetch, Traversal},
+    variant::{Shadows, SkyKind},
+    wgsl::{self, Condition, SHARED},
 };
 
 const ALL: [&Kernel; 25] = [
@@ -119,10 +119,16 @@ fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     all
 }
 
+/// The file and line below `shaders/` of a place in a kernel's text.
+fn place(text: &str, location: Option<naga::SourceLocation>) -> String {
+    location.and_then(|location| wgsl::origin(text, location.line_number as usize)).unwrap_or_else(|| "?".into())
+}
+
 fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
     let text = kernel.text(with);
-    naga::front::wgsl::parse_str(&text)
-        .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)))
+    naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| {
+        panic!("{}: {} {with:?}: {}", place(&text, error.location(&text)), kernel.name, error.emit_to_string(&text))
+    })
 }
 
 /// Every distinct text, with its kernel and a variant that gives it.
@@ -139,9 +145,11 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buff
     assert!(modules.len() > 100, "{}", modules.len());
     for (kernel, with, text) in modules {
         let module = parse(kernel, &with);
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{} {with:?}: {}", kernel.name, error.emit_to_string(&text)));
+        let info =
+            Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap_or_else(|error| {
+                let place = place(&text, error.location(&text));
+                panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
+            });
         assert_eq!(module.entry_points.len(), 1);
         assert_eq!(format!("{}.wgsl", module.entry_points[0].name), kernel.main.file);
         let used = module.global_variables.iter().filter(|(handle, variable)| {
@@ -151,21 +159,15 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buff
     }
 }
 
-/// For `scripts/check_wgsl.sh`, which shows them to a stricter front end than naga. Above each part stands its file and the
-/// line before its first, so that an error in the whole text can be told by file and line.
+/// For `scripts/check_wgsl.sh`, which shows them to a stricter front end than naga.
 #[test]
 fn every_distinct_module_is_written_to_target_wgsl() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/wgsl");
     let _ = std::fs::remove_dir_all(folder);
     std::fs::create_dir_all(folder).unwrap();
     let modules = modules();
-    for (number, (kernel, with, text)) in modules.iter().enumerate() {
-        let head = text.len() - kernel.parts(with).iter().map(|part| part.text.len()).sum::<usize>();
-        let mut marked = text[..head].to_owned();
-        for part in kernel.parts(with) {
-            marked += &format!("// file: shaders/{}\n{}", part.file, part.text);
-        }
-        std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), marked).unwrap();
+    for (number, (kernel, _, text)) in modules.iter().enumerate() {
+        std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), text).unwrap();
     }
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
 }
@@ -190,7 +192,13 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
         raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
         raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
         raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
-        let mut count = [0; 3];
+        // A layout has all of the scene's bindings, whether or not the kernel uses them.
+        let scene = 2 * u32::from(kernel.touches.geometry()) + u32::from(kernel.touches.table());
+        let mut count = match with.traversal.fetch {
+            Fetch::Buffer => [0, scene, 0],
+            Fetch::Texture => [0, 0, scene],
+        };
+        count[0] = u32::from(kernel.touches.geometry());
         for (_, variable) in module.global_variables.iter() {
             let Some(binding) = &variable.binding else { continue };
             raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
@@ -199,7 +207,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
                 naga::AddressSpace::Uniform => 0,
                 naga::AddressSpace::Storage { .. } => 1,
                 _ => 2,
-            }] += 1;
+            }] += u32::from(binding.group == 1);
         }
         let [uniforms, buffers, textures] = count;
         raise(|limits| &mut limits.max_uniform_buffers_per_shader_stage, uniforms);
@@ -251,25 +259,54 @@ fn bindings_of_group_1_are_as_the_table_says() {
     }
 }
 
+/// An independent compiler's word that only what is used is there. (naga follows calls; of what a constant `if` leaves out
+/// it knows nothing.)
 #[test]
-fn every_wgsl_file_is_part_of_a_kernel() {
-    let mut used = BTreeSet::new();
-    for kernel in ALL {
-        for with in variants_of(kernel) {
-            used.extend(kernel.parts(&with).iter().map(|part| part.file.to_owned()));
+fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
+    for (kernel, with, text) in modules() {
+        let all = parse(kernel, &with);
+        let mut used = parse(kernel, &with);
+        naga::compact::compact(&mut used, naga::compact::KeepUnused::No);
+        let names = |module: &naga::Module| -> BTreeSet<String> {
+            let functions = module.functions.iter().filter_map(|(_, function)| function.name.clone());
+            // A binding is stated for the reader, whether or not some variant needs it.
+            let variables = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_none());
+            functions.chain(variables.filter_map(|(_, variable)| variable.name.clone())).collect()
+        };
+        let unused: Vec<_> = names(&all).difference(&names(&used)).cloned().collect();
+        assert!(unused.is_empty(), "{} {with:?}: {unused:?}\n{text}", kernel.name);
+    }
+}
+
+#[test]
+fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
+    let folder = |name: &str| {
+        let entries = std::fs::read_dir(format!("{}/shaders/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let names = entries.map(|entry| format!("{name}{}", entry.unwrap().file_name().into_string().unwrap()));
+        names.filter(|name| name.ends_with(".wgsl")).collect::<BTreeSet<_>>()
+    };
+    assert_eq!(folder(""), ALL.iter().map(|kernel| kernel.main.file.to_owned()).collect());
+    assert_eq!(folder("shared/"), SHARED.iter().map(|(part, _)| part.file.to_owned()).collect());
+    let texts: Vec<_> = modules().into_iter().map(|(_, _, text)| text).collect();
+    let lines: BTreeSet<_> = texts.iter().flat_map(|text| text.lines()).collect();
+    let unused: Vec<_> = wgsl::shared()
+        .iter()
+        .filter(|definition| !lines.contains(&*format!("// {}:{}", definition.file, definition.line)))
+        .map(|definition| format!("{}:{}: {}", definition.file, definition.line, definition.name))
+        .collect();
+    assert!(unused.is_empty(), "{unused:#?}");
+}
+
+#[test]
+fn sections_ask_for_choices_and_values_that_there_are() {
+    let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| kernel.choices(&with)));
+    let there: BTreeSet<_> = all.flatten().collect();
+    for definition in wgsl::shared() {
+        if let Some(Condition { choice, values }) = &definition.when {
+            let known = values.iter().all(|value| there.contains(&(*choice, *value)));
+            assert!(known, "{}:{}: {choice} is {values:?}", definition.file, definition.line);
         }
     }
-    let mut there = BTreeSet::new();
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
-    for folder in ["", "shared/"] {
-        for entry in std::fs::read_dir(format!("{root}/{folder}")).unwrap() {
-            let name = entry.unwrap().file_name().into_string().unwrap();
-            if name.ends_with(".wgsl") {
-                there.insert(format!("{folder}{name}"));
-            }
-        }
-    }
-    assert_eq!(used, there);
 }
 
 macro_rules! assert_layout {
@@ -336,7 +373,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
 
 #[test]
 fn counters_and_marks_have_the_same_numbers_in_both_languages() {
-    let types = [part!("shared/types.wgsl"), MARKS, TILES, LISTS].map(|part| part.text).concat();
+    let types: String = SHARED.iter().map(|(part, _)| part.text).collect();
     for (name, value) in [
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),

@@ -1,6 +1,6 @@
 //! Verification without rays: edges of the source's view are marked, to be traced (thesis, 6.2).
 
-use super::{MARKS, PARALLAX, SWEEP, step};
+use super::step;
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -10,14 +10,13 @@ use crate::{
         Access::{Read, Write},
         Kernel, Touches,
     },
-    variant::part,
+    wgsl::part,
 };
 
 pub(crate) const MARK_EDGES: Kernel = Kernel {
     name: "mark_edges",
     touches: Touches::Objects,
     storage: &[(Source, Read), (View, Write)],
-    extra: &[PARALLAX, SWEEP, MARKS],
     main: part!("mark_edges.wgsl"),
 };
 

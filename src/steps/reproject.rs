@@ -1,6 +1,6 @@
 //! Pass 2: which of the source's samples each of the target's pixels gets (thesis, 3.1.2; Es & Isler 2007).
 
-use super::{MARKS, PARALLAX, SWEEP, step};
+use super::step;
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -10,42 +10,37 @@ use crate::{
         Access::{Read, Write},
         Kernel, Touches,
     },
-    variant::part,
+    wgsl::part,
 };
 
 pub(crate) const REPROJECT: Kernel = Kernel {
     name: "reproject",
     touches: Touches::Pixels,
     storage: &[(Source, Read), (View, Write)],
-    extra: &[PARALLAX, SWEEP],
     main: part!("reproject.wgsl"),
 };
 pub(crate) const REPROJECT_SLOTS: Kernel = Kernel {
     name: "reproject_slots",
     touches: Touches::Pixels,
     storage: &[(Source, Read), (Slots, Write), (Counters, Write)],
-    extra: &[PARALLAX, SWEEP],
     main: part!("reproject_slots.wgsl"),
 };
 pub(crate) const REPROJECT_SCANLINE: Kernel = Kernel {
     name: "reproject_scanline",
     touches: Touches::Pixels,
     storage: &[(Source, Read), (View, Write)],
-    extra: &[PARALLAX, SWEEP, MARKS],
     main: part!("reproject_scanline.wgsl"),
 };
 pub(crate) const GATHER_SLOTS: Kernel = Kernel {
     name: "gather_slots",
     touches: Touches::Pixels,
     storage: &[(Slots, Read), (View, Write)],
-    extra: &[],
     main: part!("gather_slots.wgsl"),
 };
 pub(crate) const DEPTH_RANGE: Kernel = Kernel {
     name: "depth_range",
     touches: Touches::Pixels,
     storage: &[(View, Read), (Counters, Write)],
-    extra: &[],
     main: part!("depth_range.wgsl"),
 };
 

@@ -1,6 +1,6 @@
 //! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, edges, step};
+use super::{edges, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -12,27 +12,21 @@ use crate::{
     },
     layout::TO_TRACE,
     method::Check,
-    variant::part,
+    wgsl::part,
 };
 
 pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     name: "resolve_right",
     touches: Touches::Geometry,
     storage: &[(Source, Read), (View, Write), (Counters, Write), (Lists, Write)],
-    extra: &[part!("shared/verify_all.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
     main: part!("resolve_right.wgsl"),
 };
 /// The same without checks: gaps are no candidates any more, and edges have been marked.
-pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel {
-    name: "resolve_trusted",
-    extra: &[part!("shared/verify_none.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
-    ..RESOLVE_RIGHT
-};
+pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel { name: "resolve_trusted", ..RESOLVE_RIGHT };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
     touches: Touches::Shading,
     storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    extra: &[COUNT, LISTS, LISTED_PIXELS, LIGHT_TRACED],
     main: part!("trace_listed.wgsl"),
 };
 
@@ -41,7 +35,6 @@ pub(crate) const TAKE_OVER: Kernel = Kernel {
     name: "take_over",
     touches: Touches::Pixels,
     storage: &[(Source, Read), (View, Write)],
-    extra: &[MARKS, PARALLAX, SWEEP],
     main: part!("take_over.wgsl"),
 };
 

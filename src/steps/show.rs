@@ -6,20 +6,14 @@ use crate::{
         Access::{Read, Write},
         Kernel, Touches,
     },
-    variant::part,
+    wgsl::part,
 };
 
 pub(crate) const SHOW_COLOR: Kernel = Kernel {
     name: "show_color",
     touches: Touches::Pixels,
     storage: &[(View, Read), (Counters, Read), (Unfinished, Write)],
-    extra: &[],
     main: part!("show_color.wgsl"),
 };
-pub(crate) const SHOW_DEPTH: Kernel = Kernel {
-    name: "show_depth",
-    touches: Touches::Pixels,
-    storage: &[(View, Read)],
-    extra: &[],
-    main: part!("show_depth.wgsl"),
-};
+pub(crate) const SHOW_DEPTH: Kernel =
+    Kernel { name: "show_depth", touches: Touches::Pixels, storage: &[(View, Read)], main: part!("show_depth.wgsl") };

@@ -1,6 +1,5 @@
 //! A whole view, traced and shaded.
 
-use super::{COUNT, LIGHT_TRACED};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -8,16 +7,13 @@ use crate::{
     },
     kernels::{Access::Write, Kernel, Touches},
     layout::ALL_TRACED,
-    variant::{Part, part},
+    wgsl::part,
 };
-
-const KEEP_VIEW: Part = part!("shared/keep_view.wgsl");
 
 pub(crate) const TRACE_LEFT: Kernel = Kernel {
     name: "trace_left",
     touches: Touches::Shading,
     storage: &[(Target::View, Write), (Target::Counters, Write)],
-    extra: &[COUNT, LIGHT_TRACED, KEEP_VIEW],
     main: part!("trace_left.wgsl"),
 };
 /// The same, its threads going on in the next dispatch.

@@ -1,3 +1,6 @@
+// Which of the reused pixels are rejected.
+
+//! if checks is all
 // Every reused pixel is checked by a ray of limited length (thesis, 3.1.3).
 
 // Share of the way to the reused point that must be free.
@@ -12,4 +15,10 @@ fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
     let aim = select3(to_point, direction, sky);
     let t_max = select(F(VERIFY_FRACTION), F(FAR), sky);
     return any_hit(Rays(frame.target_eye, aim), F(0.0), select(F(NEVER), t_max, wanted));
+}
+
+//! if checks is none
+// Every reprojected pixel is trusted.
+fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
+    return wanted & !wanted;
 }

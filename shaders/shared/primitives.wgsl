@@ -1,11 +1,50 @@
-// A scene of triangles and spheres; the second texel's w says which, in its lowest bit.
+// What a scene's primitives are, behind one set of names.
 
+//! if primitives is triangles or mixed
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);
     let third = primitive_texel(slot, 2u);
     return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), bitcast<vec3f>(third.xyz), first.w, second.w, reach_of(third.w));
 }
+
+//! if primitives is triangles
+fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
+    return intersect_triangle(rays, scales, primitive);
+}
+
+fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {
+    return look_again_triangle(origin, direction, primitive);
+}
+
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return triangle_surface(rays, hits, ray);
+}
+
+//! if primitives is spheres
+// Centre and id, then radius and component, in texels like a triangle's.
+
+fn primitive_at(slot: u32) -> Primitive {
+    let first = primitive_texel(slot, 0u);
+    let second = primitive_texel(slot, 1u);
+    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
+}
+
+fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
+    return intersect_sphere(rays, scales, primitive, t_min);
+}
+
+fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {
+    if CLOSE { return look_again_sphere(origin, direction, primitive, t_min); }
+    return -1.0;
+}
+
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return sphere_surface(rays, hits, ray);
+}
+
+//! if primitives is mixed
+// The second texel's w says which, in its lowest bit.
 
 fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;

@@ -1,6 +1,21 @@
-// An equirectangular picture as sky, bilinear: its top row is straight up, its middle column towards -z, and columns go round to
-// the right. Columns wrap at the seam; past a pole a row goes on at the opposite column.
+// What rays see that hit nothing.
 
+//! if sky is constant
+// One colour.
+fn sky(direction: F3) -> F3 {
+    return all3(shading_vector(SKY_ZENITH));
+}
+
+//! if sky is gradient
+// A blend along the world's y axis.
+fn sky(direction: F3) -> F3 {
+    let height = 0.5 + 0.5 * direction.y / sqrt(dot3(direction, direction));
+    return add3(times3(all3(shading_vector(SKY_NADIR)), 1.0 - height), times3(all3(shading_vector(SKY_ZENITH)), height));
+}
+
+//! if sky is map
+// An equirectangular picture, bilinear: its top row is straight up, its middle column towards -z, and columns go round to the right.
+// Columns wrap at the seam; past a pole a row goes on at the opposite column.
 const PI: f32 = 3.14159265;
 
 fn sky(direction: F3) -> F3 {

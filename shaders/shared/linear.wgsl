@@ -1,0 +1,15 @@
+// Linear colour beside the 8-bit one, where somebody wants it.
+
+//! if linear is kept
+// RGB and 1.
+@group(1) @binding(13) var<storage, read_write> linear_color: array<vec4f>;
+@group(1) @binding(12) var<storage, read> source_linear: array<vec4f>;
+
+fn keep_linear(pixel: u32, color: vec3f) { linear_color[pixel] = vec4f(color, 1.0); }
+
+fn take_linear(pixel: u32, place: u32) { linear_color[pixel] = source_linear[place]; }
+
+//! if linear is none
+fn keep_linear(pixel: u32, color: vec3f) {}
+
+fn take_linear(pixel: u32, place: u32) {}

@@ -1,2 +1,0 @@
-// Nobody wants linear colour.
-fn take_linear(pixel: u32, place: u32) {}

@@ -1,0 +1,271 @@
+//! How a kernel's text is put together: its own file, and the definitions of `shaders/shared/` that it uses.
+//!
+//! Nothing is listed. A file says what it needs by using it: every top-level name (`fn`, `struct`, `const`, `override`,
+//! `var`, `alias`) is known by the file that defines it, and what a kernel's file uses is added, and what that uses, each
+//! once. WGSL does not mind the order. A name that the kernel's own file defines (a binding such as `view`) is that one, for
+//! shared definitions too.
+//!
+//! What a definition uses is told by its words: all but comments, what follows a dot, and what it names itself (locals,
+//! parameters, members). So none of these may have the name of a shared definition that it uses too; a compiler then misses it.
+//!
+//! Where a name has several definitions, each stands in a section of its file, which says for which choice it is there:
+//!
+//! ```wgsl
+//! //! if sky is constant
+//! fn sky(direction: F3) -> F3 { … }
+//! //! if sky is gradient or map
+//! …
+//! //! end
+//! ```
+//!
+//! A section ends at the next one, at `//! end`, or with its file. What is chosen, `src/variant.rs` says and nobody else.
+
+use std::{collections::HashMap, sync::LazyLock};
+
+/// A WGSL file: its name below `shaders/` and its text.
+#[derive(Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) file: &'static str,
+    pub(crate) text: &'static str,
+}
+
+macro_rules! part {
+    ($file:expr) => {
+        $crate::wgsl::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $file)) }
+    };
+}
+pub(crate) use part;
+
+/// A choice by its name, and what is chosen.
+pub(crate) type Choice = (&'static str, &'static str);
+
+macro_rules! shared {
+    ($($name:literal $(if $condition:literal)?,)*) => {
+        &[$((part!(concat!("shared/", $name, ".wgsl")), concat!("", $($condition)?))),*]
+    };
+}
+
+/// All files of `shaders/shared/`. A condition here holds for the whole file, as a section would.
+pub(crate) const SHARED: &[(Part, &str)] = shared![
+    "append",
+    "bits",
+    "bounds_mixed" if "primitives is mixed",
+    "bounds_sphere",
+    "bounds_spheres" if "primitives is spheres",
+    "bounds_triangle" if "primitives is triangles or mixed",
+    "bounds_triangles" if "primitives is triangles",
+    "boxes",
+    "bvh" if "primitives is triangles or spheres or mixed",
+    "bvh_empty" if "primitives is none",
+    "count",
+    "double_float",
+    "fetch_buffer" if "fetch is buffer",
+    "fetch_texture" if "fetch is texture",
+    "in_steps",
+    "lane",
+    "lights",
+    "linear",
+    "listed_pixels",
+    "listed_tile",
+    "lists",
+    "primitives",
+    "ray_list",
+    "rays",
+    "reprojection",
+    "samples_none" if "samples is none",
+    "samples_read" if "samples is read",
+    "samples_written" if "samples is written",
+    "shade",
+    "shadows",
+    "sky",
+    "sphere",
+    "table",
+    "tile",
+    "tiles",
+    "triangle",
+    "types",
+    "verify",
+    "view",
+    "visibility",
+];
+
+/// For which of a choice's values a section is there.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Condition {
+    pub(crate) choice: &'static str,
+    pub(crate) values: Vec<&'static str>,
+}
+
+impl Condition {
+    /// Of `sky is gradient or map`.
+    fn of(text: &'static str) -> Option<Self> {
+        let (choice, values) = text.split_once(" is ")?;
+        Some(Self { choice: choice.trim(), values: values.split(" or ").map(str::trim).collect() })
+    }
+
+    fn holds(&self, choices: &[Choice]) -> bool {
+        choices.iter().any(|(choice, value)| *choice == self.choice && self.values.contains(value))
+    }
+}
+
+/// A top-level definition of a file.
+pub(crate) struct Definition {
+    pub(crate) name: &'static str,
+    pub(crate) file: &'static str,
+    /// Its first one, from 1.
+    pub(crate) line: usize,
+    pub(crate) when: Option<Condition>,
+    text: &'static str,
+    /// Words that may be names of other definitions.
+    uses: Vec<&'static str>,
+}
+
+/// The shared definitions, and which of them have a name.
+struct Library {
+    definitions: Vec<Definition>,
+    by_name: HashMap<&'static str, Vec<usize>>,
+}
+
+static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
+    let definitions: Vec<_> = SHARED.iter().flat_map(|(part, when)| definitions(*part, Condition::of(when))).collect();
+    let mut by_name = HashMap::<_, Vec<_>>::new();
+    for (index, definition) in definitions.iter().enumerate() {
+        by_name.entry(definition.name).or_default().push(index);
+    }
+    Library { definitions, by_name }
+});
+
+/// A kernel's text: what its file uses of the shared definitions, as chosen, and then the file. Above each stands a line with
+/// its file and line (`// shared/lane.wgsl:7`), so that whoever reads the text, a compiler's message about it too, finds
+/// the source.
+pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
+    let own = definitions(main, None);
+    let mut taken = vec![false; LIBRARY.definitions.len()];
+    let mut wanted: Vec<&str> = own.iter().flat_map(|definition| &definition.uses).copied().collect();
+    while let Some(name) = wanted.pop() {
+        if own.iter().any(|definition| definition.name == name) {
+            continue;
+        }
+        for &index in LIBRARY.by_name.get(name).into_iter().flatten() {
+            let Definition { when, uses, .. } = &LIBRARY.definitions[index];
+            if !taken[index] && when.as_ref().is_none_or(|condition| condition.holds(choices)) {
+                taken[index] = true;
+                wanted.extend(uses);
+            }
+        }
+    }
+    let mut text = String::new();
+    for (definition, _) in LIBRARY.definitions.iter().zip(taken).filter(|(_, taken)| *taken) {
+        text += &format!("// {}:{}\n{}\n", definition.file, definition.line, definition.text);
+    }
+    text + &format!("// {}:1\n{}", main.file, main.text)
+}
+
+/// The file and line below `shaders/` that a line of a kernel's text comes from, all counted from 1.
+#[cfg(test)]
+pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
+    let above = text.lines().take(line - 1).enumerate();
+    let marks = above.filter_map(|(index, above)| {
+        let (file, first) = above.strip_prefix("// ")?.rsplit_once(".wgsl:")?;
+        Some((file, first.parse::<usize>().ok()? + line - 2 - index))
+    });
+    marks.last().map(|(file, line)| format!("{file}.wgsl:{line}"))
+}
+
+/// All shared definitions.
+#[cfg(test)]
+pub(crate) fn shared() -> &'static [Definition] {
+    &LIBRARY.definitions
+}
+
+/// The top-level definitions of a file, all of which is there on a condition, or each section on its own.
+pub(crate) fn definitions(part: Part, whole: Option<Condition>) -> Vec<Definition> {
+    let mut found = Vec::new();
+    let mut when = whole.clone();
+    let mut words = Vec::new();
+    let mut begin = 0;
+    let mut depth = 0;
+    for (at, word) in words_of(part.text) {
+        if let Some(marker) = word.strip_prefix("//!") {
+            when = marker.trim().strip_prefix("if ").map_or(whole.clone(), Condition::of);
+        }
+        if word.starts_with("//") {
+            continue;
+        }
+        if words.is_empty() {
+            begin = at;
+        }
+        words.push(word);
+        match word {
+            "{" | "(" | "[" => depth += 1,
+            "}" | ")" | "]" => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 && matches!(word, ";" | "}") {
+            found.extend(name_of(&words).map(|name| Definition {
+                name,
+                file: part.file,
+                line: 1 + part.text[..begin].matches('\n').count(),
+                when: when.clone(),
+                text: &part.text[begin..at + 1],
+                uses: used_by(&words),
+            }));
+            words.clear();
+        }
+    }
+    found
+}
+
+/// The words, marks and comments (`//` only) of a WGSL text, each with where it begins.
+fn words_of(text: &'static str) -> impl Iterator<Item = (usize, &'static str)> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        at += text[at..].find(|c: char| !c.is_whitespace())?;
+        let rest = &text[at..];
+        let end = match rest {
+            _ if rest.starts_with("//") => rest.find('\n'),
+            _ if rest.starts_with(is_word) => rest.find(|c| !is_word(c)),
+            _ => rest.char_indices().nth(1).map(|(end, _)| end),
+        };
+        let word = &rest[..end.unwrap_or(rest.len())];
+        at += word.len();
+        Some((at - word.len(), word))
+    })
+}
+
+/// What a definition defines: the word before its type, value, parameters or members.
+fn name_of(words: &[&'static str]) -> Option<&'static str> {
+    let keywords = ["alias", "const", "fn", "override", "struct", "var"];
+    let keyword = words.iter().position(|word| keywords.contains(word))?;
+    let end = words[keyword..].iter().position(|word| matches!(*word, ":" | "=" | "(" | "{"))?;
+    Some(words[keyword + end - 1])
+}
+
+/// The names that a definition may have from outside: not members of something (after a dot), and not what it names itself:
+/// locals, parameters and its own members.
+fn used_by(words: &[&'static str]) -> Vec<&'static str> {
+    let mut in_case = false;
+    let mut own = Vec::new();
+    let mut used = Vec::new();
+    for (index, &word) in words.iter().enumerate() {
+        let before = if index > 0 { words[index - 1] } else { "" };
+        let after = words.get(index + 1).copied().unwrap_or_default();
+        in_case = word == "case" || (in_case && !matches!(word, ":" | "{"));
+        if !word.starts_with(|c: char| c.is_alphabetic() || c == '_') || before == "." {
+            continue;
+        }
+        match before {
+            "let" | "var" | "const" => own.push(word),
+            _ if after == ":" && !in_case => own.push(word),
+            _ => used.push(word),
+        }
+    }
+    used.sort_unstable();
+    used.dedup();
+    used.retain(|word| !own.contains(word));
+    used
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,68 @@
+//! What the words of a WGSL text are taken for.
+
+use super::*;
+
+fn part(text: &'static str) -> Part {
+    Part { file: "some.wgsl", text }
+}
+
+/// What the first definition of a text may use, less WGSL's own words.
+fn uses(text: &'static str) -> Vec<&'static str> {
+    let mut used = definitions(part(text), None).remove(0).uses;
+    used.retain(|word| !["case", "const", "fn", "let", "return", "struct", "switch", "u32", "var"].contains(word));
+    used
+}
+
+#[test]
+fn definitions_are_found_by_name_and_line() {
+    let text = "// fn none() {}\nstruct A { x: f32 }\n\nalias F = vec4<bool>;\n@group(0) @binding(1) var<storage, read> b: array<A>;\n\
+                const C: u32 = (1u + 2u); override D: bool = false;\n@compute @workgroup_size(8, 8)\nfn e(id: vec3u) -> u32 {\n    \
+                if true { return 1u; }\n}\nvar<private> g: F;";
+    let found: Vec<_> = definitions(part(text), None).into_iter().map(|found| (found.name, found.line)).collect();
+    assert_eq!(found, [("A", 2), ("F", 4), ("b", 5), ("C", 6), ("D", 6), ("e", 7), ("g", 11)]);
+}
+
+#[test]
+fn comments_members_numbers_and_a_definition_s_own_names_are_not_used() {
+    assert_eq!(uses("// shade()\nconst A: u32 = B; // sky()"), ["B"]);
+    assert_eq!(uses("fn f() { return hit.depth.x + 1e-3 * 0x1fu; }"), ["f", "hit"]);
+    assert_eq!(uses("struct S { sky: F, @align(16) lights: U }"), ["F", "S", "U", "align"]);
+    let text = "fn f(tile: Tile) { let block = tile; var<function> a: A; var b = block; const C = b; }";
+    assert_eq!(uses(text), ["A", "Tile", "f", "function"]);
+    assert_eq!(uses("fn f() { switch x { case A, B: {} default: {} } }"), ["A", "B", "f", "x"]);
+}
+
+#[test]
+fn sections_end_at_the_next_one_at_an_end_and_with_the_file() {
+    let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n//! end\nconst D = 1;";
+    let found = definitions(part(text), None);
+    let when = |name| found.iter().find(|found| found.name == name).unwrap().when.clone();
+    assert_eq!((when("A"), when("D")), (None, None));
+    assert_eq!(when("B"), Some(Condition { choice: "sky", values: vec!["map"] }));
+    assert_eq!(when("C"), Some(Condition { choice: "sky", values: vec!["constant", "gradient"] }));
+    assert!(when("C").unwrap().holds(&[("lights", "none"), ("sky", "gradient")]));
+    assert!(!when("C").unwrap().holds(&[("lights", "gradient"), ("sky", "map")]));
+}
+
+#[test]
+fn every_line_of_a_text_is_told_by_file_and_line() {
+    let main = Part { file: "main.wgsl", text: "// A head.\n\nfn main() { let x = pixel_index(vec2u(0u)); }\n" };
+    let text = text(main, &[]);
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with("// ")) {
+        let origin = origin(&text, index + 1).unwrap();
+        let (file, number) = origin.split_once(':').unwrap();
+        let source = SHARED.iter().map(|(part, _)| *part).chain([main]).find(|part| part.file == file).unwrap();
+        assert_eq!(source.text.lines().nth(number.parse::<usize>().unwrap() - 1), Some(line), "{origin}");
+    }
+    assert!(text.contains("fn pixel_index") && !text.contains("struct Frame"));
+}
+
+/// One that is misspelt would be a comment.
+#[test]
+fn markers_stand_in_shared_files_and_are_whole() {
+    for (line, file) in SHARED.iter().flat_map(|(part, _)| part.text.lines().map(|line| (line, part.file))) {
+        let marker = line.split_once("//!").map(|(_, marker)| marker.trim());
+        let condition = |marker: &'static str| Condition::of(marker.strip_prefix("if ")?);
+        assert!(marker.is_none_or(|marker| marker == "end" || condition(marker).is_some()), "{file}: {line}");
+    }
+}
