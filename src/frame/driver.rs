@@ -150,7 +150,7 @@ impl Driver<'_> {
         match step {
             Step::EmptyLists => {
                 let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists, 0), 0, Some(empty.size()));
+                encoder.copy_buffer_to_buffer(empty, 0, targets.lists(), 0, Some(empty.size()));
             }
             Step::EmptySlots => {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
@@ -160,7 +160,7 @@ impl Driver<'_> {
             Step::Run { name, kernel, view, launch } => {
                 if let Launch::Listed(list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let (lists, indirect) = (targets.get(Target::Lists, 0), &targets.indirect);
+                    let (lists, indirect) = (targets.lists(), &targets.indirect);
                     encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
                 self.dispatch(encoder, name, kernel, view, launch);

@@ -179,8 +179,8 @@ impl Plan {
                     used.places.insert((Target::View, view));
                     used.places.extend(with.linear.then_some((Target::Linear, view)));
                 }
-                Step::EmptyLists => drop(used.places.insert((Target::Lists, 0))),
-                Step::EmptySlots => {}
+                // Of kernels that run.
+                Step::EmptyLists | Step::EmptySlots => {}
             }
         }
         used.places.remove(&(Target::Slots, 0)); // made when its depth is known

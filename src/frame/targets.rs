@@ -26,9 +26,9 @@ pub(crate) enum Target {
     Bounds,
     /// Counters of each row of it, and behind them a map of costs.
     Counters,
-    /// Lists of pixels and tiles of a band, with indirect heads.
+    /// Lists of a band's pixels, with indirect heads.
     Lists,
-    /// What `search_tiles` finds in a band.
+    /// The same with lists of its tiles, and behind them what `search_tiles` finds there.
     Found,
     /// The 3D buffer of a band.
     Slots,
@@ -68,15 +68,17 @@ impl Shape {
     fn bytes(&self, target: Target) -> u64 {
         let [width, height] = self.size.map(u64::from);
         let pixels = width * height;
-        let band = width * u64::from(self.rows);
         let tiles = |rows: u64| width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
         match target {
             Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
             Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
             Target::Bounds => tiles(height) * 4,
             Target::Counters => 4 * (height * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 }),
-            Target::Lists => layout::LISTS_HEADS + layout::LISTS as u64 * band * 4,
-            Target::Found => 4 * tiles(self.rows.into()) * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS),
+            Target::Lists => layout::LISTS_HEADS + 4 * tiles(self.rows.into()) * u64::from(layout::TILE_PIXELS),
+            Target::Found => {
+                let words = layout::TILE_PIXELS + 1 + layout::TILE_WORDS;
+                layout::LISTS_HEADS + 4 * tiles(self.rows.into()) * u64::from(words)
+            }
             // Made when its depth is known.
             Target::Slots => 0,
         }
@@ -190,6 +192,11 @@ impl Targets {
     /// The same, if the frame has it.
     pub(crate) fn find(&self, place: Place) -> Option<&wgpu::Buffer> {
         self.buffers.get(&place)
+    }
+
+    /// The buffer of the lists that a plan's steps fill.
+    pub(crate) fn lists(&self) -> &wgpu::Buffer {
+        self.find((Target::Found, 0)).unwrap_or_else(|| self.get(Target::Lists, 0))
     }
 
     /// Bytes between the steps of a plan that uses these, without what is rendered.

@@ -1,10 +1,10 @@
 //! Passes 2 and 3 of `bracket`: how deep each tile is searched, its search, and what that leaves (docs/BRACKET.md).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, step};
+use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, TILES, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
-        targets::Target::{Bounds, Counters, Found, Lists, Source, View},
+        targets::Target::{Bounds, Counters, Found, Source, View},
     },
     kernels::{
         Access::{Read, Write},
@@ -19,8 +19,8 @@ const LIGHT_TAKEN_OR_TRACED: Part = part!("shared/light_taken_or_traced.wgsl");
 const TAKEN_BITS: Part = part!("shared/taken_bits.wgsl");
 const LISTED_TILE: Part = part!("shared/listed_tile.wgsl");
 const TARGET_HITS: Part = part!("shared/target_hits.wgsl");
-pub(crate) const TILES: Part = part!("shared/tiles.wgsl");
 const TILE: Part = part!("shared/tile.wgsl");
+pub(crate) const FOUND: Part = part!("shared/found.wgsl");
 
 pub(crate) const BOUND_TILES: Kernel = Kernel {
     name: "bound_tiles",
@@ -32,36 +32,36 @@ pub(crate) const BOUND_TILES: Kernel = Kernel {
 pub(crate) const SEARCH_TILES: Kernel = Kernel {
     name: "search_tiles",
     touches: Touches::Geometry,
-    storage: &[(Bounds, Read), (Found, Write), (Counters, Write), (Lists, Write)],
-    extra: &[COUNT, TILES, TILE, LISTS, APPEND],
+    storage: &[(Bounds, Read), (Counters, Write), (Found, Write)],
+    extra: &[COUNT, TILES, TILE, LISTS, FOUND, APPEND],
     main: part!("search_tiles.wgsl"),
 };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
     name: "resolve_tiles",
     touches: Touches::Shading,
-    storage: &[(Found, Read), (View, Write), (Counters, Write), (Lists, Write)],
-    extra: &[COUNT, TILES, MARKS, LISTS, APPEND, LISTED_PIXELS, LISTED_TILE, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
+    storage: &[(View, Write), (Counters, Write), (Found, Write)],
+    extra: &[COUNT, TILES, MARKS, LISTS, FOUND, APPEND, LISTED_PIXELS, LISTED_TILE, PARALLAX, TAKEN_BITS, LIGHT_TAKEN],
     main: part!("resolve_tiles.wgsl"),
 };
 pub(crate) const SHADE_SKY: Kernel = Kernel {
     name: "shade_sky",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
     extra: &[COUNT, TILES, LISTS, LISTED_PIXELS, LISTED_TILE, LIGHT_TRACED],
     main: part!("shade_sky.wgsl"),
 };
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
     name: "trace_bounded",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    extra: &[COUNT, MARKS, LISTS, LISTED_PIXELS, PARALLAX, TARGET_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
+    extra: &[COUNT, MARKS, TILES, LISTS, LISTED_PIXELS, PARALLAX, TARGET_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
     main: part!("trace_bounded.wgsl"),
 };
 pub(crate) const SHADE_LISTED: Kernel = Kernel {
     name: "shade_listed",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    extra: &[COUNT, LISTS, LISTED_PIXELS, PARALLAX, TARGET_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
+    extra: &[COUNT, TILES, LISTS, LISTED_PIXELS, PARALLAX, TARGET_HITS, TAKEN_BITS, LIGHT_TAKEN_OR_TRACED],
     main: part!("shade_listed.wgsl"),
 };
 

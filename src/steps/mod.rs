@@ -22,6 +22,7 @@ const LISTED_PIXELS: Part = part!("shared/listed_pixels.wgsl");
 const PARALLAX: Part = part!("shared/parallax.wgsl");
 const SWEEP: Part = part!("shared/sweep.wgsl");
 pub(crate) const MARKS: Part = part!("shared/marks.wgsl");
+pub(crate) const TILES: Part = part!("shared/tiles.wgsl");
 pub(crate) const LISTS: Part = part!("shared/lists.wgsl");
 
 /// A step of a view, named like its kernel.

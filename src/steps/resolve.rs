@@ -1,6 +1,6 @@
 //! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
 
-use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, edges, step};
+use super::{APPEND, COUNT, LIGHT_TRACED, LISTED_PIXELS, LISTS, MARKS, PARALLAX, SWEEP, TILES, edges, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -19,20 +19,20 @@ pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     name: "resolve_right",
     touches: Touches::Geometry,
     storage: &[(Source, Read), (View, Write), (Counters, Write), (Lists, Write)],
-    extra: &[part!("shared/verify_all.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
+    extra: &[part!("shared/verify_all.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, TILES, LISTS, APPEND],
     main: part!("resolve_right.wgsl"),
 };
 /// The same without checks: gaps are no candidates any more, and edges have been marked.
 pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel {
     name: "resolve_trusted",
-    extra: &[part!("shared/verify_none.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, LISTS, APPEND],
+    extra: &[part!("shared/verify_none.wgsl"), COUNT, MARKS, PARALLAX, SWEEP, TILES, LISTS, APPEND],
     ..RESOLVE_RIGHT
 };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
     touches: Touches::Shading,
     storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    extra: &[COUNT, LISTS, LISTED_PIXELS, LIGHT_TRACED],
+    extra: &[COUNT, TILES, LISTS, LISTED_PIXELS, LIGHT_TRACED],
     main: part!("trace_listed.wgsl"),
 };
 
