@@ -4,16 +4,15 @@
 // who have no bound, and pixels that need a shadow ray.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
-// reads   found        [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
+// reads   lists        [tiles of the rows at work, TILE_WORDS] behind the lists
 // writes  view         [height * width]      of an unfinished pixel the depth up to which nothing is
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_TRACE, TO_LIGHT; reads TO_RESOLVE
 
 @group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> found: array<u32>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(4) var<storage, read_write> lists: Lists;
+@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> lists: Lists;
 
 // What is not finished is traced from a little before the bound: rounding.
 const BEFORE: f32 = 0.9999;
@@ -25,10 +24,14 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     let inside = block.wanted;
     if !any_ray(inside) { return; }
     let first = pixel_of_ray(pixels, 0u);
-    let list = tile_lists(first) + block_of(first) * LIST_WORDS;
-    let bound = bitcast<f32>(found[list + 1u]);
+    let tile = found_in_tile(first);
+    let list = block_list(tile, block_of(first));
+    let listed = lists.entries[list];
+    // What did not fit its list is traced: without a bound.
+    let fits = listed <= LIST_MOST;
+    let bound = select(0.0, bitcast<f32>(lists.entries[tile]), fits);
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
-    var nearest = nearest_listed(rays, list, pixels);
+    var nearest = nearest_listed(rays, list + 1u, select(0u, listed, fits), pixels);
     let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
     nearest.primitive = select(U(MISS), nearest.primitive, finished);
 
@@ -70,10 +73,9 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(first.y, 0u, nodes_visited, primitives_tested);
 }
 
-// The nearest hits among listed primitives.
-fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
+// The nearest hits among so many listed primitives.
+fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
     let scales = scales_of(rays);
-    let count = found[list];
     let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
     var nearest = Hits(F(FAR), U(MISS), U(0u));
     var put_off = PutOff();
@@ -81,7 +83,7 @@ fn nearest_listed(rays: Rays, list: u32, pixels: Pixels) -> Hits {
     loop {
         loop {
             if place >= count { break; }
-            let entry = found[list + LIST_HEADER + place];
+            let entry = lists.entries[first + place];
             var waiting = false;
             // A block's four rays want nearly all of its list.
             if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {

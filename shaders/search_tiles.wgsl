@@ -4,15 +4,14 @@
 //
 // launch  one thread per tile
 // reads   bounds    [tiles]             bits of a depth
-// writes  found     [tiles of the rows at work, TILE_BLOCKS, LIST_WORDS]
 // adds    counters  [height * COUNTERS]
+// writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> bounds: array<u32>;
-@group(1) @binding(2) var<storage, read_write> found: array<u32>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(4) var<storage, read_write> lists: Lists;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> lists: Lists;
 
 // Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;
@@ -22,6 +21,8 @@ const DEEPER: f32 = 1.0001;
 const LEAVES: u32 = 32u;
 // Links to open stand from 0 on, leaves from here down.
 const FIRST_LEAF: u32 = STACK_SIZE + LEAVES - 1u;
+// Primitives that are kept, to be listed in their blocks together.
+const KEPT: u32 = 64u;
 
 // A tile that asks for more boxes and primitives than this is given up and traced, which is cheaper then: so many triangles stand
 // in it that lists overflow anyhow. It also keeps a thread's rounds far below those that a software adapter ends loops after.
@@ -32,6 +33,17 @@ var<private> steps: u32;
 // Primitives listed so far.
 var<private> listed: array<u32, TILE_BLOCKS>;
 
+// A primitive that may cover a pixel's centre in a tile.
+struct Covering {
+    slot: u32,
+    blocks: u32,   // a bit for each; from FIRST_SIDE_BIT on the first column and row and the last ones, 3 bits each
+}
+
+const FIRST_SIDE_BIT: u32 = 16u;
+
+var<private> covering: array<Covering, KEPT + 1u>;
+var<private> kept: u32;
+
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
@@ -39,19 +51,16 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let size = min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
     let tile = Tile(corner + vec2u(0u, frame.first_row), size);
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
-    let lists = tile_lists(corner);
-    search(tile, lists, min(bound * DEEPER, FAR));
+    let found = found_in_tile(corner);
+    search(tile, found, min(bound * DEEPER, FAR));
     var anything = bound < FAR;
-    var block = 0u;
     let given_up = steps > MOST_STEPS;
     anything |= given_up;
+    lists.entries[found] = bitcast<u32>(bound);
+    var block = 0u;
     loop {
-        // What does not fit its list is traced: without a bound.
-        let list = lists + block * LIST_WORDS;
-        let fits = listed[block] <= LIST_MOST && !given_up;
         anything |= listed[block] > 0u;
-        found[list] = select(0u, listed[block], fits);
-        found[list + 1u] = select(0u, bitcast<u32>(bound), fits);
+        lists.entries[block_list(found, block)] = select(listed[block], LIST_MOST + 1u, given_up);
         block += 1u;
         if block >= TILE_BLOCKS { break; }
     }
@@ -62,7 +71,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(corner.y, 0u, nodes_visited, primitives_tested);
 }
 
-fn search(tile: Tile, lists: u32, limit: f32) {
+fn search(tile: Tile, found: u32, limit: f32) {
     let projection = projection_of(tile);
     let offsets = offsets_from(frame.target_eye);
     var links: array<u32, STACK_SIZE + LEAVES>;
@@ -98,47 +107,66 @@ fn search(tile: Tile, lists: u32, limit: f32) {
         var slot = first_leaf & FIRST_SLOT;
         var last = slot + ((first_leaf >> 28u) & 7u);
         loop {
-            if leaf >= gathered { break; }
-            list_primitive(slot, tile, lists, projection);
-            steps += 1u;
-            slot += 1u;
-            if slot > last {
-                leaf += 1u;
-                let next = links[FIRST_LEAF - min(leaf, LEAVES - 1u)];
-                slot = next & FIRST_SLOT;
-                last = slot + ((next >> 28u) & 7u);
+            loop {
+                if leaf >= gathered || kept >= KEPT { break; }
+                keep_primitive(slot, tile, projection);
+                steps += 1u;
+                slot += 1u;
+                if slot > last {
+                    leaf += 1u;
+                    let next = links[FIRST_LEAF - min(leaf, LEAVES - 1u)];
+                    slot = next & FIRST_SLOT;
+                    last = slot + ((next >> 28u) & 7u);
+                }
             }
+            if kept < KEPT { break; }
+            list_kept(found);
         }
         if link == DONE || steps > MOST_STEPS { break; }
     }
+    list_kept(found);
 }
 
-fn list_primitive(slot: u32, tile: Tile, lists: u32, projection: Projection) {
+// Keeps a primitive that may cover a pixel's centre.
+fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     if COUNT { primitives_tested += 1u; }
     let primitive = primitive_at(slot);
     let covered = covered_pixels(primitive, projection, tile);
-    let edges = edges_of(primitive);
-    let first = covered.xy / 2;
-    let last = covered.zw / 2;
-    var x = first.x;
-    var y = first.y;
+    let blocks = covered_blocks(covered) & blocks_within_edges(primitive, tile);
+    let sides = vec4u(covered) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
+    // Written whether kept or not: what stands past the end does not count.
+    covering[kept] = Covering(slot, blocks | (sides.x | sides.y) | (sides.z | sides.w));
+    kept += select(0u, 1u, blocks != 0u);
+}
+
+// Lists what was kept, one block of one primitive a round: the threads of a subgroup, whose primitives cover few blocks or many, then
+// wait for each other least.
+fn list_kept(found: u32) {
+    var index = 0u;
+    var next = covering[0];
+    var left = select(0u, next.blocks & ALL_BLOCKS, kept > 0u);
     loop {
-        if covered.y > covered.w || y > last.y { break; }
-        if may_cover(edges, vec2f(tile.corner) + 2.0 * vec2f(vec2i(x, y)) + 1.0) {
-            let block = u32(y) * BLOCKS + u32(x);
-            let place = listed[block];
-            listed[block] = place + 1u;
-            let entry = slot | (pixels_of_block(covered, 2 * x, 2 * y) << FIRST_PIXEL_BIT);
-            if place < LIST_MOST { found[lists + block * LIST_WORDS + LIST_HEADER + place] = entry; }
+        if left == 0u { break; }
+        let block = firstTrailingBit(left);
+        left &= left - 1u;
+        let place = listed[block];
+        listed[block] = place + 1u;
+        let entry = next.slot | (pixels_of_block(next.blocks >> FIRST_SIDE_BIT, block) << FIRST_PIXEL_BIT);
+        if place < LIST_MOST { lists.entries[block_list(found, block) + 1u + place] = entry; }
+        if left == 0u {
+            index += 1u;
+            next = covering[min(index, KEPT - 1u)];
+            left = select(0u, next.blocks & ALL_BLOCKS, index < kept);
         }
-        x += 1;
-        if x > last.x { x = first.x; y += 1; }
     }
+    kept = 0u;
 }
 
 // Which of a block's pixels are covered, a bit each, row by row.
-fn pixels_of_block(covered: vec4i, x: i32, y: i32) -> u32 {
-    let columns = select(0u, 1u, covered.x <= x) | select(0u, 2u, covered.z > x);
-    let rows = select(0u, 3u, covered.y <= y) | select(0u, 12u, covered.w > y);
+fn pixels_of_block(sides: u32, block: u32) -> u32 {
+    let x = block % BLOCKS * 2u;
+    let y = block / BLOCKS * 2u;
+    let columns = select(0u, 1u, (sides & 7u) <= x) | select(0u, 2u, ((sides >> 6u) & 7u) > x);
+    let rows = select(0u, 3u, ((sides >> 3u) & 7u) <= y) | select(0u, 12u, (sides >> 9u) > y);
     return (columns * 5u) & rows;
 }

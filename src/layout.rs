@@ -65,17 +65,17 @@ pub(crate) const TO_SEARCH: u32 = 4;
 pub(crate) const ALL_TRACED: u32 = 5;
 /// Bytes of `Lists` before its entries.
 pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
-/// Blocks of a tile, and words of each one's list of primitives (`shaders/shared/tiles.wgsl`).
-pub(crate) const TILE_BLOCKS: u32 = 16;
-pub(crate) const LIST_WORDS: u32 = 64;
 
 /// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
 /// Threads of a workgroup of a launch over a list (`shaders/shared/types.wgsl`).
 pub(crate) const LIST_WORKGROUP: u32 = 64;
 
-/// Pixels of a tile's side (`shaders/shared/tiles.wgsl`).
+/// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
+pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
+/// Words of what is found in a tile (`shaders/shared/found.wgsl`).
+pub(crate) const TILE_WORDS: u32 = 641;
 
 /// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
 pub(crate) const COUNTERS: usize = 11;

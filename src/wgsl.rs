@@ -61,6 +61,7 @@ pub(crate) const SHARED: &[(Part, &str)] = shared![
     "double_float",
     "fetch_buffer" if "fetch is buffer",
     "fetch_texture" if "fetch is texture",
+    "found",
     "in_steps",
     "lane",
     "lights",

@@ -4,13 +4,7 @@ fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return triangle_bounds(primitive, projection);
 }
 
-fn edges_of(primitive: Primitive) -> Edges {
-    var edges = triangle_edges(primitive);
-    // A sphere has none: its bounds are all there is.
-    edges.reach = select(edges.reach, vec3f(FAR), is_sphere(primitive));
-    return edges;
-}
-
-fn may_cover(edges: Edges, middle: vec2f) -> bool {
-    return within_edges(edges, middle);
+// A sphere has no edges: its bounds are all there is.
+fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
+    return select(triangle_blocks(primitive, tile), ALL_BLOCKS, is_sphere(primitive));
 }

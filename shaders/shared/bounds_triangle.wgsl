@@ -11,36 +11,43 @@ fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, near > 0.0);
 }
 
-// The planes through the eye and a triangle's edges, as intersect_triangle has them, and how much their values change from the middle
-// of a block to its farthest pixel centre.
-struct Edges {
-    a: vec3f,
-    b: vec3f,
-    c: vec3f,
-    reach: vec3f,
-}
-
-fn triangle_edges(primitive: Primitive) -> Edges {
+// The blocks of a tile, a bit each, of which some ray may lie on the inner sides of the planes through the eye and a triangle's edges,
+// which are those of intersect_triangle; which sides these are, the triangle's winding says.
+fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
     let c = primitive.c - frame.target_eye;
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
-    // Whatever intersect_triangle may call doubtful may be hit.
-    let rounding = frame.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
-    return Edges(normal_a, normal_b, normal_c, vec3f(reach(normal_a), reach(normal_b), reach(normal_c)) + rounding);
+    // A plane's value is linear in column and row: from the middle of the first block on so much a pixel.
+    let middle = vec2f(tile.corner) + 1.0;
+    let first = frame.target_corner + frame.step_x * middle.x + frame.step_y * middle.y;
+    let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
+    let across = vec3f(dot(normal_a, frame.step_x), dot(normal_b, frame.step_x), dot(normal_c, frame.step_x));
+    let down = vec3f(dot(normal_a, frame.step_y), dot(normal_b, frame.step_y), dot(normal_c, frame.step_y));
+    // How much it changes from a block's middle to its farthest pixel centre; and whatever intersect_triangle may call doubtful may be hit.
+    let doubtful = frame.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
+    let rounding = vec3f(components(normal_a), components(normal_b), components(normal_c)) * (1.0 / 1048576.0) + doubtful;
+    let reach = (0.5 + frame.wider) * (abs(across) + abs(down)) + rounding;
+    return blocks_of_row(values, across, reach)
+        | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
+        | (blocks_of_row(values + 4.0 * down, across, reach) << 8u)
+        | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
 }
 
-fn reach(normal: vec3f) -> f32 {
-    let rounding = (abs(normal.x) + abs(normal.y) + abs(normal.z)) * (1.0 / 1048576.0);
-    return (0.5 + frame.wider) * (abs(dot(normal, frame.step_x)) + abs(dot(normal, frame.step_y))) + rounding;
+fn components(v: vec3f) -> f32 {
+    return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-// Whether a ray of a block, its middle in pixels, may lie on the inner sides of all edges; which these are, the triangle's winding
-// says.
-fn within_edges(edges: Edges, middle: vec2f) -> bool {
-    let direction = frame.target_corner + frame.step_x * middle.x + frame.step_y * middle.y;
-    let there = vec3f(dot(edges.a, direction), dot(edges.b, direction), dot(edges.c, direction));
-    return all(there >= -edges.reach) | all(there <= edges.reach);
+// The same of a row of blocks, all four at once.
+fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
+    let columns = vec4f(0.0, 2.0, 4.0, 6.0);
+    let a = values.x + across.x * columns;
+    let b = values.y + across.y * columns;
+    let c = values.z + across.z * columns;
+    let one_way = (a >= vec4f(-reach.x)) & (b >= vec4f(-reach.y)) & (c >= vec4f(-reach.z));
+    let other_way = (a <= vec4f(reach.x)) & (b <= vec4f(reach.y)) & (c <= vec4f(reach.z));
+    let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), one_way | other_way);
+    return (bits.x | bits.y) | (bits.z | bits.w);
 }

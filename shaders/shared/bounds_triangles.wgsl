@@ -3,10 +3,6 @@ fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return triangle_bounds(primitive, projection);
 }
 
-fn edges_of(primitive: Primitive) -> Edges {
-    return triangle_edges(primitive);
-}
-
-fn may_cover(edges: Edges, middle: vec2f) -> bool {
-    return within_edges(edges, middle);
+fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
+    return triangle_blocks(primitive, tile);
 }

@@ -17,9 +17,19 @@ struct ListHead {
 
 struct Lists {
     heads: array<ListHead, 6>,
-    entries: array<u32>,        // a quarter for each list
+    entries: array<u32>,
 }
 
+// A pixel is in one list at most, and so is a tile: the two lists of either share as many entries as there are, one from the first
+// on, the other from the last one backwards.
 fn place_in(list: u32, place: u32) -> u32 {
-    return list * (arrayLength(&lists.entries) / 4u) + place;
+    let pixels = tiles_at_work() * TILE_PIXELS;
+    let begin = select(0u, pixels, list >= TO_RESOLVE);
+    let end = select(pixels, lists_end(), list >= TO_RESOLVE);
+    return select(begin + place, end - 1u - place, (list & 1u) == 1u);
+}
+
+// Entries of all four.
+fn lists_end() -> u32 {
+    return tiles_at_work() * (TILE_PIXELS + 1u);
 }

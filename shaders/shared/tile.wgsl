@@ -65,4 +65,14 @@ fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> v
     return vec4i(i32(first.x), select(i32(first.y), i32(TILE), none), i32(last.x), select(i32(last.y), -1, none));
 }
 
+// The blocks of 2x2 pixels in which these are, a bit each, row by row.
+fn covered_blocks(covered: vec4i) -> u32 {
+    let first = vec2u(covered.xy) / 2u;
+    let last = vec2u(covered.zw) / 2u;
+    let columns = (2u << last.x) - (1u << first.x);
+    let rows = (16u << (4u * last.y)) - (1u << (4u * first.y));
+    return select(0u, (columns * 0x1111u) & rows, covered.y <= covered.w);
+}
+
+const ALL_BLOCKS: u32 = 0xffffu;
 const EVERYWHERE: vec4f = vec4f(-1e9, -1e9, 1e9, 1e9);

@@ -159,9 +159,9 @@ impl Driver<'_> {
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {
         let targets = self.targets;
         match step {
-            Step::EmptyLists => {
+            Step::EmptyLists(lists) => {
                 let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Target::Lists, 0), 0, Some(empty.size()));
+                encoder.copy_buffer_to_buffer(empty, 0, targets.get(lists, 0), 0, Some(empty.size()));
             }
             Step::EmptySlots => {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
@@ -169,9 +169,9 @@ impl Driver<'_> {
             }
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch } => {
-                if let Launch::Listed(list) = launch {
+                if let Launch::Listed(from, list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let (lists, indirect) = (targets.get(Target::Lists, 0), &targets.indirect);
+                    let (lists, indirect) = (targets.get(from, 0), &targets.indirect);
                     encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
                 self.dispatch(encoder, name, kernel, view, launch);
@@ -226,7 +226,7 @@ impl Driver<'_> {
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
             Launch::Once => [1, 1, 1],
-            Launch::Listed(_) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
+            Launch::Listed(..) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
         };
         pass.dispatch_workgroups(x, y, z);
     }

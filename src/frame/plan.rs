@@ -65,8 +65,8 @@ pub(crate) enum Step {
     },
     /// A view becomes its source's.
     Copy(usize),
-    /// The band's lists are emptied.
-    EmptyLists,
+    /// The lists of a buffer are emptied: `Lists` or `Found`.
+    EmptyLists(Target),
     /// The 3D buffer is.
     EmptySlots,
 }
@@ -82,8 +82,8 @@ pub(crate) enum Launch {
     Tiles,
     /// One a row of the band.
     Rows,
-    /// As the head of a list says, which an earlier step filled.
-    Listed(u32),
+    /// As the head of a list of a buffer says, which an earlier step filled.
+    Listed(Target, u32),
     /// One workgroup.
     Once,
 }
@@ -181,8 +181,8 @@ impl Plan {
                     used.places.insert((Target::View, view));
                     used.places.extend(with.linear.then_some((Target::Linear, view)));
                 }
-                Step::EmptyLists => drop(used.places.insert((Target::Lists, 0))),
-                Step::EmptySlots => {}
+                // Of kernels that run.
+                Step::EmptyLists(_) | Step::EmptySlots => {}
             }
         }
         used.places.remove(&(Target::Slots, 0)); // made when its depth is known

@@ -29,9 +29,9 @@ pub(crate) enum Target {
     Counters,
     /// Those of its source.
     SourceCounters,
-    /// Lists of pixels and tiles, with indirect heads.
+    /// Lists of pixels, with indirect heads.
     Lists,
-    /// What `search_tiles` finds.
+    /// The same with lists of tiles, and behind them what `search_tiles` finds there.
     Found,
     /// The 3D buffer.
     Slots,
@@ -87,8 +87,8 @@ impl Shape {
             Target::Counters | Target::SourceCounters => {
                 4 * (rows * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 })
             }
-            Target::Lists => layout::LISTS_HEADS + layout::LISTS as u64 * pixels * 4,
-            Target::Found => 4 * tiles * u64::from(layout::TILE_BLOCKS * layout::LIST_WORDS),
+            Target::Lists => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS),
+            Target::Found => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + 1 + layout::TILE_WORDS),
             // Made when its depth is known.
             Target::Slots => 0,
             Target::Unfinished => 4,

@@ -237,6 +237,30 @@ fn every_specialised_kernel_makes_a_pipeline() {
     pollster::block_on(gpu.checked(make)).unwrap();
 }
 
+/// Beside the scene's nodes and primitives, which count once: six storage buffers and three storage textures in all.
+#[test]
+fn no_layout_has_more_than_five_storage_buffers_or_two_storage_textures_beside_the_scene_s() {
+    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let kernels = Kernels::new(&gpu);
+    for kernel in ALL {
+        for with in variants_of(kernel) {
+            let with = with.of_kernel(kernel);
+            let own = kernels.program(kernel, &with).own;
+            let count = |is: fn(&wgpu::BindingType) -> bool| own.iter().filter(|entry| is(&entry.ty)).count();
+            let textures = count(|ty| matches!(ty, wgpu::BindingType::StorageTexture { .. }));
+            let uniforms =
+                count(|ty| matches!(ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. }));
+            let buffers = own.len() - textures - uniforms;
+            let table = usize::from(kernel.touches.table());
+            let (buffers, textures) = match with.traversal.fetch {
+                Fetch::Buffer => (buffers + table, textures),
+                Fetch::Texture => (buffers, textures + table),
+            };
+            assert!(buffers <= 5 && textures <= 2, "{} {with:?}: {buffers} buffers, {textures} textures", kernel.name);
+        }
+    }
+}
+
 #[test]
 fn bindings_of_group_1_are_as_the_table_says() {
     for kernel in ALL {
@@ -396,12 +420,17 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("TO_RESOLVE", layout::TO_RESOLVE),
         ("SKY", layout::SKY),
         ("TILE", layout::TILE),
-        ("TILE_BLOCKS", layout::TILE_BLOCKS),
-        ("LIST_WORDS", layout::LIST_WORDS),
+        ("TILE_PIXELS", layout::TILE_PIXELS),
+        ("TILE_WORDS", layout::TILE_WORDS),
     ] {
         let decimal = format!("const {name}: u32 = {value}u;");
         let hex = format!("const {name}: u32 = {value:#010x}u;");
         assert!(types.contains(&decimal) || types.contains(&hex), "{name}");
+    }
+    for (name, words) in
+        [("LIST_WORDS", (layout::TILE_WORDS - 1) / 16), ("LIST_MOST", (layout::TILE_WORDS - 1) / 16 - 1)]
+    {
+        assert!(types.contains(&format!("const {name}: u32 = {words}u;")), "{name}");
     }
     assert!(types.contains("const FAR: f32 = 3.4e38;") && crate::FAR == 3.4e38);
     assert!(types.contains("const MISS: u32 = 0xffffffffu;") && crate::MISS == u32::MAX);

@@ -4,7 +4,7 @@ use super::{step, trace};
 use crate::{
     frame::{
         plan::{Launch, Step},
-        targets::Target::{Bounds, Counters, Found, Lists, Source, SourceCounters, View},
+        targets::Target::{Bounds, Counters, Found, Source, SourceCounters, View},
     },
     kernels::{
         Access::{Read, Write},
@@ -23,38 +23,38 @@ pub(crate) const BOUND_TILES: Kernel = Kernel {
 pub(crate) const SEARCH_TILES: Kernel = Kernel {
     name: "search_tiles",
     touches: Touches::Geometry,
-    storage: &[(Bounds, Read), (Found, Write), (Counters, Write), (Lists, Write)],
+    storage: &[(Bounds, Read), (Counters, Write), (Found, Write)],
     main: part!("search_tiles.wgsl"),
 };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
     name: "resolve_tiles",
     touches: Touches::Shading,
-    storage: &[(Found, Read), (View, Write), (Counters, Write), (Lists, Write)],
+    storage: &[(View, Write), (Counters, Write), (Found, Write)],
     main: part!("resolve_tiles.wgsl"),
 };
 pub(crate) const SHADE_SKY: Kernel = Kernel {
     name: "shade_sky",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("shade_sky.wgsl"),
 };
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
     name: "trace_bounded",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("trace_bounded.wgsl"),
 };
 pub(crate) const SHADE_LISTED: Kernel = Kernel {
     name: "shade_listed",
     touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("shade_listed.wgsl"),
 };
 
 pub(crate) const CHOOSE: Kernel = Kernel {
     name: "choose",
     touches: Touches::Pixels,
-    storage: &[(SourceCounters, Read), (Counters, Write), (Lists, Write)],
+    storage: &[(SourceCounters, Read), (Counters, Write), (Found, Write)],
     main: part!("choose.wgsl"),
 };
 
@@ -65,22 +65,22 @@ pub(crate) fn bound(view: usize) -> Vec<Step> {
 
 /// Primary visibility by tiles, the rest by rays; then shading, shadow rays where bits don't agree.
 pub(crate) fn resolve(view: usize) -> Vec<Step> {
-    [vec![Step::EmptyLists, step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view)].concat()
+    [vec![Step::EmptyLists(Found), step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view)].concat()
 }
 
 fn resolve_listed(view: usize) -> Vec<Step> {
     vec![
-        step(&RESOLVE_TILES, view, Launch::Listed(TO_RESOLVE)),
-        step(&SHADE_SKY, view, Launch::Listed(SKY)),
-        step(&TRACE_BOUNDED, view, Launch::Listed(TO_TRACE)),
-        step(&SHADE_LISTED, view, Launch::Listed(TO_LIGHT)),
+        step(&RESOLVE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
+        step(&SHADE_SKY, view, Launch::Listed(Found, SKY)),
+        step(&TRACE_BOUNDED, view, Launch::Listed(Found, TO_TRACE)),
+        step(&SHADE_LISTED, view, Launch::Listed(Found, TO_LIGHT)),
     ]
 }
 
 /// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
 /// nothing listed.)
 pub(crate) fn or_traced(view: usize) -> Vec<Step> {
-    let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
-    let search = vec![step(&SEARCH_TILES, view, Launch::Listed(TO_SEARCH))];
+    let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
+    let search = vec![step(&SEARCH_TILES, view, Launch::Listed(Found, TO_SEARCH))];
     [bound(view), choose, search, resolve_listed(view), trace::chosen(view)].concat()
 }

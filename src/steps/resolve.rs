@@ -45,9 +45,9 @@ pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
         Check::Edges | Check::None => step(&RESOLVE_TRUSTED, view, Launch::Pixels),
     };
     steps.extend([
-        Step::EmptyLists,
+        Step::EmptyLists(Lists),
         checked.named(RESOLVE_RIGHT.name),
-        step(&TRACE_LISTED, view, Launch::Listed(TO_TRACE)),
+        step(&TRACE_LISTED, view, Launch::Listed(Lists, TO_TRACE)),
         step(&TAKE_OVER, view, Launch::Pixels),
     ]);
     steps

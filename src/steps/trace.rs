@@ -32,5 +32,10 @@ pub(crate) fn target(view: usize) -> Vec<Step> {
 
 /// The same where `choose` wants it.
 pub(crate) fn chosen(view: usize) -> Vec<Step> {
-    vec![Step::Run { name: "trace_right", kernel: &TRACE_LEFT, view, launch: Launch::Listed(ALL_TRACED) }]
+    vec![Step::Run {
+        name: "trace_right",
+        kernel: &TRACE_LEFT,
+        view,
+        launch: Launch::Listed(Target::Found, ALL_TRACED),
+    }]
 }
