@@ -130,7 +130,7 @@ fn modules() -> Vec<(&'static Kernel, Variant, String)> {
 }
 
 #[test]
-fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buffers() {
+fn every_specialised_kernel_passes_naga_and_keeps_to_seven_storage_buffers() {
     let modules = modules();
     assert!(modules.len() > 100, "{}", modules.len());
     for (kernel, with, text) in modules {
@@ -143,7 +143,7 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_webgpu_s_eight_storage_buff
         let used = module.global_variables.iter().filter(|(handle, variable)| {
             !info.get_entry_point(0)[*handle].is_empty() && matches!(variable.space, naga::AddressSpace::Storage { .. })
         });
-        assert!(used.count() <= 8, "{} {with:?}", kernel.name);
+        assert!(used.count() <= 7, "{} {with:?}", kernel.name);
     }
 }
 
