@@ -37,7 +37,7 @@ impl BvhBuild {
 }
 
 /// Set in the link of a leaf: the other bits are (count - 1) in bits 28 to 30 and the first slot.
-const LEAF: u32 = 0x8000_0000;
+pub(crate) const LEAF: u32 = 0x8000_0000;
 const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
 /// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
@@ -52,8 +52,10 @@ const FINE_DETAIL: f32 = 1.0 / 65536.0;
 /// A scene's geometry, ready to upload.
 pub(crate) struct PackedBvh {
     pub(crate) uniform: layout::Bvh,
-    /// Two texels a pair of child boxes, four with f32 boxes.
+    /// Pairs of child boxes, the root's first.
     pub(crate) nodes: Vec<Texel>,
+    /// Texels of a pair: two, or four with f32 boxes.
+    pub(crate) pair_texels: usize,
     /// Three texels a primitive in leaf order, four if the scene has vertex normals.
     pub(crate) primitives: Vec<Texel>,
     /// The scene's id of each primitive, in leaf order.
@@ -100,13 +102,13 @@ fn geometry(scene: &Scene, id: u32) -> (bool, [[u32; 3]; 3]) {
 /// [`Error::Scene`] if there are more primitives than links can name.
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes) = traced(scene);
+    let pair_texels = 2 * child_texels(kind);
     if ids.is_empty() {
-        // Textures and buffers need a texel; no kernel of an empty scene reads it.
-        let (nodes, primitives) = (vec![[0; 4]], vec![[0; 4]]);
         return Ok(PackedBvh {
             uniform: layout::Bvh::default(),
-            nodes,
-            primitives,
+            nodes: vec![[0; 4]; pair_texels], // which no kernel of an empty scene reads
+            pair_texels,
+            primitives: Vec::new(),
             ids: Vec::new(),
             world_boxes: false,
             stack_size: 8,
@@ -142,6 +144,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         world_boxes: grid.world,
         uniform: packer.grid.uniform(),
         nodes: packer.nodes,
+        pair_texels,
         primitives: packer.primitives,
         ids: packer.packed,
         stack_size,
@@ -216,20 +219,6 @@ impl Grid {
         let high = steps(high).ceil().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
         [low.x | low.y << 16, low.z | high.x << 16, high.y | high.z << 16]
     }
-}
-
-/// The primitives' texels as a texture holds them: the first ones of `width` primitives in a row, then their second ones, and so on, so
-/// that a primitive's texels stand in one column.
-pub(crate) fn in_rows(packed: &PackedBvh, width: u32) -> Vec<Texel> {
-    let texels = packed.primitives.len() / packed.ids.len().max(1);
-    let mut rows = Vec::with_capacity(packed.primitives.len());
-    for chunk in packed.primitives.chunks(width as usize * texels) {
-        for texel in 0..texels {
-            rows.extend(chunk.iter().skip(texel).step_by(texels));
-            rows.resize(rows.len().next_multiple_of(width as usize), [0; 4]);
-        }
-    }
-    rows
 }
 
 struct Packer<'a> {

@@ -68,10 +68,10 @@ pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_bind_groups: 3,
         max_bindings_per_bind_group: SAMPLES_BINDING + 1,
-        max_storage_buffers_per_shader_stage: 7,
-        max_storage_textures_per_shader_stage: 4,
+        max_storage_buffers_per_shader_stage: 6,
+        max_storage_textures_per_shader_stage: 3,
         max_uniform_buffers_per_shader_stage: 2,
-        max_buffers_and_acceleration_structures_per_shader_stage: 9,
+        max_buffers_and_acceleration_structures_per_shader_stage: 8,
         max_compute_invocations_per_workgroup: layout::LIST_WORKGROUP,
         max_compute_workgroup_size_x: layout::LIST_WORKGROUP,
         max_compute_workgroup_size_y: layout::WORKGROUP,
@@ -132,7 +132,7 @@ impl Kernel {
 /// Layouts of a scene's two bind groups, for one way to read it.
 #[derive(Debug)]
 pub(crate) struct SceneLayouts {
-    /// The BVH's uniform, nodes, primitives.
+    /// The BVH's uniform, and its nodes and primitives.
     pub(crate) geometry: wgpu::BindGroupLayout,
     /// The table that a kernel looks up by index.
     pub(crate) table: wgpu::BindGroupLayout,
@@ -141,7 +141,7 @@ pub(crate) struct SceneLayouts {
 impl SceneLayouts {
     fn new(gpu: &Gpu, texels: wgpu::BindingType) -> Self {
         Self {
-            geometry: layout_of(gpu, "geometry", &[uniform_type(), texels, texels]),
+            geometry: layout_of(gpu, "geometry", &[uniform_type(), texels]),
             table: layout_of(gpu, "table", &[texels]),
         }
     }

@@ -89,6 +89,7 @@ mod error;
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 mod frame;
+mod geometry;
 pub mod gpu;
 #[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
 mod input;

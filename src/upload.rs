@@ -9,7 +9,8 @@ use crate::{
     BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,
     auto::CostModel,
     bvh,
-    gpu::{self, Gpu, Texels, bind_group},
+    geometry::GeometryTexels,
+    gpu::{Gpu, Texels, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
     message::counted,
@@ -23,7 +24,7 @@ pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
     /// What these two bind.
-    _texels: [Texels; 3],
+    _texels: [Texels; 2],
     /// Made when edges are first asked for.
     pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
@@ -121,21 +122,18 @@ impl Renderer {
         let traversal = self.traversal.fetch(fetch);
         let layouts = self.kernels.layouts(fetch);
         let gpu = &self.gpu;
-        let nodes = gpu.upload("nodes", &packed.nodes, fetch).await?;
-        let primitives = match fetch {
-            Fetch::Texture => gpu.upload("primitives", &bvh::in_rows(&packed, gpu::TEXTURE_WIDTH), fetch).await?,
-            Fetch::Buffer => gpu.upload("primitives", &packed.primitives, fetch).await?,
-        };
+        let texels = GeometryTexels::new(&packed, fetch);
+        let geometry = gpu.upload_each("geometry", texels.count(), texels.texels(), fetch).await?;
         let texels = texels_before_sky(scene) + sky_pixels(scene).len();
         let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch).await?;
         let bind = || {
             let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
-            let geometry = [bvh.as_entire_binding(), nodes.binding(), primitives.binding()];
+            let bindings = [bvh.as_entire_binding(), geometry.binding()];
             Ok(UploadedScene {
-                geometry: bind_group(gpu, "geometry", &layouts.geometry, geometry.into_iter()),
+                geometry: bind_group(gpu, "geometry", &layouts.geometry, bindings.into_iter()),
                 shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
-                _texels: [nodes, primitives, table],
+                _texels: [geometry, table],
                 object_table: OnceLock::new(),
                 variant: Variant::of(scene, traversal, &packed),
                 lights: scene.lights.iter().map(|light| light.position).collect(),
@@ -165,24 +163,25 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
         Fetch::Texture => Fetch::Buffer,
         Fetch::Buffer => Fetch::Texture,
     };
-    let geometry = packed.nodes.len().max(packed.primitives.len()) as u64;
-    let needed = geometry.max((texels_before_sky(scene) + sky_pixels(scene).len()) as u64);
-    if let Some(fetch) = [wanted, other].into_iter().find(|&fetch| gpu.texel_capacity(fetch) >= needed) {
+    let geometry = |fetch| GeometryTexels::new(packed, fetch).count() as u64;
+    let table = (texels_before_sky(scene) + sky_pixels(scene).len()) as u64;
+    let fits = |&fetch: &Fetch| gpu.texel_capacity(fetch) >= geometry(fetch).max(table);
+    if let Some(fetch) = [wanted, other].into_iter().find(fits) {
         if fetch != wanted {
             log::info!("the scene is too large to be read by {wanted:?}: {fetch:?} it is");
         }
         return Ok(fetch);
     }
-    let (buffer, texture) = (gpu.texel_capacity(Fetch::Buffer), gpu.texel_capacity(Fetch::Texture));
-    let (limit, capacity) = match buffer > texture {
-        true => ("max_storage_buffer_binding_size", buffer),
-        false => ("max_texture_dimension_2d", texture),
+    let (fetch, limit) = match gpu.texel_capacity(Fetch::Buffer) > gpu.texel_capacity(Fetch::Texture) {
+        true => (Fetch::Buffer, "max_storage_buffer_binding_size"),
+        false => (Fetch::Texture, "max_texture_dimension_2d"),
     };
+    let (capacity, geometry) = (gpu.texel_capacity(fetch), geometry(fetch));
     let primitives = scene.primitive_count() as u64;
-    if needed > geometry {
+    if table > geometry {
         return Err(Error::Limit {
             what: "the scene's table of lights, materials and sky".into(),
-            needed: format!("{needed} texels of 16 bytes"),
+            needed: format!("{table} texels of 16 bytes"),
             limit,
             allowed: format!("enough for {capacity}"),
             remedy: "use a smaller sky",
@@ -190,9 +189,9 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::Packed
     }
     Err(Error::Limit {
         what: format!("a scene of {}", counted(primitives, "primitive", "primitives")),
-        needed: format!("{needed} texels of 16 bytes"),
+        needed: format!("{geometry} texels of 16 bytes"),
         limit,
-        allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / needed),
+        allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / geometry),
         remedy: "use fewer primitives",
     })
 }

@@ -5,7 +5,7 @@
 struct Taken {
     known: U,
     lit: U,
-    occluders_a: U,   // places in `primitives` of what hides some light from the samples on both sides of the point, or MISS
+    occluders_a: U,   // places among the primitives of what hides some light from the samples on both sides of the point, or MISS
     occluders_b: U,
 }
 

@@ -30,7 +30,7 @@ struct Scales {
 struct Hits {
     t: F,                 // t_max where nothing was hit; any_slot leaves it open
     primitive: U,         // id in the scene's order, MISS where nothing was hit; any_slot leaves it open
-    slot: U,              // place in `primitives`
+    slot: U,              // place among the primitives
 }
 
 // A child's box from the rays' origin, widened by the slack.
@@ -307,7 +307,7 @@ fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
 
-// The place in `primitives` of something that is, or MISS.
+// The place among the primitives of something that is, or MISS.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }

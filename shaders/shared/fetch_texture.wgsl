@@ -3,8 +3,8 @@
 // fetch_buffer.wgsl: same functions.
 
 @group(0) @binding(0) var<uniform> bvh: Bvh;
-@group(0) @binding(1) var nodes: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(2) var primitives: texture_storage_2d<rgba32uint, read>;
+// The root's pair alone in the first row, then rows of primitives, then rows of all other pairs: see src/geometry.rs.
+@group(0) @binding(1) var geometry: texture_storage_2d<rgba32uint, read>;
 
 // Where the texels of a pair of children begin. They stand in one row, so that all have one address but for the column.
 alias Place = vec2u;
@@ -14,11 +14,11 @@ fn pair_place(pair: u32) -> Place {
 }
 
 fn node_texel(place: Place, texel: u32) -> vec4u {
-    return textureLoad(nodes, vec2u(place.x + texel, place.y));
+    return textureLoad(geometry, vec2u(place.x + texel, place.y));
 }
 
 // A primitive's texels stand below each other: 8192 primitives' first ones in a row, then their second ones.
 fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     let first = texel_position(slot);
-    return textureLoad(primitives, vec2u(first.x, first.y * PRIMITIVE_TEXELS + texel));
+    return textureLoad(geometry, vec2u(first.x, first.y * PRIMITIVE_TEXELS + (1u + texel)));
 }

@@ -8,7 +8,7 @@ const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 
 var<private> shadow_rays: u32;
 
-// What stands in the way, by its place in `primitives`; MISS where nothing does.
+// What stands in the way, by its place among the primitives; MISS where nothing does.
 fn occluders_of(ray: ShadowRay, wanted: B) -> U {
     shadow_rays += count_rays(wanted);
     return any_slot(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));

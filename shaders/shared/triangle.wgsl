@@ -6,7 +6,7 @@
 // sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not to
 // its distance. Normals belong to the origin, so that a lane's rays share them.
 
-// A primitive's place in `primitives` in texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
+// A primitive's texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
 // scene has any, are a fourth (below).
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {

@@ -2,7 +2,7 @@
 
 // Depth of a ray that hits nothing; WGSL has no infinity.
 const FAR: f32 = 3.4e38;
-// Primitive id, and place in `primitives`, where a ray hits nothing.
+// Primitive id, and place among the primitives, where a ray hits nothing.
 const MISS: u32 = 0xffffffffu;
 
 // Two of the rig's eyes and the rows at work, a band of the picture's: the source, whose view is there, and the target, whose view is made; where a view is
@@ -42,7 +42,7 @@ const LIST_WORKGROUP: u32 = 64u;
 // What is kept of each pixel of a view.
 struct Pixel {
     depth: f32,     // along the view axis; FAR: nothing hit
-    slot: u32,      // place in `primitives` of what was hit; MISS: nothing
+    slot: u32,      // place among the primitives of what was hit; MISS: nothing
     marks: u32,     // of the views that are not traced: marks.wgsl
     color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
 }

@@ -4,7 +4,7 @@
 // By a shadow ray, always. What it found is kept for the other eye where a method asks for it.
 
 var<private> found_bits: U;
-// What hides the last of the lights that are hidden, by its place in `primitives`.
+// What hides the last of the lights that are hidden, by its place among the primitives.
 var<private> found_occluders: U = U(MISS);
 
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {

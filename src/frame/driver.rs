@@ -5,12 +5,12 @@ use std::{ops::ControlFlow, time::Duration};
 use super::{
     bands::Band,
     plan::{Launch, Plan, Stage, Step},
-    targets::{FRAME_STRIDE, Target, Targets},
+    targets::{FRAME_STRIDE, Target, Targets, samples_of},
 };
 use crate::{
     Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Access, Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, STEPS_BINDING, Touches},
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
@@ -254,7 +254,7 @@ impl Driver<'_> {
         let linear = kernel.linear(&self.variant).iter();
         let linear = linear.map(|(target, binding)| (*binding, buffer(*target).as_entire_binding()));
         let samples = kernel.samples(&self.variant).map(|access| {
-            let texture = &self.targets.samples[if access == Access::Write { &view } else { &source }];
+            let texture = self.targets.samples(samples_of(view, source, access));
             (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
         });
         let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());

@@ -2,11 +2,11 @@
 
 use super::{
     driver::Driver,
-    targets::{Target, Used},
+    targets::{Target, Used, samples_of},
 };
 use crate::{
     BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
-    kernels::{Access, Kernel, Touches},
+    kernels::{Kernel, Touches},
     steps::{bracket, host, reproject, resolve, trace},
     variant::Variant,
 };
@@ -171,11 +171,7 @@ impl Plan {
                         .map(|(target, _)| *target)
                         .chain(kernel.linear(with).iter().map(|(target, _)| *target));
                     used.places.extend(targets.map(|target| target.of(view, source)));
-                    match kernel.samples(with) {
-                        Some(Access::Write) => drop(used.samples.insert(view)),
-                        Some(Access::Read) => drop(used.samples.insert(source)),
-                        None => {}
-                    }
+                    used.samples.extend(kernel.samples(with).map(|access| samples_of(view, source, access)));
                 }
                 Step::Copy(view) => {
                     used.places.insert((Target::View, view));

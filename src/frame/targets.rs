@@ -9,6 +9,7 @@ use super::bands::Bands;
 use crate::{
     Error,
     gpu::{Gpu, Staging, check_bytes},
+    kernels::Access,
     layout::{self, WORKGROUP},
 };
 
@@ -145,17 +146,25 @@ pub(crate) struct Targets {
     /// The head of the list at work: what dispatches may not be bound for writing.
     pub(crate) indirect: wgpu::Buffer,
     /// What `bracket` asks of sources' samples.
-    pub(crate) samples: BTreeMap<usize, wgpu::TextureView>,
+    samples: BTreeMap<usize, wgpu::TextureView>,
     /// The heads of lists before a step adds to them.
     pub(crate) empty_lists: wgpu::Buffer,
     buffers: BTreeMap<Place, wgpu::Buffer>,
+}
+
+/// In the place of a source: the samples of views that are traced though they have one, which nobody asks for.
+const UNASKED: usize = usize::MAX;
+
+/// Whose samples a step of a view with this source writes or reads.
+pub(crate) fn samples_of(view: usize, source: usize, access: Access) -> usize {
+    if access == Access::Write && view != source { UNASKED } else { source }
 }
 
 /// What the steps of a plan use.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) places: BTreeSet<Place>,
-    /// The views of which samples are kept.
+    /// The views of which samples are kept, as `samples_of` names them.
     pub(crate) samples: BTreeSet<usize>,
 }
 
@@ -205,7 +214,12 @@ impl Targets {
         &self.buffers[&(target, view)]
     }
 
-    /// The same, if the frame has it.
+    /// Samples by the name that `samples_of` gives.
+    pub(crate) fn samples(&self, of: usize) -> &wgpu::TextureView {
+        &self.samples[&of]
+    }
+
+    /// A buffer, if the frame has it.
     pub(crate) fn find(&self, place: Place) -> Option<&wgpu::Buffer> {
         self.buffers.get(&place)
     }
