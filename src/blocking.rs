@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 use crate::{
-    BvhBuild, Cast, Error, Gpu, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera,
+    BvhBuild, Cast, Encoded, Error, Gpu, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera,
     StereoPair, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async, renderer::OnProgress,
 };
 
@@ -140,6 +140,33 @@ impl Renderer {
         on_rows: &mut OnRows<'_>,
     ) -> Result<Views, Error> {
         block_on(self.render_rows_async(scene, rig, options, &mut |_| ControlFlow::Continue(()), on_rows))
+    }
+
+    /// Adds the commands of a frame to an encoder, blocking: see [`Renderer::encode_async`].
+    ///
+    /// # Errors
+    /// As [`Renderer::encode_async`].
+    pub fn encode(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<Encoded, Error> {
+        block_on(self.encode_async(scene, rig, options, encoder))
+    }
+
+    /// The same as a command buffer for each band of rows, blocking: see [`Renderer::encode_bands_async`].
+    ///
+    /// # Errors
+    /// As [`Renderer::encode_async`].
+    pub fn encode_bands(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        block_on(self.encode_bands_async(scene, rig, options))
     }
 
     /// The nearest hit of each ray, blocking: see [`Renderer::closest_hits_async`].

@@ -74,7 +74,7 @@ impl Batch {
     pub(super) fn add_with(
         &mut self,
         path: &Path,
-        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), Error> {
         let content = stage(path, write).map_err(|source| Error::io(path, source))?;
         self.staged.push(Staged { path: path.into(), content });
@@ -120,7 +120,7 @@ impl Drop for Batch {
 }
 
 /// Writes what `write` gives, beside its target where that is or becomes a file.
-fn stage(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Content> {
+fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>) -> io::Result<Content> {
     let old = fs::metadata(path).ok();
     if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
         let mut bytes = Vec::new();
@@ -176,7 +176,7 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
 /// Writes, waits for the disk, and closes: Windows renames no open file.
 fn fill(
     mut file: File,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     permissions: Option<Permissions>,
 ) -> io::Result<()> {
     write(&mut file)?;

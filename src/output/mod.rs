@@ -7,6 +7,8 @@ mod anaglyph;
 mod batch;
 mod file;
 mod packing;
+#[cfg(feature = "png")]
+mod png_rows;
 mod quilt;
 mod stale;
 
@@ -14,6 +16,8 @@ pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
 pub use batch::{Batch, write_whole};
 pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
+#[cfg(feature = "png")]
+pub use png_rows::PngRows;
 pub use quilt::{quilt, quilt_name};
 
 use crate::{StereoPair, View};

@@ -1,0 +1,150 @@
+//! A pair that stays on the device: the caller's own pipeline samples both views and makes a red-cyan anaglyph of them, on the
+//! caller's own device and in the caller's own submission. A live view would show the texture that this example writes to a file.
+//!
+//! ```sh
+//! cargo run --release --example on_device -- out/anaglyph.png
+//! ```
+
+use std::error::Error;
+
+use stereotrace::{Builtin, GBuffer, Gpu, Method, Options, Renderer, Rig, output::Picture, wgpu};
+
+const SIZE: [u32; 2] = [640, 448];
+
+/// Dubois' least-squares matrices for red-cyan glasses, on linear colour.
+const SHADER: &str = "
+@group(0) @binding(0) var left: texture_2d<f32>;
+@group(0) @binding(1) var right: texture_2d<f32>;
+
+@vertex
+fn whole_screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(4.0 * f32(index & 1u) - 1.0, 4.0 * f32(index >> 1u) - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn anaglyph(@builtin(position) place: vec4f) -> @location(0) vec4f {
+    let l = textureLoad(left, vec2u(place.xy), 0).rgb;
+    let r = textureLoad(right, vec2u(place.xy), 0).rgb;
+    let of_left = mat3x3f(0.4561, -0.0400822, -0.0152161, 0.500484, -0.0378246, -0.0205971, 0.176381, -0.0157589, -0.00546856) * l;
+    let of_right = mat3x3f(-0.0434706, 0.378476, -0.0721527, -0.0879388, 0.73364, -0.112961, -0.00155529, -0.0184503, 1.2264) * r;
+    return vec4f(clamp(of_left + of_right, vec3f(0.0), vec3f(1.0)), 1.0);
+}
+";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).unwrap_or("anaglyph.png".into());
+    // A program's own device; Gpu::from_device takes it as it is.
+    let gpu = Gpu::new()?;
+    let (device, queue) = (gpu.device().clone(), gpu.queue().clone());
+    let mut renderer = Renderer::new(gpu);
+    let scene = renderer.upload(&Builtin::Hall.scene())?;
+    let rig = Rig::pair(Builtin::Hall.camera(SIZE[0], SIZE[1]));
+    let options = Options::new(Method::default()).g_buffer(GBuffer::None);
+
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let pair = renderer.encode(&scene, &rig, &options, &mut encoder)?;
+    let shown = texture(&device);
+    draw(&device, &mut encoder, [&pair.views[0].color, &pair.views[1].color], &shown);
+    let bytes = download(&device, &mut encoder, &shown);
+    queue.submit([encoder.finish()]);
+
+    let unfinished = read(&device, &pair.unfinished)?;
+    if unfinished != [0; 4] {
+        return Err("the adapter ended some threads before their work was done".into());
+    }
+    let pixels = read(&device, &bytes)?.as_chunks::<4>().0.to_vec();
+    Picture::new(SIZE[0], SIZE[1], pixels).save_png(&path)?;
+    println!("{path}: a pair by {} that never left {}", Method::default(), renderer.gpu().adapter_name());
+    Ok(())
+}
+
+/// What a live view would be given by its window.
+fn texture(device: &wgpu::Device) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("shown"),
+        size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn draw(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, views: [&wgpu::Texture; 2], shown: &wgpu::Texture) {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("anaglyph"),
+        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+    });
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("anaglyph"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(shown.format().into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    // As sRGB, so that what is sampled is linear.
+    let linear = wgpu::TextureViewDescriptor {
+        format: Some(wgpu::TextureFormat::Rgba8UnormSrgb),
+        usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+        ..Default::default()
+    };
+    let views = views.map(|texture| texture.create_view(&linear));
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("views"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[0, 1].map(|eye| wgpu::BindGroupEntry {
+            binding: eye,
+            resource: wgpu::BindingResource::TextureView(&views[eye as usize]),
+        }),
+    });
+    let target = shown.create_view(&wgpu::TextureViewDescriptor::default());
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("anaglyph"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations::default(),
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, 0..1);
+}
+
+/// A buffer that has the texture's pixels once the commands have run. Its rows are a multiple of 256 bytes, as copies want them.
+fn download(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> wgpu::Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("download"),
+        size: u64::from(4 * SIZE[0] * SIZE[1]),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIZE[0]), rows_per_image: None };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    buffer
+}
+
+fn read(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, Box<dyn Error>> {
+    buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+    device.poll(wgpu::PollType::wait_indefinitely())?;
+    Ok(buffer.get_mapped_range(..)?.to_vec())
+}

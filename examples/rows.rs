@@ -1,0 +1,53 @@
+//! A pair of any height, its rows written as they are done: neither the device nor the host ever holds more than a band of them.
+//!
+//! ```sh
+//! cargo run --release --example rows -- 16384x8192 out [METHOD]
+//! ```
+//!
+//! It writes `left.png` and `right.png` of the built-in hall, and says how much memory the process had at most.
+
+use std::{error::Error, path::Path, time::Instant};
+
+use stereotrace::{Builtin, Gpu, Method, Options, Renderer, Rig, output::Batch};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let size = arguments.next().unwrap_or("4096x2048".into());
+    let (width, height) = size.split_once('x').ok_or(format!("'{size}' is no size; use WIDTHxHEIGHT"))?;
+    let (width, height) = (width.parse()?, height.parse()?);
+    let folder = arguments.next().unwrap_or("out".into());
+    let method: Method = arguments.next().unwrap_or("bracket".into()).parse()?;
+    std::fs::create_dir_all(&folder)?;
+
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let scene = renderer.upload(&Builtin::Hall.scene())?;
+    let rig = Rig::pair(Builtin::Hall.camera(width, height));
+    let options = Options::new(method).g_buffer(stereotrace::GBuffer::None);
+    println!("before the first row: {}", memory());
+    let begin = Instant::now();
+    let (mut first, mut second, mut done) = (Batch::new(), Batch::new(), None);
+    first.add_png_rows(Path::new(&folder).join("left.png"), width, height, |left| {
+        second.add_png_rows(Path::new(&folder).join("right.png"), width, height, |right| {
+            let mut write = |rows: stereotrace::Rows| {
+                left.write(&rows.views[0].view.rgba8)?;
+                right.write(&rows.views[1].view.rgba8)
+            };
+            done = Some(renderer.render_rows(&scene, &rig, &options, &mut write)?);
+            Ok(())
+        })
+    })?;
+    first.commit()?;
+    second.commit()?;
+    let between = done.map_or(0, |views| views.intermediate_bytes);
+    println!("{size} by {method} on {}", renderer.gpu().adapter_name());
+    println!("{:.1} s; {} MiB between the steps; {}", begin.elapsed().as_secs_f64(), between >> 20, memory());
+    Ok(())
+}
+
+/// What Linux says of the process; elsewhere nothing.
+fn memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kibibytes = peak.and_then(|peak| peak.split_whitespace().next()?.parse::<u64>().ok());
+    kibibytes.map_or("peak memory unknown".into(), |peak| format!("peak memory {} MiB", peak >> 10))
+}

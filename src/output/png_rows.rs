@@ -1,0 +1,130 @@
+//! PNG files whose rows come one after the other: for pictures that no memory holds whole.
+
+use std::{
+    io::{self, Write},
+    path::Path,
+};
+
+use super::Batch;
+use crate::{Error, message::counted};
+
+/// Bytes of the file that are written at a time.
+const CHUNK: usize = 1 << 16;
+
+/// A PNG file at work.
+pub struct PngRows<'a> {
+    stream: &'a mut (dyn Write + Send),
+    path: &'a Path,
+    size: [u32; 2],
+    /// Pixels that have been written.
+    written: u64,
+}
+
+impl PngRows<'_> {
+    /// Writes the next pixels, row-major from the top: whole rows or not. sRGB with alpha.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be written, or would have more pixels than it says.
+    pub fn write(&mut self, rgba8: &[[u8; 4]]) -> Result<(), Error> {
+        self.written += rgba8.len() as u64;
+        if self.written > self.pixels() {
+            return Err(self.wrong_count());
+        }
+        self.stream.write_all(rgba8.as_flattened()).map_err(|error| Error::io(self.path, error))
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    fn wrong_count(&self) -> Error {
+        let [width, height] = self.size;
+        let pixels = counted(self.written, "pixel", "pixels");
+        Error::unwritable(self.path, format!("a picture of {width}x{height} cannot be written from {pixels}"))
+    }
+}
+
+impl Batch {
+    /// Adds a PNG file of 8 bits a channel whose pixels `write` hands over as they come
+    /// ([`Renderer::render_rows_async`](crate::Renderer::render_rows_async)). Nothing is kept in memory but a few rows.
+    ///
+    /// # Errors
+    /// What `write` returns; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the picture has.
+    pub fn add_png_rows(
+        &mut self,
+        path: impl AsRef<Path>,
+        width: u32,
+        height: u32,
+        write: impl FnOnce(&mut PngRows<'_>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        let mut failed = None;
+        let staged = self.add_with(path, |file| {
+            let result = stream(path, file, [width, height], write);
+            result.map_err(|error| {
+                failed = Some(error);
+                io::Error::other("not whole")
+            })
+        });
+        match failed {
+            Some(error) => Err(error),
+            None => staged,
+        }
+    }
+}
+
+fn stream(
+    path: &Path,
+    file: &mut (dyn Write + Send),
+    size: [u32; 2],
+    write: impl FnOnce(&mut PngRows<'_>) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let unwritable = |error: png::EncodingError| Error::unwritable(path, error);
+    let mut encoder = png::Encoder::new(file, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().map_err(unwritable)?;
+    let mut stream = writer.stream_writer_with_size(CHUNK).map_err(unwritable)?;
+    let mut rows = PngRows { stream: &mut stream, path, size, written: 0 };
+    write(&mut rows)?;
+    if rows.written < rows.pixels() {
+        return Err(rows.wrong_count());
+    }
+    stream.finish().map_err(unwritable)?;
+    writer.finish().map_err(unwritable)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folder::Folder;
+
+    #[test]
+    fn rows_make_the_picture_that_is_written_at_once() {
+        let folder = Folder::new("png_rows");
+        let pixels: Vec<[u8; 4]> = (0..7 * 300_u32).map(|n| [n as u8, (n >> 3) as u8, (n % 251) as u8, 255]).collect();
+        let mut batch = Batch::new();
+        let in_parts = |rows: &mut PngRows<'_>| pixels.chunks(1000).try_for_each(|part| rows.write(part));
+        batch.add_png_rows(folder.file("a.png"), 7, 300, in_parts).unwrap();
+        batch.commit().unwrap();
+        let read = image::open(folder.file("a.png")).unwrap().into_rgba8();
+        assert_eq!(read.dimensions(), (7, 300));
+        assert!(read.as_raw() == pixels.as_flattened());
+    }
+
+    #[test]
+    fn a_picture_that_is_not_whole_is_none() {
+        let folder = Folder::new("png_rows_fault");
+        let path = folder.file("a.png");
+        let attempt = |pixels: usize, after: Result<(), Error>| {
+            let write = |rows: &mut PngRows<'_>| rows.write(&vec![[0; 4]; pixels]).and(after);
+            Batch::new().add_png_rows(&path, 4, 4, write).unwrap_err().to_string()
+        };
+        assert!(attempt(12, Ok(())).ends_with("a.png: a picture of 4x4 cannot be written from 12 pixels"));
+        assert!(attempt(17, Ok(())).ends_with("a.png: a picture of 4x4 cannot be written from 17 pixels"));
+        assert_eq!(attempt(12, Err(Error::Cancelled)), Error::Cancelled.to_string());
+        assert!(Batch::new().add_png_rows(&path, 0, 4, |_| Ok(())).is_err());
+        assert!(folder.names().is_empty(), "{:?}", folder.names());
+    }
+}
