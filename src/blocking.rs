@@ -7,7 +7,8 @@ use pollster::block_on;
 
 use crate::{
     BvhBuild, Cast, Encoded, Error, Gpu, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera,
-    StereoPair, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async, renderer::OnProgress,
+    StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async,
+    renderer::OnProgress,
 };
 
 impl Gpu {
@@ -51,6 +52,28 @@ impl Renderer {
     /// As [`Renderer::upload_async`].
     pub fn upload_with(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         block_on(self.upload_async(scene, build))
+    }
+
+    /// Brings a scene that was uploaded to what it is now, blocking: see [`Renderer::update_async`].
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Options, Renderer, Update, glam::{Affine3A, Vec3}};
+    ///
+    /// let (mut scene, camera) = (Builtin::Spheres.scene(), Builtin::Spheres.camera(64, 48));
+    /// let mut renderer = Renderer::new(Gpu::new()?);
+    /// let mut uploaded = renderer.upload(&scene)?;
+    /// for _ in 0..3 {
+    ///     scene.transform_object(0, &Affine3A::from_translation(0.1 * Vec3::Y))?;
+    ///     renderer.update(&mut uploaded, &scene, Update::Refit)?;
+    ///     renderer.render(&uploaded, &camera, &Options::default())?;
+    /// }
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Renderer::update_async`].
+    pub fn update(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
+        block_on(self.update_async(uploaded, scene, how))
     }
 
     /// Renders a pair, blocking.

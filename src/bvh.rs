@@ -1,5 +1,11 @@
 //! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
 
+mod refit;
+
+use std::sync::Arc;
+
+pub(crate) use refit::TreeShape;
+
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 
@@ -60,27 +66,52 @@ pub(crate) struct PackedBvh {
     pub(crate) primitives: Vec<Texel>,
     /// The scene's id of each primitive, in leaf order.
     pub(crate) ids: Vec<u32>,
+    /// The connected component of each primitive by its id, as `scene::components` says.
+    pub(crate) components: Arc<Vec<u32>>,
     /// Boxes stand in world coordinates, see `shaders/shared/boxes_world.wgsl`.
     pub(crate) world_boxes: bool,
     /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
 }
 
-/// Ids of the primitives that are traced, and their boxes.
-fn traced(scene: &Scene) -> (Vec<u32>, Vec<Aabb>) {
+impl PackedBvh {
+    /// Of a scene that nothing can be hit of.
+    fn empty(kind: Boxes, components: Arc<Vec<u32>>) -> Self {
+        let pair_texels = 2 * child_texels(kind);
+        Self {
+            uniform: layout::Bvh::default(),
+            nodes: vec![[0; 4]; pair_texels], // which no kernel of an empty scene reads
+            pair_texels,
+            primitives: Vec::new(),
+            ids: Vec::new(),
+            components,
+            world_boxes: false,
+            stack_size: 8,
+        }
+    }
+}
+
+/// The boxes of all primitives: of those that are not traced, empty.
+fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners;
-        let aabb = Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into());
-        (!triangle.is_degenerate()).then_some(aabb)
+        match triangle.is_degenerate() {
+            true => Aabb::empty(),
+            false => Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into()),
+        }
     });
     let spheres = scene.spheres().iter().map(|sphere| {
         // Rounded outwards: far from the origin a radius can be less than a step of f32.
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         let low = (center - radius).as_vec3().to_array().map(f32::next_down);
         let high = (center + radius).as_vec3().to_array().map(f32::next_up);
-        Some(Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into()))
+        Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into())
     });
-    triangles.chain(spheres).enumerate().filter_map(|(id, aabb)| Some((id as u32, aabb?))).unzip()
+    triangles.chain(spheres)
+}
+
+fn is_empty(aabb: &Aabb) -> bool {
+    aabb.min.x > aabb.max.x
 }
 
 /// What rays meet of a primitive, to the bit: whether it is a sphere, and its corners or its centre and radius.
@@ -101,36 +132,24 @@ fn geometry(scene: &Scene, id: u32) -> (bool, [[u32; 3]; 3]) {
 /// # Errors
 /// [`Error::Scene`] if there are more primitives than links can name.
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
-    let (ids, boxes) = traced(scene);
-    let pair_texels = 2 * child_texels(kind);
+    let (ids, boxes): (Vec<u32>, Vec<Aabb>) = (0..).zip(boxes_of(scene)).filter(|(_, aabb)| !is_empty(aabb)).unzip();
+    let components = Arc::new(components::of(scene));
     if ids.is_empty() {
-        return Ok(PackedBvh {
-            uniform: layout::Bvh::default(),
-            nodes: vec![[0; 4]; pair_texels], // which no kernel of an empty scene reads
-            pair_texels,
-            primitives: Vec::new(),
-            ids: Vec::new(),
-            world_boxes: false,
-            stack_size: 8,
-        });
+        return Ok(PackedBvh::empty(kind, components));
     }
-    if scene.materials().len() > MAX_MATERIALS {
-        let reason =
-            format!("{} materials, over the {MAX_MATERIALS} that primitives can name", scene.materials().len());
-        return Err(Error::Scene { element: "materials".into(), reason });
-    }
+    check_materials(scene)?;
     if ids.len() > MAX_SLOTS {
         let reason = format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len());
         return Err(Error::Scene { element: "geometry".into(), reason });
     }
     let compare = |a: u32, b: u32| geometry(scene, ids[a as usize]).cmp(&geometry(scene, ids[b as usize]));
     let tree = tree::build(&boxes, build.params(), &compare);
-    let grid = Grid::around(&tree, kind == Boxes::F32 && has_fine_detail(&boxes));
+    let grid = Grid::around(tree.nodes[0].aabb(), kind == Boxes::F32 && has_fine_detail(boxes.iter().copied()));
     let mut packer = Packer {
         scene,
         tree: &tree,
         ids: &ids,
-        components: &components::of(scene),
+        components: &components,
         kind,
         grid,
         nodes: Vec::new(),
@@ -144,11 +163,21 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         world_boxes: grid.world,
         uniform: packer.grid.uniform(),
         nodes: packer.nodes,
-        pair_texels,
+        pair_texels: 2 * child_texels(kind),
         primitives: packer.primitives,
         ids: packer.packed,
+        components,
         stack_size,
     })
+}
+
+fn check_materials(scene: &Scene) -> Result<(), Error> {
+    let count = scene.materials().len();
+    if count <= MAX_MATERIALS {
+        return Ok(());
+    }
+    let reason = format!("{count} materials, over the {MAX_MATERIALS} that primitives can name");
+    Err(Error::Scene { element: "materials".into(), reason })
 }
 
 /// Texels of a child's box and link.
@@ -170,8 +199,8 @@ struct Grid {
 }
 
 impl Grid {
-    fn around(tree: &Bvh2, world: bool) -> Self {
-        let (low, high) = (tree.nodes[0].min, tree.nodes[0].max);
+    fn around(all: &Aabb, world: bool) -> Self {
+        let (low, high) = (Vec3::from(all.min), Vec3::from(all.max));
         let sides = high.as_dvec3() - low.as_dvec3();
         let extent = sides.max_element() as f32;
         // A flat side still needs a cell; rounded up, so that the last step reaches the far corner.
@@ -283,43 +312,44 @@ impl Packer<'_> {
     fn pack_leaf(&mut self, first: u32, count: u32) -> u32 {
         let link = LEAF | (count - 1) << 28 | self.packed.len() as u32;
         for index in first..first + count {
-            self.pack_primitive(self.ids[self.tree.primitive_indices[index as usize] as usize]);
+            let id = self.ids[self.tree.primitive_indices[index as usize] as usize];
+            self.packed.push(id);
+            push_primitive(&mut self.primitives, self.scene, self.components, id);
         }
         link
     }
+}
 
-    fn pack_primitive(&mut self, id: u32) {
-        self.packed.push(id);
-        let scene = self.scene;
-        let component = self.components[id as usize] << 1;
-        let words = |v: Vec3| v.to_array().map(f32::to_bits);
-        let texel = |[x, y, z]: [u32; 3], w: u32| [x, y, z, w];
-        let mut normals = [0; 4];
-        match scene.triangles().get(id as usize) {
-            Some(triangle) => {
-                let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
-                let material = triangle.material.0 | reach_bits(triangle.corners);
-                self.primitives.extend([texel(a, id), texel(b, component), texel(c, material)]);
-                if triangle.is_smooth() {
-                    let mut packed = triangle.normals.map(pack_normal);
-                    packed.rotate_left(shortest_edge(triangle.corners));
-                    normals = texel(packed, 1);
-                }
-            }
-            None => {
-                let sphere = scene.spheres()[id as usize - scene.triangles().len()];
-                let radius = [sphere.radius.to_bits(), 0, 0];
-                let material = sphere.material.0;
-                self.primitives.extend([
-                    texel(words(sphere.center), id),
-                    texel(radius, component | IS_SPHERE),
-                    [0, 0, 0, material],
-                ]);
+/// Adds a primitive's texels.
+fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, components: &[u32], id: u32) {
+    let component = components[id as usize] << 1;
+    let words = |v: Vec3| v.to_array().map(f32::to_bits);
+    let texel = |[x, y, z]: [u32; 3], w: u32| [x, y, z, w];
+    let mut normals = [0; 4];
+    match scene.triangles().get(id as usize) {
+        Some(triangle) => {
+            let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
+            let material = triangle.material.0 | reach_bits(triangle.corners);
+            primitives.extend([texel(a, id), texel(b, component), texel(c, material)]);
+            if triangle.is_smooth() {
+                let mut packed = triangle.normals.map(pack_normal);
+                packed.rotate_left(shortest_edge(triangle.corners));
+                normals = texel(packed, 1);
             }
         }
-        if scene.has_normals() {
-            self.primitives.push(normals);
+        None => {
+            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
+            let radius = [sphere.radius.to_bits(), 0, 0];
+            let material = sphere.material.0;
+            primitives.extend([
+                texel(words(sphere.center), id),
+                texel(radius, component | IS_SPHERE),
+                [0, 0, 0, material],
+            ]);
         }
+    }
+    if scene.has_normals() {
+        primitives.push(normals);
     }
 }
 
@@ -345,10 +375,10 @@ pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
 }
 
 /// Whether one primitive in ten is far smaller than the scene.
-fn has_fine_detail(boxes: &[Aabb]) -> bool {
+fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     let side = |aabb: &Aabb| Vec3::from(aabb.max - aabb.min).max_element();
-    let all = boxes.iter().copied().reduce(|a, b| a.union(&b)).expect("the scene has primitives");
-    let mut sides: Vec<f32> = boxes.iter().map(side).collect();
+    let mut all = Aabb::empty();
+    let mut sides: Vec<f32> = boxes.inspect(|one| all = all.union(one)).map(|one| side(&one)).collect();
     let place = sides.len() / 10;
     let (_, small, _) = sides.select_nth_unstable_by(place, f32::total_cmp);
     *small < side(&all) * FINE_DETAIL

@@ -4,8 +4,6 @@
 //! the scene's size, and kernels need neither a text of their own for it nor an addition; where the other pairs begin only
 //! the links say, which are indices of pairs from the first texel on.
 
-use std::iter;
-
 use crate::{
     bvh::{LEAF, PackedBvh, Texel},
     gpu::TEXTURE_WIDTH,
@@ -32,20 +30,40 @@ impl<'a> GeometryTexels<'a> {
         self.primitives_begin() + self.primitive_span() + self.packed.nodes.len() - self.packed.pair_texels
     }
 
-    /// The texels, one by one.
-    pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> {
-        let pair = self.packed.pair_texels;
-        let moved = ((self.primitives_begin() + self.primitive_span()) / pair - 1) as u32;
-        let relinked = move |(index, mut texel): (usize, Texel)| {
-            // A box's first texel has the link.
-            if index % (pair / 2) == 0 && texel[3] & LEAF == 0 {
-                texel[3] += moved;
+    /// The texels.
+    pub(crate) fn texels(&self) -> Vec<Texel> {
+        let (pair, primitives) = (self.packed.pair_texels, &self.packed.primitives);
+        let (root, others) = self.packed.nodes.split_at(pair);
+        let mut texels = Vec::with_capacity(self.count());
+        texels.extend_from_slice(root);
+        texels.resize(self.primitives_begin(), [0; 4]);
+        match self.fetch {
+            // The first texels of the primitives of a row stand in that row, their second ones in the next, and so on, so that a
+            // primitive's texels stand in one column.
+            Fetch::Texture => {
+                for chunk in primitives.chunks(WIDTH * self.each.max(1)) {
+                    for texel in 0..self.each {
+                        texels.extend(chunk.iter().skip(texel).step_by(self.each));
+                        texels.resize(texels.len().next_multiple_of(WIDTH), [0; 4]);
+                    }
+                }
             }
-            texel
-        };
-        let nodes = || self.packed.nodes.iter().copied().enumerate().map(relinked);
-        let root = nodes().take(pair).chain(iter::repeat([0; 4])).take(self.primitives_begin());
-        root.chain(self.primitives()).chain(nodes().skip(pair))
+            Fetch::Buffer => {
+                texels.extend_from_slice(primitives);
+                texels.resize(texels.len().next_multiple_of(pair), [0; 4]);
+            }
+        }
+        let moved = (texels.len() / pair - 1) as u32;
+        let others_begin = texels.len();
+        texels.extend_from_slice(others);
+        let (root, rest) = texels.split_at_mut(others_begin);
+        for child in root[..pair].chunks_mut(pair / 2).chain(rest.chunks_mut(pair / 2)) {
+            // A box's first texel has the link.
+            if child[0][3] & LEAF == 0 {
+                child[0][3] += moved;
+            }
+        }
+        texels
     }
 
     fn primitives_begin(&self) -> usize {
@@ -61,19 +79,6 @@ impl<'a> GeometryTexels<'a> {
             Fetch::Texture => self.packed.ids.len().div_ceil(WIDTH) * self.each * WIDTH,
             Fetch::Buffer => self.packed.primitives.len().next_multiple_of(self.packed.pair_texels),
         }
-    }
-
-    /// In a texture the first texels of the primitives of a row stand in that row, their second ones in the next, and so on, so
-    /// that a primitive's texels stand in one column.
-    fn primitives(&self) -> impl Iterator<Item = Texel> {
-        let (width, each) = match self.fetch {
-            Fetch::Texture => (WIDTH, self.each),
-            Fetch::Buffer => (self.primitive_span().max(1), 1),
-        };
-        (0..self.primitive_span() / width).flat_map(move |row| {
-            let first = row / each * each * width + row % each;
-            (0..width).map(move |column| self.packed.primitives.get(first + column * each).copied().unwrap_or_default())
-        })
     }
 }
 
@@ -103,7 +108,7 @@ mod tests {
             let packed = bvh::build(&scene, BvhBuild::Fast, boxes).unwrap();
             for fetch in [Fetch::Texture, Fetch::Buffer] {
                 let geometry = GeometryTexels::new(&packed, fetch);
-                let texels: Vec<Texel> = geometry.texels().collect();
+                let texels = geometry.texels();
                 assert_eq!(texels.len(), geometry.count(), "{count} {boxes:?} {fetch:?}");
                 let pair = packed.pair_texels;
                 for slot in 0..packed.ids.len() {

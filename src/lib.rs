@@ -132,4 +132,4 @@ pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
 pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
-pub use upload::{UploadInfo, UploadedScene};
+pub use upload::{Update, UploadInfo, UploadedScene};

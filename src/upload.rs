@@ -1,14 +1,17 @@
 //! A scene on a device: its BVH and primitives, and the table that shading reads.
 
-use std::{sync::OnceLock, time::Duration};
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
 
 use glam::Vec3;
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky,
+    BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky, SkyMap,
     auto::CostModel,
-    bvh,
+    bvh::{self, PackedBvh, Texel, TreeShape},
     geometry::GeometryTexels,
     gpu::{Gpu, Texels, bind_group},
     kernels::Kernels,
@@ -24,7 +27,9 @@ pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
     /// What these two bind.
-    _texels: [Texels; 2],
+    texels: [Arc<Texels>; 2],
+    /// The sky that the shading table has, and where in it.
+    sky: Option<(SkyMap, usize)>,
     /// Made when edges are first asked for.
     pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
@@ -33,8 +38,22 @@ pub struct UploadedScene {
     pub(crate) ids: Vec<u32>,
     pub(crate) lights: Vec<Vec3>,
     pub(crate) large: LargePrimitives,
+    /// What is kept of the tree for a refit.
+    shape: TreeShape,
     gpu: Gpu,
     info: UploadInfo,
+}
+
+/// How the tree of a scene that changed is brought up to date: docs/TRAVERSAL.md has what each costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Update {
+    /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives moved. Where no primitive changed,
+    /// lights, materials and sky alone are uploaded. The scene must have as many triangles and spheres as when the tree was built, and
+    /// none that was without area or an exact copy of another then and is traced now.
+    Refit,
+    /// The tree is built anew.
+    Rebuild(BvhBuild),
 }
 
 /// How a scene was brought to a device.
@@ -111,60 +130,155 @@ impl Renderer {
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
     /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
+        self.check(scene)?;
+        let started = Instant::now();
+        let packed = bvh::build(scene, build, self.traversal.boxes)?;
+        let shape = TreeShape::of(scene, &packed);
+        self.bring(scene, (packed, shape), self.traversal, started, None).await
+    }
+
+    /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`], [`Scene::set_mesh`],
+    /// [`Scene::set_sphere`]), was added, or is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
+    /// a scene uploaded anew. What is left of an update that failed for the want of memory is to be uploaded anew.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::upload_async`], [`Error::ForeignScene`] if another [`Gpu`] holds it, and [`Error::Scene`] where
+    /// [`Update::Refit`] can't keep the tree.
+    pub async fn update_async(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
+        uploaded.belongs_to(&self.gpu)?;
+        self.check(scene)?;
+        let started = Instant::now();
+        let traversal = uploaded.info.traversal;
+        let table_fits = self.gpu.texel_capacity(traversal.fetch) >= table_texels(scene) as u64;
+        if how == Update::Refit && uploaded.shape.is_of(scene) && table_fits {
+            let (table, shading) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
+            let Variant { world_boxes, stack_size, .. } = uploaded.variant;
+            uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
+            uploaded.lights = positions(scene);
+            (uploaded.shading, uploaded.texels[1], uploaded.sky) = (shading, table, sky_of(scene));
+            (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
+            return Ok(());
+        }
+        let packed = match how {
+            Update::Refit => uploaded.shape.refit(scene, traversal.boxes)?,
+            Update::Rebuild(build) => bvh::build(scene, build, traversal.boxes)?,
+        };
+        let shape = match how {
+            Update::Refit => uploaded.shape.refitted(scene, &packed),
+            Update::Rebuild(_) => TreeShape::of(scene, &packed),
+        };
+        *uploaded = self.bring(scene, (packed, shape), traversal, started, Some(uploaded)).await?;
+        Ok(())
+    }
+
+    fn check(&self, scene: &Scene) -> Result<(), Error> {
         scene.check()?;
         if let Some(warning) = scene.rounding_warning() {
             self.rounding_warned.call_once(|| log::warn!("{warning}")); // a film uploads a scene for each picture
         }
-        let started = Instant::now();
-        let packed = bvh::build(scene, build, self.traversal.boxes)?;
-        let built = started.elapsed();
-        let fetch = fetch_that_fits(&self.gpu, self.traversal.fetch, scene, &packed)?;
-        let traversal = self.traversal.fetch(fetch);
-        let layouts = self.kernels.layouts(fetch);
+        Ok(())
+    }
+
+    /// Uploads what was packed, to where another state of the scene stands if there is one.
+    async fn bring(
+        &self,
+        scene: &Scene,
+        (packed, shape): (PackedBvh, TreeShape),
+        traversal: Traversal,
+        started: Instant,
+        before: Option<&UploadedScene>,
+    ) -> Result<UploadedScene, Error> {
+        let build = started.elapsed();
         let gpu = &self.gpu;
+        let fetch = fetch_that_fits(gpu, traversal.fetch, scene, &packed)?;
+        let traversal = traversal.fetch(fetch);
         let texels = GeometryTexels::new(&packed, fetch);
-        let geometry = gpu.upload_each("geometry", texels.count(), texels.texels(), fetch).await?;
-        let texels = texels_before_sky(scene) + sky_pixels(scene).len();
-        let table = gpu.upload_each("shading_table", texels, shading_table(scene), fetch).await?;
+        let room = before.map(|before| &before.texels[0]);
+        let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
+        let (table, shading) = self.bring_table(scene, fetch, before).await?;
         let bind = || {
-            let objects: Vec<u32> = (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect();
             let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
             let bindings = [bvh.as_entire_binding(), geometry.binding()];
-            Ok(UploadedScene {
-                geometry: bind_group(gpu, "geometry", &layouts.geometry, bindings.into_iter()),
-                shading: bind_group(gpu, "shading_table", &layouts.table, std::iter::once(table.binding())),
-                _texels: [geometry, table],
-                object_table: OnceLock::new(),
-                variant: Variant::of(scene, traversal, &packed),
-                lights: scene.lights.iter().map(|light| light.position).collect(),
-                large: LargePrimitives::of(scene),
-                gpu: gpu.clone(),
-                info: UploadInfo {
-                    traversal,
-                    build: built,
-                    upload: Duration::ZERO,
-                    node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
-                    primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
-                    dropped_triangles: scene.degenerate_count(),
-                },
-                objects,
-                ids: packed.ids,
-            })
+            Ok(bind_group(gpu, "geometry", &self.kernels.layouts(fetch).geometry, bindings.into_iter()))
         };
-        let mut uploaded = gpu.checked(bind).await?;
-        uploaded.info.upload = started.elapsed() - built;
-        Ok(uploaded)
+        Ok(UploadedScene {
+            geometry: gpu.checked(bind).await?,
+            shading,
+            texels: [geometry, table],
+            sky: sky_of(scene),
+            object_table: OnceLock::new(),
+            variant: Variant::of(scene, traversal, &packed),
+            objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
+            lights: positions(scene),
+            large: LargePrimitives::of(scene),
+            shape,
+            gpu: gpu.clone(),
+            info: UploadInfo {
+                traversal,
+                build,
+                upload: started.elapsed() - build,
+                node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
+                primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
+                dropped_triangles: scene.degenerate_count(),
+            },
+            ids: packed.ids,
+        })
+    }
+
+    /// Uploads the shading table; of one that stands there with the same sky at the same place, what is before the sky.
+    async fn bring_table(
+        &self,
+        scene: &Scene,
+        fetch: Fetch,
+        before: Option<&UploadedScene>,
+    ) -> Result<(Arc<Texels>, wgpu::BindGroup), Error> {
+        let count = table_texels(scene);
+        let is_there = |before: &&UploadedScene| match (&before.sky, sky_of(scene)) {
+            (Some((sky, at)), Some((wanted, wanted_at))) => sky.shares_pixels(&wanted) && *at == wanted_at,
+            _ => false,
+        };
+        let room = before.map(|before| &before.texels[1]).filter(|room| room.has_room(count, fetch));
+        let written =
+            if room.is_some() && before.filter(is_there).is_some() { texels_before_sky(scene) } else { count };
+        let table = self.written("shading_table", room, count, shading_table(scene).take(written), fetch).await?;
+        let bind = || {
+            let layout = &self.kernels.layouts(fetch).table;
+            Ok(bind_group(&self.gpu, "shading_table", layout, std::iter::once(table.binding())))
+        };
+        let group = self.gpu.checked(bind).await?;
+        Ok((table, group))
+    }
+
+    /// Writes texels to where there is room for so many, or to a place of their own.
+    async fn written(
+        &self,
+        label: &'static str,
+        room: Option<&Arc<Texels>>,
+        count: usize,
+        texels: impl Iterator<Item = Texel>,
+        fetch: Fetch,
+    ) -> Result<Arc<Texels>, Error> {
+        let room = match room.filter(|room| room.has_room(count, fetch)) {
+            Some(room) => room.clone(),
+            None => Arc::new(self.gpu.room(label, count, fetch).await?),
+        };
+        self.gpu.fill(&room, texels).await?;
+        Ok(room)
     }
 }
 
+fn positions(scene: &Scene) -> Vec<Vec3> {
+    scene.lights.iter().map(|light| light.position).collect()
+}
+
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.
-fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &bvh::PackedBvh) -> Result<Fetch, Error> {
+fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) -> Result<Fetch, Error> {
     let other = match wanted {
         Fetch::Texture => Fetch::Buffer,
         Fetch::Buffer => Fetch::Texture,
     };
     let geometry = |fetch| GeometryTexels::new(packed, fetch).count() as u64;
-    let table = (texels_before_sky(scene) + sky_pixels(scene).len()) as u64;
+    let table = table_texels(scene) as u64;
     let fits = |&fetch: &Fetch| gpu.texel_capacity(fetch) >= geometry(fetch).max(table);
     if let Some(fetch) = [wanted, other].into_iter().find(fits) {
         if fetch != wanted {
@@ -203,13 +317,22 @@ fn texels_before_sky(scene: &Scene) -> usize {
     TABLE_HEAD + 2 * scene.lights.len() + scene.materials().len()
 }
 
+fn table_texels(scene: &Scene) -> usize {
+    texels_before_sky(scene) + sky_pixels(scene).len()
+}
+
+/// A sky that is a picture, and where it stands in the table.
+fn sky_of(scene: &Scene) -> Option<(SkyMap, usize)> {
+    if let Sky::Map(map) = &scene.sky { Some((map.clone(), texels_before_sky(scene))) } else { None }
+}
+
 /// The pixels of a sky that is a picture.
 fn sky_pixels(scene: &Scene) -> &[Vec3] {
     if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
 }
 
 /// What shading reads of a scene, a texel each: see shaders/shared/shade.wgsl.
-fn shading_table(scene: &Scene) -> impl Iterator<Item = bvh::Texel> {
+fn shading_table(scene: &Scene) -> impl Iterator<Item = Texel> {
     let texel = |vector: Vec3, word: u32| {
         let [x, y, z] = vector.to_array().map(f32::to_bits);
         [x, y, z, word]
@@ -227,7 +350,7 @@ fn shading_table(scene: &Scene) -> impl Iterator<Item = bvh::Texel> {
 }
 
 /// Objects, four a texel.
-fn object_texels(objects: &[u32]) -> Vec<bvh::Texel> {
+fn object_texels(objects: &[u32]) -> Vec<Texel> {
     let texel = |four: &[u32]| std::array::from_fn(|index| four.get(index).copied().unwrap_or(crate::MISS));
     if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }
 }

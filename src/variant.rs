@@ -110,6 +110,11 @@ impl Variant {
 
     /// What a scene needs; counting is the frame's to choose.
     pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
+        Self::over_tree(scene, traversal, packed.world_boxes, packed.stack_size)
+    }
+
+    /// The same where all that is known of the tree is this.
+    pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
         Self {
             traversal,
             triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
@@ -118,11 +123,11 @@ impl Variant {
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),
-            world_boxes: packed.world_boxes,
+            world_boxes,
             close: false,
             samples: false,
             linear: false,
-            stack_size: packed.stack_size,
+            stack_size,
             bits: ShadowReuse::Rays,
             count: false,
             cost_map: false,

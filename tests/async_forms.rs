@@ -10,7 +10,7 @@ use std::{
 
 use common::{gpu, random_stage};
 use stereotrace::{
-    BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, StereoCamera, StereoPair, glam::Vec3, render_stereo,
+    BvhBuild, Error, Gpu, Method, Options, Ray, Renderer, StereoCamera, StereoPair, Update, glam::Vec3, render_stereo,
     render_stereo_async,
 };
 
@@ -34,7 +34,8 @@ fn async_forms_give_what_the_blocking_ones_give_on_another_thread() {
     // Made here and polled there: a future that can't go there does not compile.
     let there = async {
         let mut renderer = Renderer::new(Gpu::open_async(wanted).await?);
-        let uploaded = renderer.upload_async(&scene, BvhBuild::Balanced).await?;
+        let mut uploaded = renderer.upload_async(&scene, BvhBuild::Balanced).await?;
+        renderer.update_async(&mut uploaded, &scene, Update::Rebuild(BvhBuild::Balanced)).await?;
         let mut count = |_| {
             calls.fetch_add(1, Ordering::Relaxed);
             ControlFlow::Continue(())

@@ -1,5 +1,7 @@
 //! Packed trees read back as the kernels read them.
 
+use glam::Affine3A;
+
 use super::*;
 use crate::{MaterialId, Mesh, random::Random};
 
@@ -123,5 +125,40 @@ fn normals_survive_packing_within_a_16_bit_step() {
         let unfold = |v: f32| v + if v >= 0.0 { -fold } else { fold };
         let back = Vec3::new(unfold(x), unfold(y), z).normalize();
         assert!(back.distance(normal) < 1e-4, "{normal} {back}");
+    }
+}
+
+/// Fresh boxes would be as tight: a refit rounds no more than packing does.
+#[test]
+fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
+    let mut random = Random::new(5);
+    let mut scene = Scene::new();
+    for _ in 0..3 {
+        let corners: Vec<Vec3> = (0..300).map(|_| random.point(1.0)).collect();
+        let triangles = (0..100).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        scene.add_mesh(&Mesh::new(corners, triangles)).unwrap();
+    }
+    for kind in [Boxes::Grid16, Boxes::F32] {
+        let mut scene = scene.clone();
+        let built = build(&scene, BvhBuild::Balanced, kind).unwrap();
+        let shape = TreeShape::of(&scene, &built);
+        let same = shape.refit(&scene, kind).unwrap();
+        assert!(same.nodes == built.nodes && same.primitives == built.primitives && same.ids == built.ids);
+        for step in 0..4 {
+            scene.transform_object(step % 2, &Affine3A::from_translation(Vec3::splat(20.0 * step as f32))).unwrap();
+            let moved = shape.refit(&scene, kind).unwrap();
+            assert_eq!(check_boxes(&moved, kind, 3).0, 300);
+        }
+        // Turned, so that they are no exact copies: they hang together with what they lie on.
+        let corners: Vec<Vec3> =
+            scene.triangles()[..100].iter().flat_map(|t| [1, 2, 0].map(|k| t.corners[k])).collect();
+        let triangles = (0..100).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        scene.set_mesh(1, &Mesh::new(corners, triangles)).unwrap();
+        let joined = shape.refit(&scene, kind).unwrap();
+        assert_eq!(joined.components, build(&scene, BvhBuild::Balanced, kind).unwrap().components);
+        assert_eq!(joined.components[100], 0);
+        scene.transform_object(2, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
+        let shrunk = shape.refit(&scene, kind).unwrap();
+        assert!(shrunk.ids.iter().all(|&id| id < 200) && shrunk.ids.len() == 300);
     }
 }

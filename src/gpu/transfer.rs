@@ -68,6 +68,16 @@ impl Gpu {
         texels: impl Iterator<Item = Texel>,
         fetch: Fetch,
     ) -> Result<Texels, Error> {
+        let room = self.room(label, count, fetch).await?;
+        self.fill(&room, texels).await?;
+        Ok(room)
+    }
+
+    /// A texture or a storage buffer for so many texels.
+    ///
+    /// # Errors
+    /// As [`Gpu::upload`].
+    pub(crate) async fn room(&self, label: &'static str, count: usize, fetch: Fetch) -> Result<Texels, Error> {
         match fetch {
             Fetch::Texture => {
                 if count as u64 > self.texel_capacity(fetch) {
@@ -81,24 +91,28 @@ impl Gpu {
                 }
                 let make = || Ok(self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
                 let texture = self.checked(make).await?;
-                let write = |first, texels: &[Texel]| {
-                    self.write_rows(&texture, first / TEXTURE_WIDTH as usize, texels);
-                };
-                self.in_pieces(texels, write).await?;
                 Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
             }
             Fetch::Buffer => {
                 let (what, bytes) = (format!("the scene's {label} buffer"), (count * size_of::<Texel>()) as u64);
                 check_bytes(&what, bytes, self.binding_limit(), "use fewer primitives")?;
-                let buffer = self.checked(|| Ok(self.storage_buffer(label, bytes))).await?;
-                let write = |first, texels: &[Texel]| {
-                    let offset = (first * size_of::<Texel>()) as u64;
-                    self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(texels));
-                };
-                self.in_pieces(texels, write).await?;
-                Ok(Texels::Buffer(buffer))
+                Ok(Texels::Buffer(self.checked(|| Ok(self.storage_buffer(label, bytes))).await?))
             }
         }
+    }
+
+    /// Writes texels from the first one on, as many as there is room for at most.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    pub(crate) async fn fill(&self, room: &Texels, texels: impl Iterator<Item = Texel>) -> Result<(), Error> {
+        let write = |first: usize, texels: &[Texel]| match room {
+            Texels::Texture(view) => self.write_rows(view.texture(), first / TEXTURE_WIDTH as usize, texels),
+            Texels::Buffer(buffer) => {
+                self.queue.write_buffer(buffer, (first * size_of::<Texel>()) as u64, bytemuck::cast_slice(texels));
+            }
+        };
+        self.in_pieces(texels, write).await
     }
 
     /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
@@ -226,6 +240,18 @@ pub(crate) enum Texels {
 }
 
 impl Texels {
+    /// Whether so many texels, to be read this way, can be written to it.
+    pub(crate) fn has_room(&self, count: usize, fetch: Fetch) -> bool {
+        match (self, fetch) {
+            // One narrower than others has a single row.
+            (Self::Texture(view), Fetch::Texture) => {
+                view.texture().width() as usize * view.texture().height() as usize >= count
+            }
+            (Self::Buffer(buffer), Fetch::Buffer) => buffer.size() as usize / size_of::<Texel>() >= count,
+            _ => false,
+        }
+    }
+
     pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
         match self {
             Self::Texture(view) => wgpu::BindingResource::TextureView(view),

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, MaterialId, Scene, Sky};
+use super::{MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, MaterialId, Scene, Sky, Sphere};
 use crate::Error;
 
 /// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
@@ -15,6 +15,18 @@ impl Scene {
             return Ok(());
         }
         Err(format!("material {} of {}", material.0, self.materials.len()))
+    }
+
+    pub(super) fn check_sphere(&self, index: usize, sphere: &Sphere) -> Result<(), Error> {
+        let check = || {
+            check_coordinate(sphere.center)?;
+            check_coordinate(sphere.center.abs() + sphere.radius)?;
+            if sphere.radius <= 0.0 {
+                return Err(format!("radius {} is not above 0", sphere.radius));
+            }
+            self.check_material(sphere.material)
+        };
+        check().map_err(|reason| Error::Scene { element: format!("sphere {index}"), reason })
     }
 
     /// The public fields hold any value until a scene is uploaded; here they are checked.

@@ -1,10 +1,13 @@
 //! Triangle meshes: what they are given as, what becomes of them in a scene, and what is wrong with them.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 
 use super::{
     MaterialId, PRINTED_WARNINGS, Scene,
     checks::{check_coordinate, rounding_text},
+    moving::Stamp,
 };
 use crate::{
     Error,
@@ -103,24 +106,54 @@ impl Scene {
     /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, or a material that is not
     /// there.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
-        let (triangles, dropped) = (self.triangles.len(), self.dropped);
+        let (first, dropped) = (self.triangles.len(), self.dropped);
         self.push_mesh(mesh)?;
-        if self.dropped > dropped {
-            self.dropping_meshes += 1;
-            let text = match self.dropping_meshes {
-                0..=PRINTED_WARNINGS => dropped_text(self.dropped - dropped, &self.triangles[triangles..]),
-                next if next == PRINTED_WARNINGS + 1 => {
-                    "more meshes with triangles without area follow; they are counted".into()
-                }
-                _ => return Ok(()),
-            };
-            log::warn!("{}", tidy(&format!("mesh '{}': {text}", mesh.name)));
-        }
+        self.warn_of_dropped(&mesh.name, self.dropped - dropped, first..self.triangles.len());
         Ok(())
+    }
+
+    /// Says how many more of a mesh's triangles are dropped, of the first meshes that have such.
+    pub(super) fn warn_of_dropped(&mut self, name: &str, dropped: usize, of: Range<usize>) {
+        if dropped == 0 {
+            return;
+        }
+        self.dropping_meshes += 1;
+        let text = match self.dropping_meshes {
+            0..=PRINTED_WARNINGS => dropped_text(dropped, &self.triangles[of]),
+            next if next == PRINTED_WARNINGS + 1 => {
+                "more meshes with triangles without area follow; they are counted".into()
+            }
+            _ => return,
+        };
+        log::warn!("{}", tidy(&format!("mesh '{name}': {text}")));
     }
 
     /// [`Scene::add_mesh`] without a word about dropped triangles.
     pub(super) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
+        let triangles = self.checked_triangles(mesh)?;
+        let end = self.triangles.len();
+        self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: end as u32 });
+        self.replace_triangles(end..end, triangles);
+        Ok(())
+    }
+
+    /// Puts triangles in the place of others, and keeps count of what is dropped and smooth.
+    pub(super) fn replace_triangles(&mut self, range: Range<usize>, by: Vec<Triangle>) {
+        let counts = |triangles: &[Triangle]| {
+            triangles.iter().fold((0, 0), |(dropped, smooth), triangle| match triangle.is_degenerate() {
+                true => (dropped + 1, smooth),
+                false => (dropped, smooth + usize::from(triangle.is_smooth())),
+            })
+        };
+        let (before, after) = (counts(&self.triangles[range.clone()]), counts(&by));
+        self.dropped = self.dropped + after.0 - before.0;
+        self.smooth = self.smooth + after.1 - before.1;
+        self.triangles.splice(range, by);
+        self.triangles_stamp = Stamp::new();
+    }
+
+    /// A mesh's triangles, if the scene can take them.
+    pub(super) fn checked_triangles(&self, mesh: &Mesh) -> Result<Vec<Triangle>, Error> {
         let fault = |element: String, reason: String| Error::Scene {
             element: format!("mesh '{}', {element}", mesh.name),
             reason,
@@ -154,14 +187,7 @@ impl Scene {
             let corners = corners.map(|corner| mesh.positions[corner as usize]);
             triangles.push(Triangle { corners, normals, material });
         }
-        self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: self.triangles.len() as u32 });
-        for triangle in &triangles {
-            let degenerate = triangle.is_degenerate();
-            self.dropped += usize::from(degenerate);
-            self.has_normals |= !degenerate && triangle.is_smooth();
-        }
-        self.triangles.extend(triangles);
-        Ok(())
+        Ok(triangles)
     }
 }
 

@@ -5,6 +5,7 @@ mod checks;
 pub(crate) mod components;
 mod lights;
 mod mesh;
+mod moving;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
@@ -17,7 +18,8 @@ pub use sky::SkyMap;
 
 use glam::Vec3;
 
-use self::{checks::check_coordinate, mesh::Object};
+use self::mesh::Object;
+pub(crate) use self::moving::Stamp;
 use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
@@ -145,11 +147,15 @@ pub struct Scene {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     mesh_objects: Vec<Object>,
-    has_normals: bool,
+    /// How many of the triangles that are traced are smooth.
+    smooth: usize,
     /// How many of the triangles are degenerate.
     dropped: usize,
     /// How many meshes were warned of for it.
     dropping_meshes: usize,
+    /// Renewed when triangles or spheres change: equal ones are of equal primitives.
+    pub(crate) triangles_stamp: Stamp,
+    pub(crate) spheres_stamp: Stamp,
 }
 
 impl Default for Scene {
@@ -170,9 +176,11 @@ impl Scene {
             triangles: Vec::new(),
             spheres: Vec::new(),
             mesh_objects: Vec::new(),
-            has_normals: false,
+            smooth: 0,
             dropped: 0,
             dropping_meshes: 0,
+            triangles_stamp: Stamp::new(),
+            spheres_stamp: Stamp::new(),
         }
     }
 
@@ -188,16 +196,9 @@ impl Scene {
     /// [`Error::Scene`] for a centre or radius that is not finite or too large, a radius that is not above 0, or a
     /// material that is not there.
     pub fn add_sphere(&mut self, sphere: Sphere) -> Result<(), Error> {
-        let check = || {
-            check_coordinate(sphere.center)?;
-            check_coordinate(sphere.center.abs() + sphere.radius)?;
-            if sphere.radius <= 0.0 {
-                return Err(format!("radius {} is not above 0", sphere.radius));
-            }
-            self.check_material(sphere.material)
-        };
-        check().map_err(|reason| Error::Scene { element: format!("sphere {}", self.spheres.len()), reason })?;
+        self.check_sphere(self.spheres.len(), &sphere)?;
         self.spheres.push(sphere);
+        self.spheres_stamp = Stamp::new();
         Ok(())
     }
 
@@ -267,7 +268,7 @@ impl Scene {
 
     /// Some triangle that is traced has normals for smooth shading.
     pub fn has_normals(&self) -> bool {
-        self.has_normals
+        self.smooth > 0
     }
 
     /// Number of objects: meshes, then spheres.

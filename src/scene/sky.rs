@@ -49,6 +49,11 @@ impl SkyMap {
         Ok(Self { width, height, pixels: Arc::new(pixels) })
     }
 
+    /// Whether two are one map, or clones of one.
+    pub(crate) fn shares_pixels(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.pixels, &other.pixels) && (self.width, self.height) == (other.width, other.height)
+    }
+
     /// A sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
     ///
     /// # Errors

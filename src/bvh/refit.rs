@@ -1,0 +1,166 @@
+//! A tree whose primitives moved: its shape is kept, and its boxes are made anew from the leaves up. (obvhs can do this to its own
+//! tree; that has to be kept for it, which takes eight times the memory of the packed tree's links.)
+
+use std::sync::Arc;
+
+use obvhs::aabb::Aabb;
+use rustc_hash::FxHashMap;
+
+use super::{
+    Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, geometry, has_fine_detail, is_empty, push_primitive,
+};
+use crate::{
+    Boxes, Error, Scene,
+    scene::{Stamp, components},
+};
+
+/// What a refit keeps of a tree that was packed.
+#[derive(Clone, Debug)]
+pub(crate) struct TreeShape {
+    /// Both links of each pair. Pairs stand behind those above them.
+    links: Arc<Vec<[u32; 2]>>,
+    /// The scene's id of each primitive, in leaf order.
+    ids: Arc<Vec<u32>>,
+    /// Primitives that were left out, each with the one that it was an exact copy of.
+    copies: Arc<Vec<(u32, u32)>>,
+    stack_size: u32,
+    triangles: usize,
+    spheres: usize,
+    components: Arc<Vec<u32>>,
+    stamps: [Stamp; 2],
+}
+
+fn stamps(scene: &Scene) -> [Stamp; 2] {
+    [scene.triangles_stamp, scene.spheres_stamp]
+}
+
+impl TreeShape {
+    /// Of what was built of this scene.
+    pub(crate) fn of(scene: &Scene, packed: &PackedBvh) -> Self {
+        let has_pairs = !packed.ids.is_empty();
+        let pairs = packed.nodes.chunks_exact(packed.pair_texels).filter(|_| has_pairs);
+        Self {
+            links: Arc::new(pairs.map(|pair| [pair[0][3], pair[packed.pair_texels / 2][3]]).collect()),
+            ids: Arc::new(packed.ids.clone()),
+            copies: Arc::new(copies(scene, &packed.ids)),
+            stack_size: packed.stack_size,
+            triangles: scene.triangles().len(),
+            spheres: scene.spheres().len(),
+            components: packed.components.clone(),
+            stamps: stamps(scene),
+        }
+    }
+
+    /// The same after a refit to this scene.
+    pub(crate) fn refitted(&self, scene: &Scene, packed: &PackedBvh) -> Self {
+        Self { components: packed.components.clone(), stamps: stamps(scene), ..self.clone() }
+    }
+
+    /// Whether it was made or refitted last with just these primitives.
+    pub(crate) fn is_of(&self, scene: &Scene) -> bool {
+        self.stamps == stamps(scene)
+    }
+
+    /// The tree of this shape over the scene as it is now. A triangle that lost its area keeps its place in its leaf, but what stands
+    /// there is one more copy of another primitive: where it is tested twice, no hit changes.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where the tree does not hold all primitives that are traced now.
+    pub(crate) fn refit(&self, scene: &Scene, kind: Boxes) -> Result<PackedBvh, Error> {
+        let boxes: Vec<Aabb> = boxes_of(scene).collect();
+        self.check(scene, &boxes)?;
+        check_materials(scene)?;
+        let same_triangles = self.stamps[0] == scene.triangles_stamp && self.spheres == scene.spheres().len();
+        let components = if same_triangles { self.components.clone() } else { Arc::new(components::of(scene)) };
+        let Some(&stand_in) = self.ids.iter().find(|&&id| !is_empty(&boxes[id as usize])) else {
+            return Ok(PackedBvh::empty(kind, components));
+        };
+        let pairs = self.pair_boxes(&boxes);
+        let root = pairs[0][0].union(&pairs[0][1]);
+        let traced = || boxes.iter().filter(|one| !is_empty(one)).copied();
+        let grid = Grid::around(&root, kind == Boxes::F32 && has_fine_detail(traced()));
+        let mut nodes = Vec::with_capacity(2 * pairs.len() * child_texels(kind));
+        for (boxes, links) in pairs.iter().zip(&*self.links) {
+            for (aabb, &link) in boxes.iter().zip(links) {
+                // What has nothing left in it is a point in the scene's corner, where hardly any ray comes by.
+                let (low, high) = if is_empty(aabb) { (root.min, root.min) } else { (aabb.min, aabb.max) };
+                nodes.extend(grid.pack(kind, low.into(), high.into(), link));
+            }
+        }
+        let is_traced = |id: u32| !is_empty(&boxes[id as usize]);
+        let ids: Vec<u32> = self.ids.iter().map(|&id| if is_traced(id) { id } else { stand_in }).collect();
+        let mut primitives = Vec::with_capacity(ids.len() * if scene.has_normals() { 4 } else { 3 });
+        ids.iter().for_each(|&id| push_primitive(&mut primitives, scene, &components, id));
+        Ok(PackedBvh {
+            uniform: grid.uniform(),
+            nodes,
+            pair_texels: 2 * child_texels(kind),
+            primitives,
+            ids,
+            components,
+            world_boxes: grid.world,
+            stack_size: self.stack_size,
+        })
+    }
+
+    /// The boxes of each pair's children, from the last pair to the root's.
+    fn pair_boxes(&self, boxes: &[Aabb]) -> Vec<[Aabb; 2]> {
+        let mut pairs = vec![[Aabb::empty(); 2]; self.links.len()];
+        for pair in (0..pairs.len()).rev() {
+            pairs[pair] = self.links[pair].map(|link| {
+                if link & LEAF == 0 {
+                    let [a, b] = pairs[link as usize];
+                    return a.union(&b);
+                }
+                let (first, count) = ((link & 0x0fff_ffff) as usize, (link >> 28 & 7) as usize + 1);
+                let held = self.ids[first..first + count].iter().map(|&id| boxes[id as usize]);
+                held.fold(Aabb::empty(), |sum, one| sum.union(&one))
+            });
+        }
+        pairs
+    }
+
+    /// Whether all that is traced now is in the tree.
+    fn check(&self, scene: &Scene, boxes: &[Aabb]) -> Result<(), Error> {
+        let fault = |element: String, reason: String| {
+            Err(Error::Scene { element, reason: format!("{reason}; use Update::Rebuild") })
+        };
+        let count = |triangles, spheres| format!("{triangles} triangles and {spheres} spheres");
+        let now = [scene.triangles().len(), scene.spheres().len()];
+        if now != [self.triangles, self.spheres] {
+            let (now, then) = (count(now[0], now[1]), count(self.triangles, self.spheres));
+            return fault("geometry".into(), format!("the tree to refit was built of {then}, and these are {now}"));
+        }
+        let mut held = vec![false; boxes.len()];
+        self.ids.iter().for_each(|&id| held[id as usize] = true);
+        for &(copy, of) in &*self.copies {
+            held[copy as usize] = true;
+            if !is_empty(&boxes[copy as usize]) && geometry(scene, copy) != geometry(scene, of) {
+                let reason = format!("the tree to refit has none, since it was an exact copy of primitive {of}");
+                return fault(format!("primitive {copy}"), reason);
+            }
+        }
+        match (0..boxes.len()).find(|&id| !held[id] && !is_empty(&boxes[id])) {
+            None => Ok(()),
+            Some(id) => {
+                let reason = "the tree to refit has none, since it was without area".into();
+                fault(format!("triangle {id}"), reason)
+            }
+        }
+    }
+}
+
+/// The primitives that are traced and not among these, and what they are copies of.
+fn copies(scene: &Scene, ids: &[u32]) -> Vec<(u32, u32)> {
+    let mut held = vec![false; scene.primitive_count()];
+    ids.iter().for_each(|&id| held[id as usize] = true);
+    let traced = |id: u32| scene.triangles().get(id as usize).is_none_or(|triangle| !triangle.is_degenerate());
+    let copies: Vec<u32> = (0..held.len() as u32).filter(|&id| !held[id as usize] && traced(id)).collect();
+    let mut first: FxHashMap<_, u32> = copies.iter().map(|&id| (geometry(scene, id), id)).collect();
+    if !copies.is_empty() {
+        for &id in ids {
+            first.entry(geometry(scene, id)).and_modify(|of| *of = id);
+        }
+    }
+    copies.iter().map(|&id| (id, first[&geometry(scene, id)])).collect()
+}

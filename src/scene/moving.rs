@@ -1,0 +1,264 @@
+//! Scenes that change from picture to picture: [`Renderer::update`](crate::Renderer::update) brings the change to the device.
+
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering},
+};
+
+use glam::{Affine3A, DVec3, Vec3};
+
+use super::{Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate};
+use crate::{Error, message::counted};
+
+/// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
+const ROUND: f64 = 1e-5;
+
+/// A number that nothing else in this process has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stamp(u64);
+
+impl Stamp {
+    pub(super) fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+impl Scene {
+    /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and again adds up
+    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`] or [`Scene::set_sphere`]. Triangles that it
+    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does.
+    ///
+    /// ```
+    /// use stereotrace::{MaterialId, Scene, Sphere, glam::{Affine3A, Vec3}};
+    ///
+    /// let mut scene = Scene::new();
+    /// scene.add_sphere(Sphere::new(Vec3::X, 1.0, MaterialId(0)))?;
+    /// scene.transform_object(0, &Affine3A::from_translation(Vec3::Y))?;
+    /// assert_eq!(scene.spheres()[0].center, Vec3::new(1.0, 1.0, 0.0));
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an object that is not there, where a coordinate becomes infinite, no number or larger than
+    /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor that is not the same
+    /// in all directions, or sheared. The scene then stays as it was.
+    pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
+        match self.place_of(object)? {
+            Place::Sphere(index) => {
+                let sphere = self.spheres[index];
+                let scale = scale_of(transform)
+                    .map_err(|reason| Error::Scene { element: format!("sphere {index}"), reason })?;
+                let center = transform.transform_point3(sphere.center);
+                let radius = (f64::from(sphere.radius) * scale) as f32;
+                self.set_sphere(object, Sphere { center, radius, ..sphere })
+            }
+            Place::Triangles(range) => {
+                let moved = self.triangles[range.clone()].iter().map(|triangle| transformed(triangle, transform));
+                let moved: Vec<Triangle> = moved.collect();
+                for (index, triangle) in moved.iter().enumerate() {
+                    let check = triangle.corners.into_iter().try_for_each(check_coordinate);
+                    check.map_err(|reason| Error::Scene {
+                        element: format!("mesh '{}', triangle {index}, transformed", self.object_name(object)),
+                        reason,
+                    })?;
+                }
+                self.replace_and_warn(object, range, moved);
+                Ok(())
+            }
+        }
+    }
+
+    /// Puts another mesh in the place of a mesh, as the same object. Where the number of triangles changes, so do the ids of all
+    /// primitives behind them, and the scene must be updated by [`Update::Rebuild`](crate::Update).
+    ///
+    /// # Errors
+    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is a sphere. The scene then stays as it
+    /// was.
+    pub fn set_mesh(&mut self, object: u32, mesh: &Mesh) -> Result<(), Error> {
+        let Place::Triangles(range) = self.place_of(object)? else {
+            let reason = "it is a sphere: use set_sphere".into();
+            return Err(Error::Scene { element: format!("object {object}"), reason });
+        };
+        let triangles = self.checked_triangles(mesh)?;
+        for later in &mut self.mesh_objects[object as usize + 1..] {
+            later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
+        }
+        self.mesh_objects[object as usize].name.clone_from(&mesh.name);
+        self.replace_and_warn(object, range, triangles);
+        Ok(())
+    }
+
+    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is a mesh. The scene then stays as it
+    /// was.
+    pub fn set_sphere(&mut self, object: u32, sphere: Sphere) -> Result<(), Error> {
+        let Place::Sphere(index) = self.place_of(object)? else {
+            let reason = "it is a mesh: use set_mesh".into();
+            return Err(Error::Scene { element: format!("object {object}"), reason });
+        };
+        self.check_sphere(index, &sphere)?;
+        self.spheres[index] = sphere;
+        self.spheres_stamp = Stamp::new();
+        Ok(())
+    }
+
+    /// Puts another material in the place of one.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a material that is not there.
+    pub fn set_material(&mut self, id: MaterialId, material: Material) -> Result<(), Error> {
+        let check = self.check_material(id);
+        check.map_err(|reason| Error::Scene { element: format!("material '{}'", material.name), reason })?;
+        self.materials[id.0 as usize] = material;
+        Ok(())
+    }
+
+    fn replace_and_warn(&mut self, object: u32, range: Range<usize>, by: Vec<Triangle>) {
+        let (dropped, whole) = (self.dropped, range.start..range.start + by.len());
+        self.replace_triangles(range, by);
+        let name = self.object_name(object).to_owned();
+        self.warn_of_dropped(&name, self.dropped.saturating_sub(dropped), whole);
+    }
+
+    fn place_of(&self, object: u32) -> Result<Place, Error> {
+        let object = object as usize;
+        if object >= self.object_count() {
+            let reason = format!("the scene has {}", counted(self.object_count(), "object", "objects"));
+            return Err(Error::Scene { element: format!("object {object}"), reason });
+        }
+        let first = |object: usize| self.mesh_objects.get(object).map(|mesh| mesh.first_primitive as usize);
+        Ok(match first(object) {
+            Some(begin) => Place::Triangles(begin..first(object + 1).unwrap_or(self.triangles.len())),
+            None => Place::Sphere(object - self.mesh_objects.len()),
+        })
+    }
+}
+
+/// Where an object's primitives stand among triangles or spheres.
+enum Place {
+    Triangles(Range<usize>),
+    Sphere(usize),
+}
+
+fn axes(transform: &Affine3A) -> [DVec3; 3] {
+    [transform.x_axis, transform.y_axis, transform.z_axis].map(|axis| Vec3::from(axis).as_dvec3())
+}
+
+/// By how much a transform scales spheres.
+fn scale_of(transform: &Affine3A) -> Result<f64, String> {
+    let [x, y, z] = axes(transform);
+    let lengths = [x, y, z].map(DVec3::length);
+    let scale = lengths.iter().sum::<f64>() / 3.0;
+    let is_equal = lengths.iter().all(|length| (length - scale).abs() <= ROUND * scale);
+    let is_square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|dot| dot.abs() <= ROUND * scale * scale);
+    if !scale.is_finite() || (is_equal && is_square) {
+        return Ok(scale); // what is not finite is refused with the coordinates
+    }
+    let [x, y, z] = lengths;
+    let shear = if is_square { "" } else { ", and sheared" };
+    Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; only by one factor does it stay a sphere"))
+}
+
+/// Normals go by the cofactors: by the inverse transposed, but for a factor, and they are there where the inverse is not.
+fn transformed(triangle: &Triangle, transform: &Affine3A) -> Triangle {
+    let [x, y, z] = axes(transform);
+    let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
+    let side = if x.dot(cofactors[0]) < 0.0 { -1.0 } else { 1.0 };
+    let normal = |normal: Vec3| {
+        let [a, b, c] = normal.as_dvec3().to_array();
+        (side * (cofactors[0] * a + cofactors[1] * b + cofactors[2] * c)).normalize_or_zero().as_vec3()
+    };
+    Triangle {
+        corners: triangle.corners.map(|corner| transform.transform_point3(corner)),
+        normals: triangle.normals.map(normal),
+        material: triangle.material,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let mut scene = Scene::new();
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let normals = vec![[Vec3::Z; 3]];
+        scene.add_mesh(&Mesh::new(corners.clone(), vec![[0, 1, 2]]).normals(normals).name("sail")).unwrap();
+        scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 0, 1]])).unwrap();
+        scene.add_sphere(Sphere::new(Vec3::X, 1.0, MaterialId(0))).unwrap();
+        scene
+    }
+
+    #[test]
+    fn an_object_moves_alone_with_normals_across_its_triangles() {
+        let mut scene = scene();
+        let others = scene.triangles()[1..].to_vec();
+        let shear =
+            Affine3A::from_cols(Vec3::X.into(), Vec3::Y.into(), Vec3::new(3.0, 0.0, 0.5).into(), Vec3::Z.into());
+        let turn = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(1.0, 2.0, 3.0));
+        let mirror = Affine3A::from_scale(Vec3::new(-2.0, 1.0, 0.3));
+        for transform in [shear, turn, mirror] {
+            scene.transform_object(0, &transform).unwrap();
+            let Triangle { corners: [a, b, c], normals, .. } = scene.triangles()[0];
+            for normal in normals {
+                assert!((normal.length() - 1.0).abs() < 1e-6, "{normal}");
+                assert!(normal.dot(b - a).abs() < 1e-6 && normal.dot(c - a).abs() < 1e-6, "{normal}");
+            }
+        }
+        assert_eq!(
+            scene.triangles()[1..].iter().map(|t| t.corners).collect::<Vec<_>>(),
+            [others[0].corners, others[1].corners]
+        );
+        assert!(scene.has_normals());
+        scene.transform_object(0, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
+        assert!(!scene.has_normals() && scene.degenerate_count() == 2);
+    }
+
+    #[test]
+    fn spheres_scale_alike_in_all_directions_or_not_at_all() {
+        let mut scene = scene();
+        let turn = Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), Quat::from_rotation_x(2.0), Vec3::Z);
+        scene.transform_object(2, &turn).unwrap();
+        assert!((scene.spheres()[0].radius - 2.0).abs() < 1e-6);
+        let before = scene.spheres()[0];
+        let shear =
+            Affine3A::from_cols(Vec3::X.into(), Vec3::new(0.6, 0.8, 0.0).into(), Vec3::Z.into(), Vec3::ZERO.into());
+        for (transform, word) in [
+            (Affine3A::from_scale(Vec3::new(1.0, 1.0, 1.1)), "1.1"),
+            (shear, "sheared"),
+            (Affine3A::from_scale(Vec3::ZERO), "radius 0"),
+            (Affine3A::from_translation(Vec3::splat(f32::NAN)), "NaN"),
+            (Affine3A::from_scale(Vec3::splat(f32::INFINITY)), "finite"),
+            (Affine3A::from_translation(Vec3::splat(1e9)), "1000000000"),
+        ] {
+            let message = scene.transform_object(2, &transform).unwrap_err().to_string();
+            assert!(message.contains("sphere 0") && message.contains(word), "{message}");
+            assert_eq!(scene.spheres()[0], before);
+        }
+    }
+
+    #[test]
+    fn another_mesh_shifts_what_stands_behind_it_and_faults_change_nothing() {
+        let mut scene = scene();
+        let quad = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::Y], vec![[0, 1, 2], [0, 2, 3], [1, 1, 1]]);
+        scene.set_mesh(0, &quad.clone().name("quad")).unwrap();
+        assert_eq!((0..6).map(|id| scene.object_of(id)).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 2]);
+        assert_eq!((scene.object_name(0), scene.degenerate_count(), scene.has_normals()), ("quad", 2, false));
+        let fault = |result: Result<(), Error>| result.unwrap_err().to_string();
+        assert!(fault(scene.set_mesh(2, &quad)).contains("set_sphere"));
+        assert!(fault(scene.set_mesh(3, &quad)).contains("3 objects"));
+        assert!(fault(scene.set_sphere(1, scene.spheres()[0])).contains("set_mesh"));
+        assert!(fault(scene.set_sphere(2, Sphere::new(Vec3::ZERO, -1.0, MaterialId(0)))).contains("radius -1"));
+        assert!(fault(scene.set_mesh(1, &Mesh::new(vec![Vec3::NAN], vec![]))).contains("NaN"));
+        assert!(fault(scene.transform_object(1, &Affine3A::from_scale(Vec3::splat(1e30)))).contains("triangle 0"));
+        assert!(fault(scene.set_material(MaterialId(7), Material::new(Vec3::ONE))).contains("material 7 of 1"));
+        assert_eq!((scene.primitive_count(), scene.spheres()[0].radius), (6, 1.0));
+        scene.set_material(MaterialId(0), Material::new(Vec3::ONE)).unwrap();
+        assert_eq!(scene.materials()[0].albedo, Vec3::ONE);
+    }
+}
