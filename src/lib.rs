@@ -39,6 +39,7 @@
 //!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky, trace_bounded and
 //!                                shade_listed for resolve_right)
 //!              ─▶ take_over      reused pixels become those of their source
+//!              all of a band of rows, then the next band
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
