@@ -1,0 +1,97 @@
+//! How comfortable a pair is to look at (thesis, section 2.3.2 and equation 12).
+
+use super::{HUMAN_INTERAXIAL, Pose};
+
+impl Pose {
+    /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where
+    /// there is sky), on a display `display_width` metres wide.
+    pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
+        let width = self.size[0] as f32;
+        let positive_px = self.parallax_px(farthest).max(0.0);
+        let negative_px = self.parallax_px(nearest).min(0.0);
+        Comfort {
+            interaxial_ratio: self.interaxial_px / width,
+            interaxial_limit: HUMAN_INTERAXIAL / display_width,
+            nearest_ratio: nearest / self.screen_distance,
+            positive_parallax_px: positive_px,
+            negative_parallax_px: negative_px,
+            positive_parallax_percent: 100.0 * positive_px / width,
+            negative_parallax_percent: 100.0 * negative_px / width,
+            display_width,
+        }
+    }
+}
+
+/// How comfortable a stereo pair is to look at. It warns and never refuses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Comfort {
+    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side).
+    pub interaxial_ratio: f32,
+    /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
+    pub interaxial_limit: f32,
+    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2).
+    pub nearest_ratio: f32,
+    /// Largest parallax behind the screen, pixels, at least 0.
+    pub positive_parallax_px: f32,
+    /// Largest parallax before the screen, pixels, at most 0.
+    pub negative_parallax_px: f32,
+    /// The same in percent of the picture's width.
+    pub positive_parallax_percent: f32,
+    /// The same in percent of the picture's width.
+    pub negative_parallax_percent: f32,
+    /// Width of the display in metres that this holds for.
+    pub display_width: f32,
+}
+
+impl Comfort {
+    /// The eyes need not diverge (thesis, eq. 12).
+    pub fn converges(&self) -> bool {
+        self.interaxial_ratio < self.interaxial_limit
+    }
+
+    /// Nothing is nearer than half the screen's distance (thesis, section 2.3.2).
+    pub fn nothing_too_near(&self) -> bool {
+        self.nearest_ratio >= 0.5
+    }
+
+    /// What is uncomfortable, a sentence each; empty if all is well.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if !self.converges() {
+            warnings.push(format!(
+                "the interaxial is {:.2}% of the width, over the {:.2}% at which eyes diverge on a display {:.2} m wide",
+                100.0 * self.interaxial_ratio,
+                100.0 * self.interaxial_limit,
+                self.display_width
+            ));
+        }
+        if !self.nothing_too_near() {
+            warnings.push(format!(
+                "the nearest surface is at {:.2} of the screen's distance, nearer than one half",
+                self.nearest_ratio
+            ));
+        }
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use crate::StereoCamera;
+
+    #[test]
+    fn comfort_follows_equation_12() {
+        let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(200, 100).screen_width(4.0);
+        let pose = camera.screen_distance(5.0).interaxial(0.2).pose().unwrap();
+        let comfort = pose.comfort(2.6, f32::INFINITY, 0.5);
+        assert_eq!(comfort.interaxial_ratio, 0.05);
+        assert!(comfort.converges() && comfort.nothing_too_near() && comfort.warnings().is_empty());
+        assert_eq!(comfort.positive_parallax_percent, 5.0);
+        let cinema = pose.comfort(2.4, 10.0, 12.0);
+        assert!(!cinema.converges() && !cinema.nothing_too_near());
+        assert_eq!(cinema.warnings().len(), 2);
+    }
+}
