@@ -68,7 +68,7 @@ pub(crate) struct PackedBvh {
     pub(crate) ids: Vec<u32>,
     /// The connected component of each primitive by its id, as `scene::components` says.
     pub(crate) components: Arc<Vec<u32>>,
-    /// Boxes stand in world coordinates, see `shaders/shared/boxes_world.wgsl`.
+    /// Boxes stand in world coordinates, see `shaders/shared/boxes.wgsl`.
     pub(crate) world_boxes: bool,
     /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
@@ -221,7 +221,7 @@ impl Grid {
         }
     }
 
-    /// A box and its link in texels: see `shaders/shared/boxes_16bit.wgsl` and `boxes_f32.wgsl`.
+    /// A box and its link in texels: see `shaders/shared/boxes.wgsl`.
     fn pack(&self, kind: Boxes, low: Vec3, high: Vec3, link: u32) -> Vec<Texel> {
         match kind {
             Boxes::Grid16 => {
@@ -384,7 +384,7 @@ fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     *small < side(&all) * FINE_DETAIL
 }
 
-/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/normal_smooth.wgsl`.
+/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/triangle.wgsl`.
 fn pack_normal(normal: Vec3) -> u32 {
     let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };

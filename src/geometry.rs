@@ -1,4 +1,4 @@
-//! A BVH as the one texture or storage buffer that kernels read it from (`shaders/shared/fetch_*.wgsl`).
+//! A BVH as the one texture or storage buffer that kernels read it from (`shaders/shared/fetch.wgsl`).
 //!
 //! The root's pair comes first, then the primitives, then all other pairs. So the primitives begin at the same place whatever
 //! the scene's size, and kernels need neither a text of their own for it nor an addition; where the other pairs begin only
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::{Boxes, BvhBuild, MaterialId, Scene, Sphere, bvh, random::Random};
 
-    /// Reads as `shaders/shared/fetch_*.wgsl` do.
+    /// Reads as `shaders/shared/fetch.wgsl` does.
     fn primitive_texel(texels: &[Texel], fetch: Fetch, pair: usize, each: usize, slot: usize, texel: usize) -> Texel {
         texels[match fetch {
             Fetch::Texture => ((slot >> 13) * each + 1 + texel) * 8192 + (slot & 8191),

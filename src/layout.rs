@@ -74,7 +74,7 @@ pub(crate) const LIST_WORKGROUP: u32 = 64;
 /// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
-/// Words of what is found in a tile (`shaders/shared/found.wgsl`).
+/// Words of what is found in a tile (`shaders/shared/lists.wgsl`).
 pub(crate) const TILE_WORDS: u32 = 641;
 
 /// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).

@@ -40,48 +40,32 @@ pub(crate) use part;
 pub(crate) type Choice = (&'static str, &'static str);
 
 macro_rules! shared {
-    ($($name:literal $(if $condition:literal)?,)*) => {
-        &[$((part!(concat!("shared/", $name, ".wgsl")), concat!("", $($condition)?))),*]
+    ($($name:literal,)*) => {
+        &[$(part!(concat!("shared/", $name, ".wgsl"))),*]
     };
 }
 
-/// All files of `shaders/shared/`. A condition here holds for the whole file, as a section would.
-pub(crate) const SHARED: &[(Part, &str)] = shared![
-    "append",
+/// All files of `shaders/shared/`.
+pub(crate) const SHARED: &[Part] = shared![
     "bits",
-    "bounds_mixed" if "primitives is mixed",
-    "bounds_sphere",
-    "bounds_spheres" if "primitives is spheres",
-    "bounds_triangle" if "primitives is triangles or mixed",
-    "bounds_triangles" if "primitives is triangles",
+    "bounds",
     "boxes",
-    "bvh" if "primitives is triangles or spheres or mixed",
-    "bvh_empty" if "primitives is none",
-    "count",
+    "bvh",
     "double_float",
-    "fetch_buffer" if "fetch is buffer",
-    "fetch_texture" if "fetch is texture",
-    "found",
+    "fetch",
     "in_steps",
     "lane",
     "lights",
     "linear",
-    "listed_pixels",
-    "listed_tile",
     "lists",
     "primitives",
     "ray_list",
-    "rays",
     "reprojection",
-    "samples_none" if "samples is none",
-    "samples_read" if "samples is read",
-    "samples_written" if "samples is written",
+    "samples",
     "shade",
     "shadows",
     "sky",
     "sphere",
-    "table",
-    "tile",
     "tiles",
     "triangle",
     "types",
@@ -128,7 +112,7 @@ struct Library {
 }
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
-    let definitions: Vec<_> = SHARED.iter().flat_map(|(part, when)| definitions(*part, Condition::of(when))).collect();
+    let definitions: Vec<_> = SHARED.iter().flat_map(|part| definitions(*part)).collect();
     let mut by_name = HashMap::<_, Vec<_>>::new();
     for (index, definition) in definitions.iter().enumerate() {
         by_name.entry(definition.name).or_default().push(index);
@@ -140,7 +124,7 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
 /// its file and line (`// shared/lane.wgsl:7`), so that whoever reads the text, a compiler's message about it too, finds
 /// the source.
 pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
-    let own = definitions(main, None);
+    let own = definitions(main);
     let mut taken = vec![false; LIBRARY.definitions.len()];
     let mut wanted: Vec<&str> = own.iter().flat_map(|definition| &definition.uses).copied().collect();
     while let Some(name) = wanted.pop() {
@@ -179,16 +163,16 @@ pub(crate) fn shared() -> &'static [Definition] {
     &LIBRARY.definitions
 }
 
-/// The top-level definitions of a file, all of which is there on a condition, or each section on its own.
-pub(crate) fn definitions(part: Part, whole: Option<Condition>) -> Vec<Definition> {
+/// The top-level definitions of a file, each with the condition of its section.
+pub(crate) fn definitions(part: Part) -> Vec<Definition> {
     let mut found = Vec::new();
-    let mut when = whole.clone();
+    let mut when = None;
     let mut words = Vec::new();
     let mut begin = 0;
     let mut depth = 0;
     for (at, word) in words_of(part.text) {
         if let Some(marker) = word.strip_prefix("//!") {
-            when = marker.trim().strip_prefix("if ").map_or(whole.clone(), Condition::of);
+            when = marker.trim().strip_prefix("if ").and_then(Condition::of);
         }
         if word.starts_with("//") {
             continue;

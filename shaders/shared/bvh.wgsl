@@ -85,8 +85,6 @@ const NO_ENTRY: f32 = 3.402e38;
 const NEVER: f32 = -3.402e38;
 
 override COUNT: bool = false;
-var<private> nodes_visited: u32;
-var<private> primitives_tested: u32;
 // A loop ended before its work did. llvmpipe ends all loops of a thread after 65,535 rounds together, without a word.
 var<private> cut_short: bool;
 
@@ -296,6 +294,15 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     return smallest(select(F(NO_ENTRY), entry, entry <= exit));
 }
 
+// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS.
+fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
+    return traverse(rays, t_min, t_max, true).slot;
+}
+
+//! if primitives is triangles or spheres or mixed
+var<private> nodes_visited: u32;
+var<private> primitives_tested: u32;
+
 // The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER leaves
 // a ray out.
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
@@ -307,7 +314,16 @@ fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
 
-// The place among the primitives of something that is, or MISS.
-fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
-    return traverse(rays, t_min, t_max, true).slot;
+//! if primitives is none
+// No traversal in the kernel: nothing is ever hit.
+
+const nodes_visited: u32 = 0u;
+const primitives_tested: u32 = 0u;
+
+fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
+    return Hits(t_max, U(MISS), U(0u));
+}
+
+fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
+    return t_max < t_max;
 }

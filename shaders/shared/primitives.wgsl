@@ -73,3 +73,8 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
     }
     return triangle_surface(rays, hits, ray);
 }
+
+//! if primitives is none
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return Surface(vec3f(0.0), vec3f(0.0), 0u, 0u, 0.0);
+}

@@ -1,4 +1,5 @@
-// Structs and sentinels that every kernel shares; the structs stand in src/layout.rs too, and a test compares them.
+// What every kernel shares: structs, sentinels, which pixel is a thread's, and counters. The structs and the counters' places stand in
+// src/layout.rs too, and a test compares them.
 
 // Depth of a ray that hits nothing; WGSL has no infinity.
 const FAR: f32 = 3.4e38;
@@ -43,7 +44,7 @@ const LIST_WORKGROUP: u32 = 64u;
 struct Pixel {
     depth: f32,     // along the view axis; FAR: nothing hit
     slot: u32,      // place among the primitives of what was hit; MISS: nothing
-    marks: u32,     // of the views that are not traced: marks.wgsl
+    marks: u32,     // of the views that are not traced: reprojection.wgsl
     color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
 }
 
@@ -91,3 +92,23 @@ const FARTHEST_DEPTH: u32 = 7u;
 const CUT_SHORT: u32 = 8u;
 const GAP_PIXELS: u32 = 9u;
 const CHOSEN: u32 = 10u;
+
+// Adds what this thread did to its row's counters of the view.
+fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {
+    let words = row * COUNTERS;
+    if cut_short { atomicAdd(&counters[words + CUT_SHORT], 1u); }
+    if shadow > 0u { atomicAdd(&counters[words + SHADOW_RAYS], shadow); }
+    if COUNT {
+        atomicAdd(&counters[words + NODES_VISITED], nodes);
+        atomicAdd(&counters[words + PRIMITIVES_TESTED], primitives);
+    }
+}
+
+override COST_MAP: bool = false;
+
+// Adds what this thread did to its pixel; such a pipeline has one ray a lane. The map stands behind the rows' counters.
+fn count_pixel(pixel: vec2u) {
+    if COST_MAP {
+        atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);
+    }
+}

@@ -3,7 +3,7 @@
 use super::{Gpu, wait::oneshot};
 use crate::{Error, bvh::Texel, traversal::Fetch};
 
-/// Width of the textures that hold a scene (`shaders/shared/fetch_texture.wgsl`).
+/// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
 /// Texels that are handed to the driver at a time: whole rows of those textures, 16 MiB.

@@ -310,7 +310,7 @@ fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
         names.filter(|name| name.ends_with(".wgsl")).collect::<BTreeSet<_>>()
     };
     assert_eq!(folder(""), ALL.iter().map(|kernel| kernel.main.file.to_owned()).collect());
-    assert_eq!(folder("shared/"), SHARED.iter().map(|(part, _)| part.file.to_owned()).collect());
+    assert_eq!(folder("shared/"), SHARED.iter().map(|part| part.file.to_owned()).collect());
     let texts: Vec<_> = modules().into_iter().map(|(_, _, text)| text).collect();
     let lines: BTreeSet<_> = texts.iter().flat_map(|text| text.lines()).collect();
     let unused: Vec<_> = wgsl::shared()
@@ -397,7 +397,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
 
 #[test]
 fn counters_and_marks_have_the_same_numbers_in_both_languages() {
-    let types: String = SHARED.iter().map(|(part, _)| part.text).collect();
+    let types: String = SHARED.iter().map(|part| part.text).collect();
     for (name, value) in [
         ("WORKGROUP", layout::WORKGROUP),
         ("LIST_WORKGROUP", layout::LIST_WORKGROUP),

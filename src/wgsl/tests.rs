@@ -8,7 +8,7 @@ fn part(text: &'static str) -> Part {
 
 /// What the first definition of a text may use, less WGSL's own words.
 fn uses(text: &'static str) -> Vec<&'static str> {
-    let mut used = definitions(part(text), None).remove(0).uses;
+    let mut used = definitions(part(text)).remove(0).uses;
     used.retain(|word| !["case", "const", "fn", "let", "return", "struct", "switch", "u32", "var"].contains(word));
     used
 }
@@ -18,7 +18,7 @@ fn definitions_are_found_by_name_and_line() {
     let text = "// fn none() {}\nstruct A { x: f32 }\n\nalias F = vec4<bool>;\n@group(0) @binding(1) var<storage, read> b: array<A>;\n\
                 const C: u32 = (1u + 2u); override D: bool = false;\n@compute @workgroup_size(8, 8)\nfn e(id: vec3u) -> u32 {\n    \
                 if true { return 1u; }\n}\nvar<private> g: F;";
-    let found: Vec<_> = definitions(part(text), None).into_iter().map(|found| (found.name, found.line)).collect();
+    let found: Vec<_> = definitions(part(text)).into_iter().map(|found| (found.name, found.line)).collect();
     assert_eq!(found, [("A", 2), ("F", 4), ("b", 5), ("C", 6), ("D", 6), ("e", 7), ("g", 11)]);
 }
 
@@ -35,7 +35,7 @@ fn comments_members_numbers_and_a_definition_s_own_names_are_not_used() {
 #[test]
 fn sections_end_at_the_next_one_at_an_end_and_with_the_file() {
     let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n//! end\nconst D = 1;";
-    let found = definitions(part(text), None);
+    let found = definitions(part(text));
     let when = |name| found.iter().find(|found| found.name == name).unwrap().when.clone();
     assert_eq!((when("A"), when("D")), (None, None));
     assert_eq!(when("B"), Some(Condition { choice: "sky", values: vec!["map"] }));
@@ -51,7 +51,7 @@ fn every_line_of_a_text_is_told_by_file_and_line() {
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with("// ")) {
         let origin = origin(&text, index + 1).unwrap();
         let (file, number) = origin.split_once(':').unwrap();
-        let source = SHARED.iter().map(|(part, _)| *part).chain([main]).find(|part| part.file == file).unwrap();
+        let source = SHARED.iter().copied().chain([main]).find(|part| part.file == file).unwrap();
         assert_eq!(source.text.lines().nth(number.parse::<usize>().unwrap() - 1), Some(line), "{origin}");
     }
     assert!(text.contains("fn pixel_index") && !text.contains("struct Frame"));
@@ -60,7 +60,7 @@ fn every_line_of_a_text_is_told_by_file_and_line() {
 /// One that is misspelt would be a comment.
 #[test]
 fn markers_stand_in_shared_files_and_are_whole() {
-    for (line, file) in SHARED.iter().flat_map(|(part, _)| part.text.lines().map(|line| (line, part.file))) {
+    for (line, file) in SHARED.iter().flat_map(|part| part.text.lines().map(|line| (line, part.file))) {
         let marker = line.split_once("//!").map(|(_, marker)| marker.trim());
         let condition = |marker: &'static str| Condition::of(marker.strip_prefix("if ")?);
         assert!(marker.is_none_or(|marker| marker == "end" || condition(marker).is_some()), "{file}: {line}");

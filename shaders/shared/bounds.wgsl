@@ -1,3 +1,35 @@
+// Bounds of a primitive's projection, and the blocks of a tile that may lie within its edges.
+
+//! if primitives is triangles
+fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
+    return triangle_bounds(primitive, projection);
+}
+
+fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
+    return triangle_blocks(primitive, tile);
+}
+
+//! if primitives is spheres
+fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
+    return sphere_bounds(primitive, projection);
+}
+
+// A sphere has no edges: its bounds are all there is.
+fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
+    return ALL_BLOCKS;
+}
+
+//! if primitives is mixed
+fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
+    if is_sphere(primitive) { return sphere_bounds(primitive, projection); }
+    return triangle_bounds(primitive, projection);
+}
+
+fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
+    return select(triangle_blocks(primitive, tile), ALL_BLOCKS, is_sphere(primitive));
+}
+
+//! end
 // Least and largest column and row of a triangle's projection; everywhere if it reaches the plane of the eyes.
 fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let a = primitive.a - frame.target_eye;
@@ -50,4 +82,28 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     let other_way = (a <= vec4f(reach.x)) & (b <= vec4f(reach.y)) & (c <= vec4f(reach.z));
     let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), one_way | other_way);
     return (bits.x | bits.y) | (bits.z | bits.w);
+}
+
+// Least and largest column and row of a sphere's projection; everywhere if it reaches the plane of the eyes. The bounds are those of
+// the tangents in the planes of columns and of rows.
+fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
+    let center = primitive.a - frame.target_eye;
+    let radius = primitive.b.x;
+    let z = dot(center, projection.forward);
+    let columns = tangents(dot(center, frame.right_axis), z, radius);
+    let up = cross(frame.right_axis, projection.forward);
+    let rows = tangents(dot(center, up), z, radius);
+    let per_column = 1.0 / dot(frame.step_x, frame.right_axis);
+    let per_row = 1.0 / dot(frame.step_y, up);
+    let x = (columns - dot(frame.target_corner, frame.right_axis)) * per_column;
+    let y = (rows - dot(frame.target_corner, up)) * per_row;
+    let bounds = vec4f(min(x.x, x.y), min(y.x, y.y), max(x.x, x.y), max(y.x, y.y));
+    return select(EVERYWHERE, bounds, z - radius > 0.0);
+}
+
+// Least and largest slope of the lines through the eye that touch a circle around (across, z).
+fn tangents(across: f32, z: f32, radius: f32) -> vec2f {
+    let rest = (z - radius) * (z + radius);
+    let root = radius * sqrt(max(across * across + rest, 0.0));
+    return vec2f(across * z - root, across * z + root) / rest;
 }
