@@ -1,13 +1,12 @@
 // Pass 3 of 3 of `bracket`, second part: the target's own rays against the primitives that search_tiles found for them, by the
 // function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The bounds need not be
-// right: they set the cost only.) It is shaded with the source's shadow bits. Two lists are left: pixels whose hit lies deeper or
-// who have no bound, and pixels that need a shadow ray.
+// right: they set the cost only.) A list is left of pixels whose hit lies deeper or who have no bound.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   lists        [tiles of the rows at work, TILE_WORDS] behind the lists
-// writes  view         [height * width]      of an unfinished pixel the depth up to which nothing is
+// writes  view         [height * width]      all but color; of an unfinished pixel the depth up to which nothing is
 // adds    counters     [height * COUNTERS]
-// appends lists        TO_TRACE, TO_LIGHT; reads TO_RESOLVE
+// appends lists        TO_TRACE; reads TO_RESOLVE
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
@@ -34,33 +33,19 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     var nearest = nearest_listed(rays, list + 1u, select(0u, listed, fits), pixels);
     let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
     nearest.primitive = select(U(MISS), nearest.primitive, finished);
-
-    let surfaces = surfaces_at(rays, nearest);
-    taken = taken_bits(pixels, nearest, surfaces);
-    let samples = shade(rays, nearest, surfaces);
-    let to_trace = inside & !finished;
-    let to_light = inside & finished & put_off;
-    var place_to_trace = reserve(TO_TRACE, count_rays(to_trace));
-    var place_to_light = reserve(TO_LIGHT, count_rays(to_light));
+    nearest.t = select(F(bound * BEFORE), nearest.t, finished);
+    keep_hits(pixels, inside, nearest);
     let mark = select(BAD, MISSED, bound == 0.0);
-    let packed = packed_srgb(samples.color);
+    let to_trace = inside & !finished;
+    var place = reserve(TO_TRACE, count_rays(to_trace));
     var ray = 0u;
     loop {
         if of_ray_b(inside, ray) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
-            let done = of_ray_b(finished, ray);
-            var pixel = pixel_of(samples, packed, ray);
-            pixel.depth = select(bound * BEFORE, pixel.depth, done);
-            pixel.marks = select(mark, select(0u, ASKED, of_ray_b(put_off, ray)), done);
-            view[index] = pixel;
-            keep_linear(index, of_ray3(samples.color, ray));
+            view[index].marks = select(mark, 0u, of_ray_b(finished, ray));
             if of_ray_b(to_trace, ray) {
-                append(TO_TRACE, place_to_trace, index);
-                place_to_trace += 1u;
-            }
-            if of_ray_b(to_light, ray) {
-                append(TO_LIGHT, place_to_light, index);
-                place_to_light += 1u;
+                append(TO_TRACE, place, index);
+                place += 1u;
             }
         }
         ray += 1u;

@@ -1,4 +1,5 @@
-// Pass 3 of 3 of `bracket`, fourth part: shade the target's pixels for which some light needs a shadow ray.
+// Pass 3 of 3 of `bracket`, fifth part: shade the target's pixels for which some light needs a shadow ray anew from
+// their hits.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists        pixel indices
@@ -18,18 +19,7 @@ fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
     let found = target_hits(listed.pixels, listed.wanted);
     let surfaces = surfaces_at(rays, found);
     taken = taken_bits(listed.pixels, found, surfaces);
-    let samples = shade(rays, found, surfaces);
-    let packed = packed_srgb(samples.color);
-    var ray = 0u;
-    loop {
-        if of_ray_b(listed.wanted, ray) {
-            let index = pixel_index(pixel_of_ray(listed.pixels, ray));
-            view[index].color = of_ray_u(packed, ray);
-            keep_linear(index, of_ray3(samples.color, ray));
-        }
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
+    keep_colors(listed.pixels, listed.wanted, shade(rays, found, surfaces).color);
     let first = pixel_of_ray(listed.pixels, 0u);
     count_pixel(first);
     count_view(first.y, shadow_rays, nodes_visited, primitives_tested);

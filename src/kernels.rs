@@ -109,7 +109,7 @@ impl Kernel {
     pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
             "trace_left" if with.samples => Some(Write),
-            "resolve_tiles" | "trace_bounded" | "shade_listed" => Some(Read),
+            "shade_tiles" | "shade_listed" => Some(Read),
             _ => None,
         }
     }

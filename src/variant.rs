@@ -185,8 +185,8 @@ impl Kernel {
             Shadows::FromSurface => "from_surface",
         };
         let visibility = match self.name {
-            "resolve_tiles" => "taken",
-            "trace_bounded" | "shade_listed" => "taken_or_traced",
+            "shade_tiles" => "taken",
+            "shade_listed" => "taken_or_traced",
             _ => "traced",
         };
         let bits = match with.bits {

@@ -17,6 +17,36 @@ fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     }
 }
 
+// Keeps what pixels of the target were found to have, in their depths and slots.
+fn keep_hits(pixels: Pixels, wanted: B, hits: Hits) {
+    let slots = select(hits.slot, U(MISS), hits.primitive == U(MISS));
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let index = pixel_index(pixel_of_ray(pixels, ray));
+            view[index].depth = of_ray(hits.t, ray);
+            view[index].slot = of_ray_u(slots, ray);
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+}
+
+// Keeps the linear colours that pixels of the target were shaded to, as pictures hold them.
+fn keep_colors(pixels: Pixels, wanted: B, colors: F3) {
+    let packed = packed_srgb(colors);
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let index = pixel_index(pixel_of_ray(pixels, ray));
+            view[index].color = of_ray_u(packed, ray);
+            keep_linear(index, of_ray3(colors, ray));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+}
+
 // The hits that pixels of the target were found to have, as traversal returns them.
 fn target_hits(pixels: Pixels, wanted: B) -> Hits {
     var found = Hits(F(FAR), U(MISS), U(0u));

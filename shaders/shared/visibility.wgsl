@@ -42,13 +42,10 @@ fn light_bits() -> U {
 // traced: if that is met, it is proof.
 
 var<private> taken: Taken;
-// Pixels that needed a shadow ray.
-var<private> asked: B;
 
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
     let unknown = wanted & !known;
-    asked |= unknown;
     var lit = wanted & known & is_lit(taken, light);
     if any_ray(unknown) {
         var open = unknown;

@@ -9,7 +9,9 @@ use crate::{
     ShadowReuse,
     cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
     steps::{
-        bracket::{BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, TRACE_BOUNDED},
+        bracket::{
+            BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
+        },
         edges::MARK_EDGES,
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TAKE_OVER, TRACE_LISTED},
@@ -21,11 +23,12 @@ use crate::{
     wgsl::{self, Condition, SHARED},
 };
 
-const ALL: [&Kernel; 25] = [
+const ALL: [&Kernel; 26] = [
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
     &SHADE_SKY,
+    &SHADE_TILES,
     &BOUND_TILES,
     &CHOOSE,
     &SEARCH_TILES,
@@ -109,7 +112,7 @@ fn variants() -> Vec<Variant> {
 /// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
 fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
-    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_LISTED]
+    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED]
         .iter()
         .any(|known| known.name == kernel.name)
     {

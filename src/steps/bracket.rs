@@ -28,7 +28,7 @@ pub(crate) const SEARCH_TILES: Kernel = Kernel {
 };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
     name: "resolve_tiles",
-    touches: Touches::Shading,
+    touches: Touches::Geometry,
     storage: &[(View, Write), (Counters, Write), (Found, Write)],
     main: part!("resolve_tiles.wgsl"),
 };
@@ -40,9 +40,15 @@ pub(crate) const SHADE_SKY: Kernel = Kernel {
 };
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
     name: "trace_bounded",
-    touches: Touches::Shading,
+    touches: Touches::Geometry,
     storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("trace_bounded.wgsl"),
+};
+pub(crate) const SHADE_TILES: Kernel = Kernel {
+    name: "shade_tiles",
+    touches: Touches::Shading,
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
+    main: part!("shade_tiles.wgsl"),
 };
 pub(crate) const SHADE_LISTED: Kernel = Kernel {
     name: "shade_listed",
@@ -63,7 +69,7 @@ pub(crate) fn bound(view: usize) -> Vec<Step> {
     vec![step(&BOUND_TILES, view, Launch::Runs)]
 }
 
-/// Primary visibility by tiles, the rest by rays; then shading, shadow rays where bits don't agree.
+/// Primary visibility by tiles, the rest by rays; then shading from the hits, with shadow rays where bits don't agree.
 pub(crate) fn resolve(view: usize) -> Vec<Step> {
     [vec![Step::EmptyLists(Found), step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view)].concat()
 }
@@ -73,6 +79,7 @@ fn resolve_listed(view: usize) -> Vec<Step> {
         step(&RESOLVE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
         step(&SHADE_SKY, view, Launch::Listed(Found, SKY)),
         step(&TRACE_BOUNDED, view, Launch::Listed(Found, TO_TRACE)),
+        step(&SHADE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
         step(&SHADE_LISTED, view, Launch::Listed(Found, TO_LIGHT)),
     ]
 }
