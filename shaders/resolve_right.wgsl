@@ -4,7 +4,7 @@
 //
 // launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
 // reads   source    [height * width]    a point's depth is the same for both eyes
-// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by mark_edges)
+// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by mark_edges); of what is listed depth
 // adds    counters  [height * COUNTERS]
 // appends lists
 
@@ -50,6 +50,8 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
             let key = of_ray_u(keys, ray);
             view[index].marks = select(key | BAD, MISSED, key == EMPTY);
+            // Traced from the eye on.
+            view[index].depth = 0.0;
             append(TO_TRACE, place, index);
             place += 1u;
         }

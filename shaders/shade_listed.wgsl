@@ -1,8 +1,8 @@
-// Pass 3 of 3 of `bracket`, fifth part: shade the target's pixels for which some light needs a shadow ray anew from
-// their hits.
+// Pass 3 of 3, last part but what is taken over: shade pixels of the target from their hits, with shadow rays. Of `bracket` these are the
+// pixels for which some light's bit is not known; of the thesis's methods all that trace_listed traced.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
-// reads   lists        pixel indices
+// reads   lists        TO_SHADE
 // updates view         [height * width]      color
 // adds    counters     [height * COUNTERS]
 
@@ -13,12 +13,12 @@
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
-    let listed = listed_pixels(TO_LIGHT, id.x);
+    let listed = listed_pixels(TO_SHADE, id.x);
     if !any_ray(listed.wanted) { return; }
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, listed.pixels));
     let found = target_hits(listed.pixels, listed.wanted);
     let surfaces = surfaces_at(rays, found);
-    taken = taken_bits(listed.pixels, found, surfaces);
+    ask_source(listed.pixels, found, surfaces);
     keep_colors(listed.pixels, listed.wanted, shade(rays, found, surfaces).color);
     let first = pixel_of_ray(listed.pixels, 0u);
     count_pixel(first);

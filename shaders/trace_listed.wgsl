@@ -1,8 +1,9 @@
-// Pass 3 of 3, second half: trace and shade the target's pixels that resolve_right listed.
+// Pass 3 of 3, behind resolve_right or resolve_tiles: trace the target's pixels that these listed, from the depth on up to which nothing is.
+// shade_listed or shade_tiles shades what is hit.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
-// reads   lists        pixel indices
-// writes  view         [height * width]      all but marks
+// reads   lists        TO_TRACE
+// updates view         [height * width]      depth, up to which nothing is before; slot
 // adds    counters     [height * COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;
@@ -14,23 +15,11 @@
 fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
     let listed = listed_pixels(TO_TRACE, id.x);
     if !any_ray(listed.wanted) { return; }
-    let pixels = listed.pixels;
-    let wanted = listed.wanted;
-    let samples = trace_pixels(Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels)), wanted);
-    let packed = packed_srgb(samples.color);
-    var ray = 0u;
-    loop {
-        if of_ray_b(wanted, ray) {
-            let index = pixel_index(pixel_of_ray(pixels, ray));
-            var pixel = pixel_of(samples, packed, ray);
-            pixel.marks = view[index].marks;
-            view[index] = pixel;
-            keep_linear(index, of_ray3(samples.color, ray));
-        }
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
-    let first_pixel = pixel_of_ray(pixels, 0u);
-    count_pixel(first_pixel);
-    count_view(first_pixel.y, shadow_rays, nodes_visited, primitives_tested);
+    let free = target_hits(listed.pixels, listed.wanted).t;
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, listed.pixels));
+    let nearest = closest_hit(rays, free, select(F(NEVER), F(FAR), listed.wanted));
+    keep_hits(listed.pixels, listed.wanted, nearest);
+    let first = pixel_of_ray(listed.pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
 }

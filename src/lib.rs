@@ -28,8 +28,8 @@
 //! 2. `renderer.rs`: [`Renderer`], what it takes and what it gives;
 //! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
 //! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
-//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (and `trace_listed`, its second half),
-//!    `take_over`.
+//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and `shade_listed` are
+//!    its second half), `take_over`.
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)

@@ -3,6 +3,11 @@
 //! if visibility is traced
 // By a shadow ray, always. What it found is kept for the other eye where a method asks for it.
 
+// The list of pixels that shade_listed shades so.
+const TO_SHADE: u32 = TO_TRACE;
+
+fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {}
+
 var<private> found_bits: U;
 // What hides the last of the lights that are hidden, by its place among the primitives.
 var<private> found_occluders: U = U(MISS);
@@ -24,7 +29,6 @@ fn light_bits() -> U {
 //! if visibility is taken
 // As the left view's samples say. Where they don't agree, the pixel is put off.
 
-var<private> taken: Taken;
 var<private> put_off: B;
 
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
@@ -41,7 +45,7 @@ fn light_bits() -> U {
 // As the left view's samples say; where they don't agree, what hides a light from one of them is tried before a shadow ray is
 // traced: if that is met, it is proof.
 
-var<private> taken: Taken;
+const TO_SHADE: u32 = TO_LIGHT;
 
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
@@ -74,4 +78,12 @@ fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
         if index >= RAYS { break; }
     }
     return hidden == U(1u);
+}
+
+//! if visibility is taken or taken_or_traced
+var<private> taken: Taken;
+
+// What the source's samples say of these points.
+fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
+    taken = taken_bits(pixels, hits, surfaces);
 }

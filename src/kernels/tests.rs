@@ -14,7 +14,7 @@ use crate::{
         },
         edges::MARK_EDGES,
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
-        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, TAKE_OVER, TRACE_LISTED},
+        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         show::{SHOW_COLOR, SHOW_DEPTH},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
@@ -23,7 +23,7 @@ use crate::{
     wgsl::{self, Condition, SHARED},
 };
 
-const ALL: [&Kernel; 26] = [
+const ALL: [&Kernel; 27] = [
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
@@ -47,6 +47,7 @@ const ALL: [&Kernel; 26] = [
     &RESOLVE_RIGHT,
     &RESOLVE_TRUSTED,
     &TRACE_LISTED,
+    &SHADE_TRACED,
     &TAKE_OVER,
     &SHOW_COLOR,
     &SHOW_DEPTH,

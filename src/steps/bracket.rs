@@ -1,6 +1,9 @@
 //! Passes 2 and 3 of `bracket`: how deep each tile is searched, its search, and what that leaves (docs/BRACKET.md).
 
-use super::{step, trace};
+use super::{
+    resolve::{SHADE_TRACED, TRACE_LISTED},
+    step, trace,
+};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -38,24 +41,16 @@ pub(crate) const SHADE_SKY: Kernel = Kernel {
     storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("shade_sky.wgsl"),
 };
-pub(crate) const TRACE_BOUNDED: Kernel = Kernel {
-    name: "trace_bounded",
-    touches: Touches::Geometry,
-    storage: &[(Found, Write), (View, Write), (Counters, Write)],
-    main: part!("trace_bounded.wgsl"),
-};
+pub(crate) const TRACE_BOUNDED: Kernel =
+    Kernel { name: "trace_bounded", storage: &[(Found, Write), (View, Write), (Counters, Write)], ..TRACE_LISTED };
 pub(crate) const SHADE_TILES: Kernel = Kernel {
     name: "shade_tiles",
     touches: Touches::Shading,
     storage: &[(Found, Write), (View, Write), (Counters, Write)],
     main: part!("shade_tiles.wgsl"),
 };
-pub(crate) const SHADE_LISTED: Kernel = Kernel {
-    name: "shade_listed",
-    touches: Touches::Shading,
-    storage: &[(Found, Write), (View, Write), (Counters, Write)],
-    main: part!("shade_listed.wgsl"),
-};
+pub(crate) const SHADE_LISTED: Kernel =
+    Kernel { name: "shade_listed", storage: &[(Found, Write), (View, Write), (Counters, Write)], ..SHADE_TRACED };
 
 pub(crate) const CHOOSE: Kernel = Kernel {
     name: "choose",

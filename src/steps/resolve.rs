@@ -25,9 +25,16 @@ pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
 pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel { name: "resolve_trusted", ..RESOLVE_RIGHT };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
-    touches: Touches::Shading,
+    touches: Touches::Geometry,
     storage: &[(Lists, Write), (View, Write), (Counters, Write)],
     main: part!("trace_listed.wgsl"),
+};
+/// Shades what was traced.
+pub(crate) const SHADE_TRACED: Kernel = Kernel {
+    name: "shade_traced",
+    touches: Touches::Shading,
+    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    main: part!("shade_listed.wgsl"),
 };
 
 /// What was reused takes over its source's pixels.
@@ -48,6 +55,7 @@ pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
         Step::EmptyLists(Lists),
         checked.named(RESOLVE_RIGHT.name),
         step(&TRACE_LISTED, view, Launch::Listed(Lists, TO_TRACE)),
+        step(&SHADE_TRACED, view, Launch::Listed(Lists, TO_TRACE)),
         step(&TAKE_OVER, view, Launch::Pixels),
     ]);
     steps
