@@ -20,8 +20,8 @@ struct Lists {
     entries: array<u32>,
 }
 
-// A pixel is in one list at most, and so is a tile: the two lists of either share as many entries as there are, one from the first
-// on, the other from the last one backwards.
+// A tile is in one list at most, and of the pixels' two lists the first has been traced before the other gets its first entry: so the
+// two lists of either share as many entries as there are, one from the first on, the other from the last one backwards.
 fn place_in(list: u32, place: u32) -> u32 {
     let pixels = tiles_at_work() * TILE_PIXELS;
     let begin = select(0u, pixels, list >= TO_RESOLVE);
