@@ -7,11 +7,15 @@
 
 use std::error::Error;
 
-use stereotrace::{Builtin, GBuffer, Gpu, Method, Options, Renderer, Rig, output::Picture, wgpu};
+use stereotrace::{
+    Builtin, GBuffer, Gpu, Method, Options, Renderer, Rig,
+    output::{Anaglyph, Picture},
+    wgpu,
+};
 
 const SIZE: [u32; 2] = [640, 448];
 
-/// Dubois' least-squares matrices for red-cyan glasses, on linear colour.
+/// What a pixel of the anaglyph is: `OF_LEFT` and `OF_RIGHT` stand for matrices on linear colour.
 const SHADER: &str = "
 @group(0) @binding(0) var left: texture_2d<f32>;
 @group(0) @binding(1) var right: texture_2d<f32>;
@@ -25,11 +29,20 @@ fn whole_screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 fn anaglyph(@builtin(position) place: vec4f) -> @location(0) vec4f {
     let l = textureLoad(left, vec2u(place.xy), 0).rgb;
     let r = textureLoad(right, vec2u(place.xy), 0).rgb;
-    let of_left = mat3x3f(0.4561, -0.0400822, -0.0152161, 0.500484, -0.0378246, -0.0205971, 0.176381, -0.0157589, -0.00546856) * l;
-    let of_right = mat3x3f(-0.0434706, 0.378476, -0.0721527, -0.0879388, 0.73364, -0.112961, -0.00155529, -0.0184503, 1.2264) * r;
-    return vec4f(clamp(of_left + of_right, vec3f(0.0), vec3f(1.0)), 1.0);
+    return vec4f(clamp(OF_LEFT * l + OF_RIGHT * r, vec3f(0.0), vec3f(1.0)), 1.0);
 }
 ";
+
+/// The shader for Dubois' red-cyan anaglyphs.
+fn shader() -> String {
+    // WGSL lists a matrix column by column, the library has rows.
+    let wgsl = |rows: [[f32; 3]; 3]| {
+        let columns: Vec<String> = (0..9).map(|index| format!("{:?}", rows[index % 3][index / 3])).collect();
+        format!("mat3x3f({})", columns.join(", "))
+    };
+    let (left, right) = Anaglyph::Dubois.matrices();
+    SHADER.replace("OF_LEFT", &wgsl(left)).replace("OF_RIGHT", &wgsl(right))
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or("anaglyph.png".into());
@@ -75,7 +88,7 @@ fn texture(device: &wgpu::Device) -> wgpu::Texture {
 fn draw(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, views: [&wgpu::Texture; 2], shown: &wgpu::Texture) {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("anaglyph"),
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        source: wgpu::ShaderSource::Wgsl(shader().into()),
     });
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("anaglyph"),

@@ -132,9 +132,8 @@ impl Renderer {
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         self.check(scene)?;
         let started = Instant::now();
-        let packed = bvh::build(scene, build, self.traversal.boxes)?;
-        let shape = TreeShape::of(scene, &packed);
-        self.bring(scene, (packed, shape), self.traversal, started, None).await
+        let tree = built(scene, build, self.traversal)?;
+        self.bring(scene, tree, self.traversal, started, None).await
     }
 
     /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`], [`Scene::set_mesh`],
@@ -159,15 +158,15 @@ impl Renderer {
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
-        let packed = match how {
-            Update::Refit => uploaded.shape.refit(scene, traversal.boxes)?,
-            Update::Rebuild(build) => bvh::build(scene, build, traversal.boxes)?,
+        let tree = match how {
+            Update::Refit => {
+                let packed = uploaded.shape.refit(scene, traversal.boxes)?;
+                let shape = uploaded.shape.refitted(scene, &packed);
+                (packed, shape)
+            }
+            Update::Rebuild(build) => built(scene, build, traversal)?,
         };
-        let shape = match how {
-            Update::Refit => uploaded.shape.refitted(scene, &packed),
-            Update::Rebuild(_) => TreeShape::of(scene, &packed),
-        };
-        *uploaded = self.bring(scene, (packed, shape), traversal, started, Some(uploaded)).await?;
+        *uploaded = self.bring(scene, tree, traversal, started, Some(uploaded)).await?;
         Ok(())
     }
 
@@ -265,6 +264,13 @@ impl Renderer {
         self.gpu.fill(&room, texels).await?;
         Ok(room)
     }
+}
+
+/// A tree, and what a refit keeps of it.
+fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(PackedBvh, TreeShape), Error> {
+    let packed = bvh::build(scene, build, traversal.boxes)?;
+    let shape = TreeShape::of(scene, &packed);
+    Ok((packed, shape))
 }
 
 fn positions(scene: &Scene) -> Vec<Vec3> {

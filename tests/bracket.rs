@@ -114,6 +114,8 @@ fn auto_never_costs_more_than_naive_whatever_the_interaxial_and_says_what_it_cho
             let auto = render(Options::default());
             let choice = auto.statistics.choice.expect("auto says why");
             assert_eq!(choice.method, auto.statistics.method);
+            // The device chose, and the host's model says the same of what was counted.
+            assert_eq!(choice.method == Method::BRACKET, choice.bracket < choice.naive, "{name} e = {e_px}: {choice}");
             assert!(choice.to_string().starts_with(&choice.method.to_string()));
             assert!(auto.right == render(Options::new(choice.method)).right, "{name} e = {e_px}");
             let cost = |pair: &StereoPair| (pair.statistics.left.cost() + pair.statistics.right.cost()) as f64;

@@ -47,11 +47,17 @@ pub(crate) struct Driver<'a> {
 }
 
 impl Driver<'_> {
-    /// What a plan's bands share.
-    pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
+    /// What a plan's steps read of the scene besides what all read.
+    pub(crate) async fn upload_tables(&mut self, plan: &Plan) -> Result<(), Error> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
         }
+        Ok(())
+    }
+
+    /// What a plan's bands share.
+    pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
+        self.upload_tables(plan).await?;
         let write = || {
             self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads()));
             Ok(())
@@ -85,7 +91,7 @@ impl Driver<'_> {
             match stage {
                 Stage::Steps(steps) => {
                     let encode = || {
-                        steps.iter().for_each(|step| self.encode(&mut encoder, *step));
+                        self.encode_all(&mut encoder, steps);
                         Ok(())
                     };
                     gpu.checked(encode).await?;
@@ -154,6 +160,10 @@ impl Driver<'_> {
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    pub(crate) fn encode_all(&mut self, encoder: &mut wgpu::CommandEncoder, steps: &[Step]) {
+        steps.iter().for_each(|step| self.encode(encoder, *step));
     }
 
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {

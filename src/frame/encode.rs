@@ -39,24 +39,13 @@ pub struct EncodedView {
 }
 
 impl EncodedView {
-    fn new(gpu: &Gpu, [width, height]: [u32; 2], depth: bool) -> Self {
-        let texture = |label, format, view_formats| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::STORAGE_BINDING
-                    | wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats,
-            })
-        };
+    fn new(gpu: &Gpu, size: [u32; 2], depth: bool) -> Self {
+        use wgpu::{TextureFormat as Format, TextureUsages as Usages};
+
+        let usage = Usages::STORAGE_BINDING | Usages::TEXTURE_BINDING | Usages::COPY_SRC;
         Self {
-            color: texture("color", wgpu::TextureFormat::Rgba8Unorm, &[wgpu::TextureFormat::Rgba8UnormSrgb]),
-            depth: depth.then(|| texture("depth", wgpu::TextureFormat::R32Float, &[])),
+            color: gpu.texture("color", size, Format::Rgba8Unorm, usage, &[Format::Rgba8UnormSrgb]),
+            depth: depth.then(|| gpu.texture("depth", size, Format::R32Float, usage, &[])),
         }
     }
 }
@@ -103,8 +92,7 @@ impl Renderer {
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
         let eyes = rig.eyes()?;
-        let method = super::effective(options.method, &eyes, scene);
-        let plan = Plan::of(method, &eyes.sources);
+        let (.., plan) = self.planned(scene, &eyes, options);
         check(&self.gpu, options, &plan, &eyes)?;
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&variant);
@@ -113,9 +101,7 @@ impl Renderer {
         let mut go_on = |_| ControlFlow::Continue(());
         let mut driver = super::driver(self, scene, &eyes, variant, &targets, &mut go_on);
         driver.timestamps = None; // nobody reads them
-        if plan.touches_objects() {
-            scene.upload_object_table(driver.gpu, driver.kernels).await?;
-        }
+        driver.upload_tables(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;
         let gpu = driver.gpu;
         let encode = || {
@@ -173,7 +159,7 @@ impl Encoded {
         driver.clear(encoder, plan.clears_marks());
         for stage in &plan.stages {
             if let Stage::Steps(steps) = stage {
-                steps.iter().for_each(|step| driver.encode(encoder, *step));
+                driver.encode_all(encoder, steps);
             }
         }
         for (index, view) in self.views.iter().enumerate() {

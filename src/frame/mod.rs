@@ -98,7 +98,7 @@ struct Flight {
 
 /// What came back of a band.
 enum Landed {
-    Rows(Vec<Counts>, Option<Rows>),
+    Rows(Option<Rows>),
     /// The adapter ended the loops of so many threads.
     CutShort(u64),
 }
@@ -115,9 +115,7 @@ impl Renderer {
         on_rows: &'a mut OnRows<'a>,
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
-        let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
-        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
-        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources);
+        let (method, early, plan) = self.planned(scene, eyes, options);
         let variant = self.variant(scene, eyes, options, &plan);
         let used = plan.uses(&variant);
         let targets = self.targets(self.shape(scene, eyes, options, &plan), &used).await?;
@@ -145,6 +143,14 @@ impl Renderer {
         let stagings = frame.stagings;
         self.cache.staging = stagings;
         Ok(done)
+    }
+
+    /// The method of a frame, what `Auto` chose before its first step, if it could, and the plan that follows.
+    fn planned(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> (Method, Option<Choice>, Plan) {
+        let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
+        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
+        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources);
+        (method, early, plan)
     }
 
     fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Shape {
@@ -275,11 +281,7 @@ impl Frame<'_> {
                 filling.read(self.driver.gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
             self.stagings.push(staging);
             match landed {
-                Landed::Rows(counts, rows) => {
-                    for (view, (tally, counts)) in self.tallies.iter_mut().zip(&counts).enumerate() {
-                        let made = made(&self.plan, view, counts, in_steps);
-                        tally.add(counts, &band, self.driver.targets.shape.size[0], made);
-                    }
+                Landed::Rows(rows) => {
                     rows.map_or(Ok(()), |rows| (self.on_rows)(rows))?;
                     self.driver.rows_done += band.count();
                     return self.driver.tell(self.plan.name(), 0.0);
@@ -300,19 +302,20 @@ impl Frame<'_> {
 
     fn landed(&mut self, bytes: &[u8], band: &Band, names: &[&'static str], in_steps: bool) -> Landed {
         let views = 0..self.tallies.len();
-        let counts = Vec::from_iter(views.clone().map(|view| self.read_back.counts(bytes, band, view)));
+        let counts = Vec::from_iter(views.map(|view| self.read_back.counts(bytes, band, view)));
         add_times(&mut self.times, names, &bytes[self.read_back.times_offset() as usize..], self.driver.gpu);
         let threads = counts.iter().map(|counts| counts.cut_short).sum();
         if threads > 0 {
             return Landed::CutShort(threads);
         }
-        let rows_of = |view: usize| {
-            let made = made(&self.plan, view, &counts[view], in_steps);
+        let width = self.driver.targets.shape.size[0];
+        let rows_of = |(view, counts): (usize, &Counts)| {
+            let made = if in_steps { Made::Traced } else { counts.made(self.plan.made[view]) };
+            self.tallies[view].add(counts, band, width, made);
             self.read_back.rows(bytes, band, view, made, self.driver.scene)
         };
-        let views: Option<Vec<_>> = views.map(rows_of).collect();
-        let rows = views.map(|views| Rows { first: band.rows.start, views });
-        Landed::Rows(counts, rows)
+        let views: Vec<_> = counts.iter().enumerate().filter_map(rows_of).collect();
+        Landed::Rows((!views.is_empty()).then_some(Rows { first: band.rows.start, views }))
     }
 
     fn done(&mut self, method: Method, early: Option<Choice>, used: &Used) -> Done {
@@ -339,11 +342,6 @@ impl Frame<'_> {
             intermediate_bytes: targets.intermediate_bytes(used) + self.driver.most_slot_bytes + lanes,
         }
     }
-}
-
-/// How a band of a view came about.
-fn made(plan: &Plan, view: usize, counts: &Counts, in_steps: bool) -> Made {
-    if in_steps { Made::Traced } else { counts.made(plan.made[view]) }
 }
 
 /// The method that views are made by: without interaxial all are equal, and where there is nothing to hit there is nothing to

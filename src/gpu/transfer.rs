@@ -1,6 +1,6 @@
 //! Buffers and textures, and what is brought to them and back.
 
-use super::{Gpu, wait::oneshot};
+use super::{Gpu, Staging, TEXELS};
 use crate::{Error, bvh::Texel, traversal::Fetch};
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
@@ -89,7 +89,7 @@ impl Gpu {
                         remedy: "use fewer primitives",
                     });
                 }
-                let make = || Ok(self.texture(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
+                let make = || Ok(self.texel_rows(label, TEXTURE_WIDTH.min(count.max(1) as u32), count));
                 let texture = self.checked(make).await?;
                 Ok(Texels::Texture(texture.create_view(&wgpu::TextureViewDescriptor::default())))
             }
@@ -142,23 +142,16 @@ impl Gpu {
 
     /// A texture of texels in rows, the last of which may be short.
     pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
-        let texture = self.texture(label, width, texels.len());
+        let texture = self.texel_rows(label, width, texels.len());
         self.write_rows(&texture, 0, texels);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
-    fn texture(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
+    /// A texture for texels in rows.
+    fn texel_rows(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
         let height = texels.div_ceil(width as usize).max(1) as u32;
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Uint,
-            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        })
+        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST;
+        self.texture(label, [width, height], TEXELS, usage, &[])
     }
 
     /// Writes texels from a row on. The last row may be short.
@@ -189,30 +182,36 @@ impl Gpu {
     /// Copies a buffer back to the host.
     pub(crate) async fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, Error> {
         let bytes = (count * size_of::<T>()) as u64;
-        let (sender, receiver) = oneshot();
-        let (staging, submission) = self
-            .checked(|| {
-                let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("read-back"),
-                    size: bytes.max(4),
-                    usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                });
-                let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-                let submission = self.submit([encoder.finish()]);
-                staging.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result));
-                Ok((staging, submission))
-            })
-            .await?;
-        self.finished(submission).await?;
-        let lost = |error: &dyn std::fmt::Display| Error::DeviceLost(self.loss().unwrap_or(error.to_string()));
-        receiver.await.map_err(|error| lost(&error))?;
-        let range = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
-        let values = bytemuck::pod_collect_to_vec(&range[..bytes as usize]);
-        drop(range);
-        staging.destroy(); // as Texels
-        Ok(values)
+        let fill = || {
+            let staging = Staging::new(self, bytes.max(4));
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(buffer, 0, staging.buffer(), 0, bytes);
+            Ok(staging.fill(self, encoder.finish()))
+        };
+        let filling = self.checked(fill).await?;
+        let values = |range: &[u8]| bytemuck::pod_collect_to_vec(&range[..bytes as usize]);
+        filling.read(self, values).await.map(|(values, _)| values)
+    }
+
+    /// A plain texture of one layer, level and sample.
+    pub(crate) fn texture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+        view_formats: &[wgpu::TextureFormat],
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats,
+        })
     }
 }
 

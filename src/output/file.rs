@@ -53,7 +53,7 @@ fn id_values(path: &Path, ids: &[u32]) -> Result<Vec<f32>, Error> {
     ids.iter().map(number).collect()
 }
 
-fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(), Error> {
+pub(super) fn check_count(path: &Path, width: u32, height: u32, count: usize) -> Result<(), Error> {
     if u64::from(width) * u64::from(height) == count as u64 {
         return Ok(());
     }

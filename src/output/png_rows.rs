@@ -5,8 +5,8 @@ use std::{
     path::Path,
 };
 
-use super::Batch;
-use crate::{Error, message::counted};
+use super::{Batch, file::check_count};
+use crate::Error;
 
 /// Bytes of the file that are written at a time.
 const CHUNK: usize = 1 << 16;
@@ -17,7 +17,7 @@ pub struct PngRows<'a> {
     path: &'a Path,
     size: [u32; 2],
     /// Pixels that have been written.
-    written: u64,
+    written: usize,
 }
 
 impl PngRows<'_> {
@@ -26,21 +26,17 @@ impl PngRows<'_> {
     /// # Errors
     /// [`Error::Io`] if the file can't be written, or would have more pixels than it says.
     pub fn write(&mut self, rgba8: &[[u8; 4]]) -> Result<(), Error> {
-        self.written += rgba8.len() as u64;
-        if self.written > self.pixels() {
-            return Err(self.wrong_count());
+        self.written += rgba8.len();
+        if self.written as u64 > u64::from(self.size[0]) * u64::from(self.size[1]) {
+            self.check_whole()?;
         }
         self.stream.write_all(rgba8.as_flattened()).map_err(|error| Error::io(self.path, error))
     }
 
-    fn pixels(&self) -> u64 {
-        u64::from(self.size[0]) * u64::from(self.size[1])
-    }
-
-    fn wrong_count(&self) -> Error {
-        let [width, height] = self.size;
-        let pixels = counted(self.written, "pixel", "pixels");
-        Error::unwritable(self.path, format!("a picture of {width}x{height} cannot be written from {pixels}"))
+    /// # Errors
+    /// [`Error::Io`] unless all pixels have been written, and none besides.
+    fn check_whole(&self) -> Result<(), Error> {
+        check_count(self.path, self.size[0], self.size[1], self.written)
     }
 }
 
@@ -88,9 +84,7 @@ fn stream(
     let mut stream = writer.stream_writer_with_size(CHUNK).map_err(unwritable)?;
     let mut rows = PngRows { stream: &mut stream, path, size, written: 0 };
     write(&mut rows)?;
-    if rows.written < rows.pixels() {
-        return Err(rows.wrong_count());
-    }
+    rows.check_whole()?;
     stream.finish().map_err(unwritable)?;
     writer.finish().map_err(unwritable)
 }

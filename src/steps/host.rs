@@ -45,7 +45,7 @@ pub(crate) async fn slots(driver: &mut Driver<'_>, depth: BufferDepth, view: usi
             (frame.row_begin, frame.row_end) = (begin, band.row_end.min(begin + rows));
             driver.upload_frames();
             let mut encoder = driver.encoder();
-            reproject::slots(view).into_iter().for_each(|step| driver.encode(&mut encoder, step));
+            driver.encode_all(&mut encoder, &reproject::slots(view));
             gpu.queue.submit([encoder.finish()]);
             Ok(())
         };
