@@ -5,7 +5,10 @@ use std::sync::Arc;
 use crate::{
     cast,
     frame::targets::Target,
-    gpu::{Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, storage_type, texture_type, uniform_type},
+    gpu::{
+        Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, sampled_type, storage_type, texture_type,
+        uniform_type,
+    },
     layout,
     steps::resolve::TAKE_OVER,
     traversal::Fetch,
@@ -56,7 +59,8 @@ pub(crate) struct Kernel {
 use Access::{Read, Write};
 
 /// Where in group 1 is bound the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
-/// and the texture of a source's samples.
+/// and the textures of a second source's samples and of a source's.
+pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
 pub(crate) const PICTURE_BINDING: u32 = 11;
 const SOURCE_LINEAR_BINDING: u32 = 12;
 const LINEAR_BINDING: u32 = 13;
@@ -112,6 +116,11 @@ impl Kernel {
             "shade_tiles" | "shade_listed" => Some(Read),
             _ => None,
         }
+    }
+
+    /// Whether it reads a second source's samples, at `SECOND_SAMPLES_BINDING` of group 1.
+    pub(crate) fn asks_second(&self, with: &Variant) -> bool {
+        with.second && self.samples(with) == Some(Read)
     }
 
     /// The format of the texture that it writes, at `PICTURE_BINDING` of group 1.
@@ -198,6 +207,8 @@ impl Kernels {
             };
             entry(SAMPLES_BINDING, texture_type(TEXELS, access))
         }));
+        // Read as sampled textures are, of which there may be more.
+        own.extend(kernel.asks_second(with).then(|| entry(SECOND_SAMPLES_BINDING, sampled_type())));
         let scene = self.layouts(with.traversal.fetch);
         let text = kernel.text(with);
         let counting = [("COUNT", with.count), ("COST_MAP", with.cost_map)];

@@ -29,6 +29,9 @@ pub(crate) struct Frame {
     pub(crate) cost_of_search: f32,
     pub(crate) cost_of_shadow: f32,
     pub(crate) cost_of_listed: f32,
+    pub(crate) second_parallax_px: f32,
+    pub(crate) second_same_parallax: f32,
+    pub(crate) zeros: [u32; 2],
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.

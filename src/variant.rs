@@ -76,6 +76,8 @@ pub(crate) struct Variant {
     pub(crate) close: bool,
     /// What views take over of a source's samples is kept.
     pub(crate) samples: bool,
+    /// Views ask a second source too.
+    pub(crate) second: bool,
     /// Linear colour is kept.
     pub(crate) linear: bool,
     /// Words of a traversal's stack.
@@ -101,6 +103,7 @@ impl Variant {
         world_boxes: false,
         close: false,
         samples: false,
+        second: false,
         linear: false,
         stack_size: 0,
         bits: ShadowReuse::Rays,
@@ -126,6 +129,7 @@ impl Variant {
             world_boxes,
             close: false,
             samples: false,
+            second: false,
             linear: false,
             stack_size,
             bits: ShadowReuse::Rays,
@@ -147,7 +151,15 @@ impl Variant {
 
     /// For kernels that shade nothing.
     fn unlit(self) -> Self {
-        Self { lights: false, shadows: Shadows::None, sky: SkyKind::Constant, samples: false, linear: false, ..self }
+        Self {
+            lights: false,
+            shadows: Shadows::None,
+            sky: SkyKind::Constant,
+            samples: false,
+            second: false,
+            linear: false,
+            ..self
+        }
     }
 
     /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
@@ -161,7 +173,7 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 14] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 15] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -209,6 +221,7 @@ impl Kernel {
             ("visibility", visibility),
             ("bits", bits),
             ("samples", samples),
+            ("sources", if self.asks_second(with) { "two" } else { "one" }),
             ("linear", if with.linear { "kept" } else { "none" }),
             ("checks", if self.name == RESOLVE_TRUSTED.name { "none" } else { "all" }),
         ]

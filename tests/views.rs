@@ -22,10 +22,17 @@ fn traced(view: &RigView) -> bool {
 
 #[test]
 fn what_every_eye_sees_is_what_naive_shows_to_either_side_of_a_source() {
+    // One source in the middle; and two, with views between them and beyond.
+    for (traced, made_from) in [(vec![2], [2; 5]), (vec![0, 3], [0, 0, 3, 3, 3])] {
+        every_eye_sees_what_naive_shows(&traced, made_from);
+    }
+}
+
+fn every_eye_sees_what_naive_shows(sources: &[usize], made_from: [usize; 5]) {
     let mut renderer = Renderer::new(gpu());
     for (name, scene, camera) in scenes() {
         let uploaded = renderer.upload(&scene).unwrap();
-        let rig = Rig::at(camera.interaxial_pixels(3.0), vec![-2.0, -0.7, 0.3, 1.0, 2.0]).traced(vec![2]);
+        let rig = Rig::at(camera.interaxial_pixels(3.0), vec![-2.0, -0.7, 0.3, 1.0, 2.0]).traced(sources.to_vec());
         let mut render = |method| renderer.render_views(&uploaded, &rig, &Options::new(method).linear(true)).unwrap();
         let naive = render(Method::Naive);
         let rays = render(Method::BRACKET_RAYS);
@@ -40,15 +47,19 @@ fn what_every_eye_sees_is_what_naive_shows_to_either_side_of_a_source() {
                 let pairs = found.view.rgba8.iter().zip(&expected.view.rgba8);
                 let other = pairs.filter(|(a, b)| a != b).count();
                 // Shadows of what is thinner than the pixels of so small a picture: of wires at most 321 of 6402, else 30; by
-                // `verified` 213 and 14. A third more is allowed.
-                let most = match (name.as_str(), found.method) {
-                    ("wires", Method::VERIFIED) => 284,
-                    ("wires", _) => 428,
-                    (_, Method::VERIFIED) => 19,
-                    _ => 40,
+                // `verified` 213 and 14. Between two sources more is taken over: 373 and 42, by `verified` 290 and 10. A third more is allowed.
+                let most = match (name.as_str(), found.method, sources.len()) {
+                    ("wires", Method::VERIFIED, 1) => 284,
+                    ("wires", Method::VERIFIED, _) => 386,
+                    ("wires", _, 1) => 428,
+                    ("wires", ..) => 497,
+                    (_, Method::VERIFIED, _) => 19,
+                    (_, _, 1) => 40,
+                    _ => 56,
                 };
                 assert!(other <= most, "{name}, view {index}: {other} pixels differ by {}", found.method);
-                assert_eq!((found.made_from, traced(found)), (2, index == 2), "{name} {index}");
+                let expected = (made_from[index], made_from[index] == index);
+                assert_eq!((found.made_from, traced(found)), expected, "{name} {index}");
             }
         }
     }

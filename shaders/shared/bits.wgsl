@@ -16,30 +16,35 @@ fn light_mask(light: u32) -> u32 {
 fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
 fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
 
-// Bits of one hit point at a right pixel, and which of them count, as in SourceSample.bits.
+// One of the sources that a target asks.
+struct Asked {
+    parallax_px: f32,     // of the target at infinity, as frame.parallax_px
+    same_parallax: f32,
+    second: bool,
+}
+
+fn nearest_source() -> Asked {
+    return Asked(frame.parallax_px, frame.same_parallax, false);
+}
+
+fn parallax_from(source: Asked, z: f32) -> f32 {
+    return source.parallax_px * (1.0 - frame.screen_distance / z);
+}
+
+// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS));
     var ray = 0u;
     loop {
-        let pixel = pixel_of_ray(pixels, ray);
-        let point_parallax = parallax(of_ray(hits_there.t, ray));
-        let position = f32(pixel.x) + 0.5 - point_parallax;
-        let column = floor(position - 0.5);
-        let usable = of_ray_b(surfaces.there, ray) & (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
-        let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
-        let agreed = agreed_bits(
-            first,
-            position - 0.5 - column,
-            point_parallax,
-            of_ray_u(surfaces.component, ray),
-            of_ray3(surfaces.geometric_normal, ray),
-            of_ray_u(hits_there.slot, ray),
-        );
-        result.known = with_ray_u(result.known, ray, select(0u, agreed >> 16u, usable));
-        result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
-        if KEEP_OCCLUDERS && usable {
-            result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(first).other);
-            result.occluders_b = with_ray_u(result.occluders_b, ray, source_sample(first + vec2u(1u, 0u)).other);
+        if of_ray_b(surfaces.there, ray) {
+            let near = place_between(nearest_source(), pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
+            let agreed = asked_also(bits_of_ray(near, hits_there, surfaces, ray), pixels, hits_there, surfaces, ray);
+            result.known = with_ray_u(result.known, ray, agreed >> 16u);
+            result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
+            if KEEP_OCCLUDERS && near.usable {
+                result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(near.first).other);
+                result.occluders_b = with_ray_u(result.occluders_b, ray, source_sample(near.first + vec2u(1u, 0u)).other);
+            }
         }
         ray += 1u;
         if ray >= RAYS { break; }
@@ -47,9 +52,60 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     return result;
 }
 
+// Where a point lies among a source's samples: between the centres of one and of the next in its row.
+struct Between {
+    source: Asked,
+    usable: bool,         // both are in the picture
+    first: vec2u,
+    way: f32,             // from the first one to the next, 0 to 1
+    point_parallax: f32,
+}
+
+fn place_between(source: Asked, pixel: vec2u, z: f32) -> Between {
+    let point_parallax = parallax_from(source, z);
+    let position = f32(pixel.x) + 0.5 - point_parallax;
+    let column = floor(position - 0.5);
+    let usable = (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
+    let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
+    return Between(source, usable, first, position - 0.5 - column, point_parallax);
+}
+
+fn bits_of_ray(at: Between, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
+    let component = of_ray_u(surfaces.component, ray);
+    let normal = of_ray3(surfaces.geometric_normal, ray);
+    return select(0u, agreed_bits(at, component, normal, of_ray_u(hits_there.slot, ray)), at.usable);
+}
+
+//! if sources is one
+fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
+    return bits;
+}
+
+fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
+    return source_sample(pixel);
+}
+
+//! if sources is two
+// What the nearest source does not know is asked of the one on the target's other side: it sees behind what hides a place from the
+// first.
+fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
+    let second = Asked(frame.second_parallax_px, frame.second_same_parallax, true);
+    let at = place_between(second, pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
+    let more = bits_of_ray(at, hits_there, surfaces, ray);
+    let known = (more >> 16u) & ~(bits >> 16u);
+    return bits | (known << 16u) | (more & known);
+}
+
+fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
+    if source.second { return second_sample(pixel); }
+    return source_sample(pixel);
+}
+
+//! end
 // The bits of a left sample as far as it vouches for a point of that parallax and component.
-fn vouched_bits(sample: SourceSample, point_parallax: f32, component: u32) -> u32 {
-    let same = sample.component == component && abs(parallax(sample.depth) - point_parallax) <= frame.same_parallax;
+fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
+    let apart = abs(parallax_from(at.source, sample.depth) - at.point_parallax);
+    let same = sample.component == component && apart <= at.source.same_parallax;
     return select(0u, sample.bits, same);
 }
 
@@ -61,7 +117,7 @@ fn agreeing(a: u32, b: u32) -> u32 {
 
 //! if bits is none
 // `rays`: nothing is taken over.
-fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
+fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     return 0u;
 }
 
@@ -72,13 +128,13 @@ fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, norm
 // Depth of a groove, of what one surface's parallaxes may differ by: 1/128 pixel where that is 0.75.
 const GROOVE: f32 = 1.0 / 96.0;
 
-// `way` is the point's place between the two, 0 to 1.
-fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    let before = source_sample(first);
-    let after = source_sample(first + vec2u(1u, 0u));
-    let bits = agreeing(vouched_bits(before, point_parallax, component), vouched_bits(after, point_parallax, component));
-    let deeper = point_parallax - mix(parallax(before.depth), parallax(after.depth), way);
-    let in_groove = select(deeper, -deeper, frame.parallax_px < 0.0) > GROOVE * frame.same_parallax;
+fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
+    let before = sample_of(at.source, at.first);
+    let after = sample_of(at.source, at.first + vec2u(1u, 0u));
+    let bits = agreeing(vouched_bits(at, before, component), vouched_bits(at, after, component));
+    let line = mix(parallax_from(at.source, before.depth), parallax_from(at.source, after.depth), at.way);
+    let deeper = at.point_parallax - line;
+    let in_groove = select(deeper, -deeper, at.source.parallax_px < 0.0) > GROOVE * at.source.same_parallax;
     return select(bits, bits & ~(bits << 16u), in_groove);
 }
 
@@ -89,23 +145,23 @@ fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, norm
 // Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
-fn agreed_bits(first: vec2u, way: f32, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    if first.y == 0u || first.y + 1u >= frame.image_size.y { return 0u; }
-    var row = first.y - 1u;
+fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
+    if at.first.y == 0u || at.first.y + 1u >= frame.image_size.y { return 0u; }
+    var row = at.first.y - 1u;
     var bits: u32;
     loop {
-        let before = smooth_bits(source_sample(vec2u(first.x, row)), point_parallax, component, normal, slot);
-        let after = smooth_bits(source_sample(vec2u(first.x + 1u, row)), point_parallax, component, normal, slot);
+        let before = smooth_bits(at, sample_of(at.source, vec2u(at.first.x, row)), component, normal, slot);
+        let after = smooth_bits(at, sample_of(at.source, vec2u(at.first.x + 1u, row)), component, normal, slot);
         let pair = agreeing(before, after);
-        bits = select(agreeing(bits, pair), pair, row + 1u == first.y);
+        bits = select(agreeing(bits, pair), pair, row + 1u == at.first.y);
         row += 1u;
-        if row > first.y + 1u { break; }
+        if row > at.first.y + 1u { break; }
     }
     return bits;
 }
 
-fn smooth_bits(sample: SourceSample, point_parallax: f32, component: u32, normal: vec3f, slot: u32) -> u32 {
-    let bits = vouched_bits(sample, point_parallax, component);
+fn smooth_bits(at: Between, sample: SourceSample, component: u32, normal: vec3f, slot: u32) -> u32 {
+    let bits = vouched_bits(at, sample, component);
     let other = primitive_at(select(sample.other, slot, bits == 0u));
     // The side does not matter: beside each other and both seen, they are seen from the same.
     let its_normal = normalize(largest_one(cross(largest_one(other.b - other.a), largest_one(other.c - other.a))));

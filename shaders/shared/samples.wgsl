@@ -26,6 +26,15 @@ fn source_sample(pixel: vec2u) -> SourceSample {
     return SourceSample(bitcast<f32>(texel.x), texel.y, texel.z, texel.w);
 }
 
+//! if sources is two
+// Of the source on the target's other side, for reading what it has as the first one's is read.
+@group(1) @binding(10) var second_samples: texture_2d<u32>;
+
+fn second_sample(pixel: vec2u) -> SourceSample {
+    let texel = textureLoad(second_samples, pixel, 0);
+    return SourceSample(bitcast<f32>(texel.x), texel.y, texel.z, texel.w);
+}
+
 //! if samples is none
 // No method takes shadow bits over.
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {}

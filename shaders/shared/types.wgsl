@@ -33,6 +33,9 @@ struct Frame {
     cost_of_search: f32,     // what `choose` weighs: of a tile's pixel, of a shadow ray, of one of a list relative to it
     cost_of_shadow: f32,
     cost_of_listed: f32,
+    second_parallax_px: f32,     // parallax_px and same_parallax from the source on the target's other side, where there is one
+    second_same_parallax: f32,
+    zeros: vec2u,
 }
 
 // Threads of a workgroup in x and in y.

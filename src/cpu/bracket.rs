@@ -64,63 +64,87 @@ struct Bits {
     lit: u32,
 }
 
-/// How it is known which lights each right pixel sees; `left` and `right` are what the views' own rays hit.
+/// A view that is traced, and what its rays hit: a depth and an id each pixel. Its frame has it as `Eye::Left`, the target as the other.
+pub type Source<'a> = (&'a Frame, &'a [(f32, u32)]);
+
+/// How it is known which lights each right pixel sees: by its source, and where that does not know by a second one, if there are two.
+/// `right` is what the target's own rays hit.
 pub fn shadow_sources(
     scene: &Scene,
-    frame: &Frame,
-    left: &[(f32, u32)],
+    sources: &[Source<'_>],
     right: &[(f32, u32)],
     reuse: ShadowReuse,
 ) -> Vec<ShadowSource> {
-    let [width, height] = frame.size();
     let components = components::of(scene);
-    let bits: Vec<Bits> =
-        (0..left.len()).map(|index| light_bits(scene, frame, Eye::Left, index, left[index], true)).collect();
-    let parallax = |depth: f32| frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / depth);
-    let source = |(index, &(depth, id)): (usize, &(f32, u32))| {
-        if id == MISS {
+    let bits: Vec<Vec<Bits>> = sources
+        .iter()
+        .map(|(frame, left)| {
+            (0..left.len()).map(|index| light_bits(scene, frame, Eye::Left, index, left[index], true)).collect()
+        })
+        .collect();
+    let source = |(index, &hit): (usize, &(f32, u32))| {
+        if hit.1 == MISS {
             return ShadowSource::Taken;
         }
-        let (column, row) = (index % width, index / width);
-        let point_parallax = parallax(depth);
-        let place = column as f32 + 0.5 - point_parallax - 0.5;
-        let position = place.floor();
-        let beside = position >= 0.0 && position + 1.0 < width as f32;
-        let normal = surface_normal(scene, frame, Eye::Right, index, (depth, id));
-        let vouches = |at: usize| {
-            let (its_depth, its_id) = left[at];
-            let same = its_id != MISS
-                && components[its_id as usize] == components[id as usize]
-                && (parallax(its_depth) - point_parallax).abs() <= frame.raw.same_parallax;
-            let smooth = || {
-                let its_normal = || surface_normal(scene, frame, Eye::Left, at, left[at]);
-                reuse != ShadowReuse::Block || its_id == id || its_normal().dot(normal).abs() >= SAME_NORMAL
-            };
-            if same && smooth() { bits[at] } else { Bits::default() }
+        let known = |(source, bits): (&Source<'_>, &Vec<Bits>)| {
+            agreed_bits(scene, &components, *source, bits, (index, hit), reuse)
         };
-        let rows = match reuse {
-            _ if !beside => 0..0,
-            ShadowReuse::Rays => 0..0,
-            ShadowReuse::Two => row..row + 1,
-            ShadowReuse::Block if row == 0 || row + 1 == height => 0..0,
-            ShadowReuse::Block => row - 1..row + 2,
-        };
-        let samples: Vec<Bits> =
-            rows.flat_map(|row| [0, 1].map(|side| row * width + position as usize + side)).map(vouches).collect();
-        let agreed = samples.iter().fold(if samples.is_empty() { 0 } else { u32::MAX }, |agreed, sample| {
-            agreed & sample.known & !(sample.lit ^ samples[0].lit)
-        });
-        let in_groove = || {
-            let at = row * width + position as usize;
-            let [before, after] = [left[at].0, left[at + 1].0].map(parallax);
-            point_parallax - (before + (after - before) * (place - position)) > GROOVE * frame.raw.same_parallax
-        };
-        let open = if reuse == ShadowReuse::Two && beside && in_groove() { samples[0].lit } else { 0 };
-        let agreed = agreed & !open;
-        let wanted = light_bits(scene, frame, Eye::Right, index, (depth, id), false).known;
+        let agreed = sources.iter().zip(&bits).map(known).fold(0, |agreed, more| agreed | more);
+        let wanted = light_bits(scene, sources[0].0, Eye::Right, index, hit, false).known;
         if wanted & !agreed == 0 { ShadowSource::Taken } else { ShadowSource::Traced }
     };
     right.iter().enumerate().map(source).collect()
+}
+
+/// The lights of which a source's samples around the point that a right pixel shows know whether it sees them.
+fn agreed_bits(
+    scene: &Scene,
+    components: &[u32],
+    (frame, left): Source<'_>,
+    bits: &[Bits],
+    (index, (depth, id)): (usize, (f32, u32)),
+    reuse: ShadowReuse,
+) -> u32 {
+    let [width, height] = frame.size();
+    let parallax = |depth: f32| frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / depth);
+    let (column, row) = (index % width, index / width);
+    let point_parallax = parallax(depth);
+    let place = column as f32 + 0.5 - point_parallax - 0.5;
+    let position = place.floor();
+    if position < 0.0 || position + 1.0 >= width as f32 {
+        return 0;
+    }
+    let normal = surface_normal(scene, frame, Eye::Right, index, (depth, id));
+    let vouches = |at: usize| {
+        let (its_depth, its_id) = left[at];
+        let same = its_id != MISS
+            && components[its_id as usize] == components[id as usize]
+            && (parallax(its_depth) - point_parallax).abs() <= frame.raw.same_parallax;
+        let smooth = || {
+            let its_normal = || surface_normal(scene, frame, Eye::Left, at, left[at]);
+            reuse != ShadowReuse::Block || its_id == id || its_normal().dot(normal).abs() >= SAME_NORMAL
+        };
+        if same && smooth() { bits[at] } else { Bits::default() }
+    };
+    let rows = match reuse {
+        ShadowReuse::Rays => 0..0,
+        ShadowReuse::Two => row..row + 1,
+        ShadowReuse::Block if row == 0 || row + 1 == height => 0..0,
+        ShadowReuse::Block => row - 1..row + 2,
+    };
+    let samples: Vec<Bits> =
+        rows.flat_map(|row| [0, 1].map(|side| row * width + position as usize + side)).map(vouches).collect();
+    let agreed = samples.iter().fold(if samples.is_empty() { 0 } else { u32::MAX }, |agreed, sample| {
+        agreed & sample.known & !(sample.lit ^ samples[0].lit)
+    });
+    let in_groove = || {
+        let at = row * width + position as usize;
+        let [before, after] = [left[at].0, left[at + 1].0].map(parallax);
+        let deeper = point_parallax - (before + (after - before) * (place - position));
+        deeper * frame.raw.parallax_px.signum() > GROOVE * frame.raw.same_parallax
+    };
+    let open = if reuse == ShadowReuse::Two && in_groove() { samples[0].lit } else { 0 };
+    agreed & !open
 }
 
 /// The normal towards the eye of the surface that a pixel's ray hits.

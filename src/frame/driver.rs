@@ -10,7 +10,7 @@ use super::{
 use crate::{
     Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches},
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
@@ -267,12 +267,21 @@ impl Driver<'_> {
             let texture = self.targets.samples(samples_of(view, source, access));
             (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
         });
+        let second = kernel.asks_second(&self.variant).then(|| {
+            let texture = self.targets.samples(self.eyes.seconds[view]);
+            (SECOND_SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
+        });
         let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());
         let picture = picture.map(|texture| (PICTURE_BINDING, wgpu::BindingResource::TextureView(texture)));
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
         let lanes = lanes.map(|lanes| (STEPS_BINDING, lanes.buffer.as_entire_binding()));
-        let resources =
-            (0..).zip(std::iter::once(frame).chain(storage)).chain(linear).chain(samples).chain(lanes).chain(picture);
+        let resources = (0..)
+            .zip(std::iter::once(frame).chain(storage))
+            .chain(linear)
+            .chain(samples)
+            .chain(second)
+            .chain(lanes)
+            .chain(picture);
         bind_group_at(self.gpu, kernel.name, layout, resources)
     }
 }

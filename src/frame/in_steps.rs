@@ -17,7 +17,7 @@ impl Driver<'_> {
             // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
             self.variant.traversal.rays = RaysPerLane::One;
         }
-        self.variant.samples = false;
+        (self.variant.samples, self.variant.second) = (false, false);
         let rows = self.rows_in_steps(steps);
         if self.lanes.is_none() {
             let block = self.variant.traversal.rays.block();

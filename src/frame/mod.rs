@@ -164,7 +164,8 @@ impl Renderer {
     fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Variant {
         let counting = scene.variant.counting(options.count, options.cost_map);
         let (bits, samples) = (plan.bits, plan.samples);
-        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), bits, samples, ..counting }
+        let second = samples && eyes.has_seconds();
+        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), bits, samples, second, ..counting }
     }
 
     async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {

@@ -53,7 +53,7 @@ const MOST_PARALLAX: f32 = 0.75;
 /// The same as a difference of parallaxes in pixels. It does not depend on the picture's size: with twice as many pixels neighbours lie
 /// half as far apart, and a pixel of parallax is half as much depth. With eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75,
 /// and never more.
-fn same_parallax(pose: &Pose, apart: f32) -> f32 {
+pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
     MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.screen_distance)
 }
 

@@ -94,6 +94,15 @@ pub(crate) fn texture_type(format: wgpu::TextureFormat, access: wgpu::StorageTex
     wgpu::BindingType::StorageTexture { access, format, view_dimension }
 }
 
+/// Of texels that are read without filtering.
+pub(crate) fn sampled_type() -> wgpu::BindingType {
+    wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Uint,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    }
+}
+
 /// A layout of bindings from 0 on.
 pub(crate) fn layout_of(gpu: &Gpu, label: &'static str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();

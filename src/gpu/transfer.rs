@@ -150,7 +150,8 @@ impl Gpu {
     /// A texture for texels in rows.
     fn texel_rows(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
         let height = texels.div_ceil(width as usize).max(1) as u32;
-        let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let usage =
+            wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
         self.texture(label, [width, height], TEXELS, usage, &[])
     }
 

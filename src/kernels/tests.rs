@@ -97,6 +97,7 @@ fn variants() -> Vec<Variant> {
             world_boxes,
             close: close == 1,
             samples: kept & 1 == 1,
+            second: kept & 2 == 2,
             linear: kept & 2 == 2,
             stack_size: 40,
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
@@ -199,21 +200,24 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
         // A layout has all of the scene's bindings, whether or not the kernel uses them.
         let scene = u32::from(kernel.touches.geometry()) + u32::from(kernel.touches.table());
         let mut count = match with.traversal.fetch {
-            Fetch::Buffer => [0, scene, 0],
-            Fetch::Texture => [0, 0, scene],
+            Fetch::Buffer => [0, scene, 0, 0],
+            Fetch::Texture => [0, 0, scene, 0],
         };
         count[0] = u32::from(kernel.touches.geometry());
         for (_, variable) in module.global_variables.iter() {
             let Some(binding) = &variable.binding else { continue };
             raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
             raise(|limits| &mut limits.max_bindings_per_bind_group, binding.binding + 1);
-            count[match variable.space {
-                naga::AddressSpace::Uniform => 0,
-                naga::AddressSpace::Storage { .. } => 1,
+            let sampled = |class| !matches!(class, naga::ImageClass::Storage { .. });
+            count[match (variable.space, &module.types[variable.ty].inner) {
+                (naga::AddressSpace::Uniform, _) => 0,
+                (naga::AddressSpace::Storage { .. }, _) => 1,
+                (_, naga::TypeInner::Image { class, .. }) if sampled(*class) => 3,
                 _ => 2,
             }] += u32::from(binding.group == 1);
         }
-        let [uniforms, buffers, textures] = count;
+        let [uniforms, buffers, textures, sampled] = count;
+        assert!(sampled <= 1, "{kernel:?}: {sampled} sampled textures");
         raise(|limits| &mut limits.max_uniform_buffers_per_shader_stage, uniforms);
         raise(|limits| &mut limits.max_storage_buffers_per_shader_stage, buffers);
         raise(|limits| &mut limits.max_storage_textures_per_shader_stage, textures);
@@ -254,7 +258,8 @@ fn no_layout_has_more_than_five_storage_buffers_or_two_storage_textures_beside_t
             let textures = count(|ty| matches!(ty, wgpu::BindingType::StorageTexture { .. }));
             let uniforms =
                 count(|ty| matches!(ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. }));
-            let buffers = own.len() - textures - uniforms;
+            let sampled = count(|ty| matches!(ty, wgpu::BindingType::Texture { .. }));
+            let buffers = own.len() - textures - uniforms - sampled;
             let table = usize::from(kernel.touches.table());
             let (buffers, textures) = match with.traversal.fetch {
                 Fetch::Buffer => (buffers + table, textures),
@@ -387,6 +392,9 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             cost_of_search,
             cost_of_shadow,
             cost_of_listed,
+            second_parallax_px,
+            second_same_parallax,
+            zeros,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
