@@ -1,5 +1,6 @@
 //! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
 
+mod beside;
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
@@ -23,7 +24,7 @@ pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 use glam::Vec3;
 
 pub(crate) use self::moving::Stamp;
-use self::mesh::Object;
+use self::{beside::Beside, mesh::Object};
 use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
@@ -125,6 +126,7 @@ pub struct Scene {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     mesh_objects: Vec<Object>,
+    beside: Beside,
     /// How many of the triangles that are traced are smooth.
     smooth: usize,
     /// How many of the triangles are degenerate.
@@ -155,6 +157,7 @@ impl Scene {
             triangles: Vec::new(),
             spheres: Vec::new(),
             mesh_objects: Vec::new(),
+            beside: Beside::default(),
             smooth: 0,
             dropped: 0,
             dropping_meshes: 0,
