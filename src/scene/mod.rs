@@ -11,6 +11,7 @@ mod moving;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
+mod smooth;
 pub mod suite;
 mod texture;
 #[cfg(feature = "obj")]
