@@ -21,10 +21,13 @@ pub struct Limits {
     pub(crate) file_bytes: u64,
     pub(crate) json_bytes: u64,
     sky_pixels: u64,
+    pub(crate) texture_pixels: u64,
     /// The most that the adapter can hold.
     adapter_pixels: u64,
     /// What messages say that the limits on files and on skies are raised by.
     pub(crate) option_names: [&'static str; 2],
+    /// The same of the limit on textures.
+    pub(crate) texture_option_name: &'static str,
 }
 
 impl Default for Limits {
@@ -33,17 +36,21 @@ impl Default for Limits {
             file_bytes: 1 << 30,
             json_bytes: 16 << 20,
             sky_pixels: (128 << 20) / SKY_PIXEL_BYTES,
+            texture_pixels: (256 << 20) / TEXTURE_PIXEL_BYTES,
             adapter_pixels: u64::MAX,
             option_names: ["Limits"; 2],
+            texture_option_name: "Limits",
         }
     }
 }
 
 /// What a sky's pixel takes on the adapter.
 const SKY_PIXEL_BYTES: u64 = 16;
+/// What a texture's pixel takes.
+const TEXTURE_PIXEL_BYTES: u64 = 4;
 
 impl Limits {
-    /// Largest OBJ file, and largest picture of a sky as a file; all MTL files of one OBJ together have the same limit. 1 GiB
+    /// Largest OBJ file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same limit. 1 GiB
     /// where nothing is said.
     pub fn file_bytes(mut self, bytes: u64) -> Self {
         self.file_bytes = bytes;
@@ -60,6 +67,19 @@ impl Limits {
     /// nothing is said: the 128 MiB that every WebGPU adapter can bind.
     pub fn sky_pixels(mut self, pixels: u64) -> Self {
         self.sky_pixels = pixels;
+        self
+    }
+
+    /// Pixels that a texture may have at most, and those of an OBJ's MTL files all together; each takes 4 bytes. 67,108,864 (one
+    /// of 8192x8192) where nothing is said: the 256 MiB that every WebGPU adapter can hold in a buffer.
+    pub fn texture_pixels(mut self, pixels: u64) -> Self {
+        self.texture_pixels = pixels;
+        self
+    }
+
+    /// What messages say that [`Limits::texture_pixels`] is raised by. `Limits` where nothing is said.
+    pub fn texture_option_name(mut self, name: &'static str) -> Self {
+        self.texture_option_name = name;
         self
     }
 

@@ -64,8 +64,8 @@
 //! On by default, and none of them needed by the core:
 //! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
 //! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `png` (write PNG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read cameras). On
-//!   wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//! - `obj` (read OBJ and MTL), `png` (write PNG), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
+//!   and HDR) and `json` (read cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
 //!
 //! Off by default: `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
 //! ([`Gpu::from_device`]).
@@ -92,7 +92,7 @@ mod folder;
 mod frame;
 mod geometry;
 pub mod gpu;
-#[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+#[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 mod input;
 mod kernels;
 mod lanes;
@@ -124,13 +124,16 @@ pub use disparity::Occlusion;
 pub use error::Error;
 pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
 pub use gpu::{Adapter, Gpu};
-#[cfg(any(feature = "obj", feature = "sky", feature = "json"))]
+#[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async};
 pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
-pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
+pub use scene::{
+    Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId, TextureKind,
+    Triangle, Wrap,
+};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -1,13 +1,22 @@
 //! What a scene may hold: coordinates, colours, lights and its extent in bounds.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 
-use super::{MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, MaterialId, Scene, Sky, Sphere};
-use crate::Error;
+use super::{Finish, MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, Material, MaterialId, Scene, Sky, Sphere, TextureId};
+use crate::{Error, message::counted};
 
 /// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
 /// pixels long. DESIGN, section 2, has the measurements.
 const COARSE_STEP: f32 = 1e-4;
+
+/// What a [`Material`] may have of each.
+pub(super) const OPACITIES: RangeInclusive<f32> = 0.0..=1.0;
+pub(super) const EXPONENTS: RangeInclusive<f32> = 0.0..=10_000.0;
+pub(super) const INDICES: RangeInclusive<f32> = 0.1..=10.0;
+/// All the light, and what the rounding of two shares of it may add.
+const MOST_RETURNED: f32 = 1.0 + 1e-5;
 
 impl Scene {
     pub(super) fn check_material(&self, material: MaterialId) -> Result<(), String> {
@@ -43,7 +52,7 @@ impl Scene {
             Sky::Map(_) => {} // checked when it was made
         }
         for (index, material) in self.materials.iter().enumerate() {
-            check(format!("material {index} '{}'", material.name), check_color("albedo", material.albedo))?;
+            check(format!("material {index} '{}'", material.name), self.check_surface(material))?;
         }
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
@@ -51,6 +60,31 @@ impl Scene {
             check(format!("light {index}"), check_coordinate(light.position))?;
         }
         check("geometry".into(), self.check_extent())
+    }
+
+    /// A material's values and textures.
+    fn check_surface(&self, material: &Material) -> Result<(), String> {
+        check_color("albedo", material.albedo)?;
+        check_color("specular", material.specular)?;
+        check_color("emission", material.emission)?;
+        check_within("opacity", material.opacity, &OPACITIES)?;
+        check_within("exponent", material.exponent, &EXPONENTS)?;
+        if let Finish::Glass { index, transmission, .. } = material.finish {
+            check_within("index", index, &INDICES)?;
+            check_color("transmission", transmission)?;
+        }
+        for (what, texture) in [("texture", material.texture), ("cutout", material.cutout)] {
+            if let Some(TextureId(id)) = texture.filter(|id| id.0 as usize >= self.textures.len()) {
+                return Err(format!("{what} {id} of {}", counted(self.textures.len(), "texture", "textures")));
+            }
+        }
+        match material.most_returned() {
+            Some(returned) if returned.max_element() > MOST_RETURNED => Err(format!(
+                "it adds more light than it gets: albedo and what it reflects or lets through are {returned} together; each \
+                 channel can be at most 1"
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// What to say of a scene that is so far from the origin that its picture suffers.
@@ -94,10 +128,17 @@ pub(super) fn check_light_count(count: usize) -> Result<(), Error> {
 }
 
 /// Light and reflectance are finite and not negative.
-fn check_color(what: &str, color: Vec3) -> Result<(), String> {
+pub(super) fn check_color(what: &str, color: Vec3) -> Result<(), String> {
     match color.is_finite() && color.min_element() >= 0.0 {
         true => Ok(()),
         false => Err(format!("{what} is {color}; it must be finite and not negative")),
+    }
+}
+
+fn check_within(what: &str, value: f32, range: &RangeInclusive<f32>) -> Result<(), String> {
+    match range.contains(&value) {
+        true => Ok(()),
+        false => Err(format!("{what} is {value}; it must be within {} to {}", range.start(), range.end())),
     }
 }
 
@@ -106,5 +147,58 @@ pub(super) fn check_coordinate(point: Vec3) -> Result<(), String> {
         None => Ok(()),
         Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),
         Some(value) => Err(format!("coordinate {value} is not a finite number")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Texture;
+
+    #[test]
+    fn materials_that_no_surface_has_are_refused_by_name_and_value() {
+        let plain = || Material::new(Vec3::splat(0.5)).name("jade");
+        let glass = |index, transmission| plain().finish(Finish::Glass { index, transmission, fresnel: true });
+        let mirror = Finish::Mirror { fresnel: false };
+        let said = |material: Material| {
+            let mut scene = Scene::new();
+            scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8).unwrap());
+            scene.add_material(material);
+            scene.check().map_err(|error| error.to_string())
+        };
+        for (material, expected) in [
+            (Material::new(Vec3::NAN).name("jade"), "albedo is [NaN"),
+            (plain().specular(-Vec3::Y), "specular is [-0, -1, -0]"),
+            (plain().emission(Vec3::INFINITY), "emission is [inf"),
+            (plain().opacity(1.5), "opacity is 1.5; it must be within 0 to 1"),
+            (plain().opacity(f32::NAN), "opacity is NaN"),
+            (plain().exponent(-1.0), "exponent is -1; it must be within 0 to 10000"),
+            (plain().exponent(f32::INFINITY), "exponent is inf"),
+            (glass(0.0, Vec3::ZERO), "index is 0; it must be within 0.1 to 10"),
+            (glass(f32::NAN, Vec3::ZERO), "index is NaN"),
+            (glass(1.5, Vec3::NAN), "transmission is [NaN"),
+            (plain().texture(TextureId(1)), "texture 1 of 1 texture"),
+            (plain().cutout(TextureId(u32::MAX)), "cutout 4294967295 of 1 texture"),
+            (
+                plain().specular(Vec3::new(0.1, 0.6, 0.1)).finish(mirror),
+                "adds more light than it gets: albedo and what",
+            ),
+            (
+                glass(1.5, Vec3::ONE),
+                "together; each \
+                 channel can be at most 1",
+            ),
+        ] {
+            let message = said(material).unwrap_err();
+            assert!(message.contains("material 1 'jade'") && message.contains(expected), "{expected}: {message}");
+        }
+        for material in [
+            plain().specular(Vec3::ONE).exponent(0.0).opacity(0.0).emission(Vec3::splat(15.0)),
+            plain().specular(Vec3::splat(0.5)).finish(mirror).texture(TextureId(0)).cutout(TextureId(0)),
+            Material::new(Vec3::splat(0.7)).specular(Vec3::splat(0.3)).finish(mirror),
+            glass(10.0, Vec3::splat(0.5)).specular(Vec3::splat(0.5)).exponent(10_000.0),
+        ] {
+            said(material).unwrap();
+        }
     }
 }

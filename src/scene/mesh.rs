@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::{
     MaterialId, PRINTED_WARNINGS, Scene,
-    checks::{check_coordinate, rounding_text},
+    checks::{check_color, check_coordinate, rounding_text},
     moving::Stamp,
 };
 use crate::{
@@ -37,13 +37,17 @@ pub struct Mesh {
     /// Three unit normals a triangle for smooth shading, or empty: the triangles are flat.
     /// A triangle with a zero among its normals is flat too.
     pub normals: Vec<[Vec3; 3]>,
+    /// Three texture coordinates a triangle, or empty: (0, 0) is a texture's lower left corner.
+    pub uv: Vec<[Vec2; 3]>,
+    /// Three colours a triangle, which its albedo is multiplied by, linear RGB, or empty.
+    pub colors: Vec<[Vec3; 3]>,
 }
 
 impl Mesh {
     /// Flat triangles of a scene's grey, without a name: world positions, and the corners of each triangle as indices into
     /// them.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { name: String::new(), positions, triangles, materials: vec![MaterialId::default()], normals: Vec::new() }
+        Self { positions, triangles, materials: vec![MaterialId::default()], ..Self::default() }
     }
 
     /// The object's name.
@@ -63,6 +67,52 @@ impl Mesh {
         self.normals = normals;
         self
     }
+
+    /// Three texture coordinates a triangle, or none.
+    pub fn uv(mut self, uv: Vec<[Vec2; 3]>) -> Self {
+        self.uv = uv;
+        self
+    }
+
+    /// Three colours a triangle, or none.
+    pub fn colors(mut self, colors: Vec<[Vec3; 3]>) -> Self {
+        self.colors = colors;
+        self
+    }
+
+    pub(super) fn fault(&self, element: &str, reason: String) -> Error {
+        Error::Scene { element: format!("mesh '{}', {element}", self.name), reason }
+    }
+
+    pub(super) fn check_corners(&self, triangle: usize) -> Result<(), String> {
+        match self.triangles[triangle].iter().find(|&&corner| corner as usize >= self.positions.len()) {
+            None => Ok(()),
+            Some(corner) => Err(format!("corner {corner} of {}", counted(self.positions.len(), "vertex", "vertices"))),
+        }
+    }
+
+    /// Lists that have as many entries as there are triangles, and texture coordinates and colours that are some.
+    fn check_lists(&self) -> Result<(), (String, String)> {
+        let count = self.triangles.len();
+        let triangles = counted(count, "triangle", "triangles");
+        if self.materials.len() != 1 && self.materials.len() != count {
+            let reason = format!("{} for {triangles}; give one for all or one each", self.materials.len());
+            return Err(("materials".into(), reason));
+        }
+        let lists =
+            [("normals", self.normals.len()), ("texture coordinates", self.uv.len()), ("colours", self.colors.len())];
+        if let Some((what, found)) = lists.into_iter().find(|(_, found)| *found != 0 && *found != count) {
+            return Err((what.into(), format!("{found} for {triangles}; give none or three each")));
+        }
+        if let Some(index) = self.uv.iter().position(|uv| uv.iter().any(|uv| !uv.is_finite())) {
+            return Err((format!("triangle {index}"), "a texture coordinate is not a finite number".into()));
+        }
+        for (index, colors) in self.colors.iter().enumerate() {
+            let check = colors.iter().try_for_each(|color| check_color("a corner's colour", *color));
+            check.map_err(|reason| (format!("triangle {index}"), reason))?;
+        }
+        Ok(())
+    }
 }
 
 /// A primitive's place in its scene: which object it belongs to, and where objects begin.
@@ -70,6 +120,15 @@ impl Mesh {
 pub(crate) struct Object {
     pub(crate) name: String,
     pub(crate) first_primitive: u32,
+    pub(super) has_uv: bool,
+    pub(super) has_colors: bool,
+}
+
+impl Object {
+    pub(super) fn new(mesh: &Mesh, first_primitive: u32) -> Self {
+        let [has_uv, has_colors] = [!mesh.uv.is_empty(), !mesh.colors.is_empty()];
+        Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors }
+    }
 }
 
 /// A triangle with everything a renderer asks of it.
@@ -103,8 +162,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
-    /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, or a material that is not
-    /// there.
+    /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, a normal, texture coordinate or
+    /// colour that is not finite, a colour that is negative, or a material that is not there.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let (first, dropped) = (self.triangles.len(), self.dropped);
         self.push_mesh(mesh)?;
@@ -132,7 +191,8 @@ impl Scene {
     pub(super) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let triangles = self.checked_triangles(mesh)?;
         let end = self.triangles.len();
-        self.mesh_objects.push(Object { name: mesh.name.clone(), first_primitive: end as u32 });
+        self.mesh_objects.push(Object::new(mesh, end as u32));
+        self.beside.replace(end..end, mesh, &self.mesh_objects, end);
         self.replace_triangles(end..end, triangles);
         Ok(())
     }
@@ -154,35 +214,19 @@ impl Scene {
 
     /// A mesh's triangles, if the scene can take them.
     pub(super) fn checked_triangles(&self, mesh: &Mesh) -> Result<Vec<Triangle>, Error> {
-        let fault = |element: String, reason: String| Error::Scene {
-            element: format!("mesh '{}', {element}", mesh.name),
-            reason,
-        };
         for (index, &position) in mesh.positions.iter().enumerate() {
-            check_coordinate(position).map_err(|reason| fault(format!("vertex {index}"), reason))?;
+            check_coordinate(position).map_err(|reason| mesh.fault(&format!("vertex {index}"), reason))?;
         }
-        let count = mesh.triangles.len();
-        let triangles = |count| counted(count, "triangle", "triangles");
-        if mesh.materials.len() != 1 && mesh.materials.len() != count {
-            let reason = format!("{} for {}; give one for all or one each", mesh.materials.len(), triangles(count));
-            return Err(fault("materials".into(), reason));
-        }
-        if !mesh.normals.is_empty() && mesh.normals.len() != count {
-            let reason = format!("{} for {}; give none or three each", mesh.normals.len(), triangles(count));
-            return Err(fault("normals".into(), reason));
-        }
-        let mut triangles = Vec::with_capacity(count);
+        mesh.check_lists().map_err(|(element, reason)| mesh.fault(&element, reason))?;
+        let mut triangles = Vec::with_capacity(mesh.triangles.len());
         for (index, corners) in mesh.triangles.iter().enumerate() {
             let at = || format!("triangle {index}");
-            if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= mesh.positions.len()) {
-                let reason = format!("corner {corner} of {}", counted(mesh.positions.len(), "vertex", "vertices"));
-                return Err(fault(at(), reason));
-            }
+            mesh.check_corners(index).map_err(|reason| mesh.fault(&at(), reason))?;
             let material = mesh.materials[if mesh.materials.len() == 1 { 0 } else { index }];
-            self.check_material(material).map_err(|reason| fault(at(), reason))?;
+            self.check_material(material).map_err(|reason| mesh.fault(&at(), reason))?;
             let normals = mesh.normals.get(index).copied().unwrap_or_default();
             if normals.iter().any(|normal| !normal.is_finite()) {
-                return Err(fault(at(), "a normal is not a finite number".into()));
+                return Err(mesh.fault(&at(), "a normal is not a finite number".into()));
             }
             let corners = corners.map(|corner| mesh.positions[corner as usize]);
             triangles.push(Triangle { corners, normals, material });

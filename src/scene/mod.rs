@@ -1,25 +1,31 @@
 //! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
 
+mod beside;
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
 mod lights;
+mod material;
 mod mesh;
 mod moving;
 #[cfg(feature = "obj")]
 mod obj;
 mod sky;
+mod smooth;
 pub mod suite;
+mod texture;
 #[cfg(feature = "obj")]
 mod warnings;
 
+pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 pub use sky::SkyMap;
+pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 
 use glam::Vec3;
 
-use self::mesh::Object;
 pub(crate) use self::moving::Stamp;
+use self::{beside::Beside, mesh::Object};
 use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
@@ -39,33 +45,6 @@ const DEFAULT_AMBIENT: f32 = 0.15;
 
 /// Of like warnings so many are logged; the rest are counted.
 const PRINTED_WARNINGS: usize = 5;
-
-/// Index of a [`Material`] in its [`Scene`]; the default is the grey that every scene begins with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct MaterialId(pub u32);
-
-/// A diffuse (Lambertian) surface.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Material {
-    /// The material's name in its file, or empty.
-    pub name: String,
-    /// Diffuse reflectance, linear RGB, 0 to 1.
-    pub albedo: Vec3,
-}
-
-impl Material {
-    /// A diffuse material without a name: reflectance in linear RGB, 0 to 1.
-    pub fn new(albedo: Vec3) -> Self {
-        Self { name: String::new(), albedo }
-    }
-
-    /// Its name, for messages.
-    pub fn name(mut self, name: impl Into<String>) -> Self {
-        self.name = name.into();
-        self
-    }
-}
 
 /// An omnidirectional point light without falloff (thesis, chapter 4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,9 +123,11 @@ pub struct Scene {
     /// What a ray sees that hits nothing.
     pub sky: Sky,
     materials: Vec<Material>,
+    textures: Vec<Texture>,
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     mesh_objects: Vec<Object>,
+    beside: Beside,
     /// How many of the triangles that are traced are smooth.
     smooth: usize,
     /// How many of the triangles are degenerate.
@@ -173,9 +154,11 @@ impl Scene {
             ambient: None,
             sky: Sky::Constant(Vec3::ZERO),
             materials: vec![Material::new(Vec3::splat(0.7))],
+            textures: Vec::new(),
             triangles: Vec::new(),
             spheres: Vec::new(),
             mesh_objects: Vec::new(),
+            beside: Beside::default(),
             smooth: 0,
             dropped: 0,
             dropping_meshes: 0,

@@ -7,7 +7,7 @@ use std::{
 
 use glam::{Affine3A, DVec3, Vec3};
 
-use super::{Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate};
+use super::{Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object};
 use crate::{Error, message::counted};
 
 /// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
@@ -84,7 +84,9 @@ impl Scene {
         for later in &mut self.mesh_objects[object as usize + 1..] {
             later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
         }
-        self.mesh_objects[object as usize].name.clone_from(&mesh.name);
+        let place = &mut self.mesh_objects[object as usize];
+        *place = Object::new(mesh, place.first_primitive);
+        self.beside.replace(range.clone(), mesh, &self.mesh_objects, self.triangles.len());
         self.replace_and_warn(object, range, triangles);
         Ok(())
     }

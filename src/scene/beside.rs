@@ -1,0 +1,134 @@
+//! What some meshes have beside their triangles: lists as long as the scene's triangles, or empty where no mesh has any.
+
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
+
+use super::{Mesh, Scene, mesh::Object};
+
+/// Texture coordinates of triangles that have none.
+const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
+/// Colours of triangles that have none: the albedo stays as it is.
+const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
+
+/// Texture coordinates and colours at the corners of triangles.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Beside {
+    pub(super) uv: Vec<[Vec2; 3]>,
+    pub(super) colors: Vec<[Vec3; 3]>,
+}
+
+impl Beside {
+    /// Puts a mesh's lists in the place of others. `objects` are those of the scene, with the mesh's own among them; `triangles`
+    /// is how many the scene had before.
+    pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, objects: &[Object], triangles: usize) {
+        let count = mesh.triangles.len();
+        let has = |of: fn(&Object) -> bool| objects.iter().any(of);
+        replace(&mut self.uv, range.clone(), (&mesh.uv, count), has(|object| object.has_uv), (NO_UV, triangles));
+        replace(
+            &mut self.colors,
+            range,
+            (&mesh.colors, count),
+            has(|object| object.has_colors),
+            (NO_COLORS, triangles),
+        );
+    }
+}
+
+/// Of a list that is wanted, the mesh's own part, or `none` where it has no part; what was there of others stays.
+fn replace<T: Copy>(
+    list: &mut Vec<T>,
+    range: Range<usize>,
+    (by, count): (&[T], usize),
+    wanted: bool,
+    (none, triangles): (T, usize),
+) {
+    if !wanted {
+        *list = Vec::new();
+        return;
+    }
+    if list.is_empty() {
+        list.resize(triangles, none);
+    }
+    match by.is_empty() {
+        true => drop(list.splice(range, std::iter::repeat_n(none, count))),
+        false => drop(list.splice(range, by.iter().copied())),
+    }
+}
+
+impl Scene {
+    /// Texture coordinates at the corners of each triangle, zero for triangles without; empty where no mesh has any.
+    pub fn uv(&self) -> &[[Vec2; 3]] {
+        &self.beside.uv
+    }
+
+    /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles without; empty
+    /// where no mesh has any.
+    pub fn colors(&self) -> &[[Vec3; 3]] {
+        &self.beside.colors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Affine3A;
+
+    use super::*;
+
+    /// Triangles in a row, each with its number as texture coordinates and as colours, where they are asked for.
+    fn strip(numbers: &[f32], uv: bool, colors: bool) -> Mesh {
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mut mesh = Mesh::new(corners, vec![[0, 1, 2]; numbers.len()]);
+        if uv {
+            mesh = mesh.uv(numbers.iter().map(|&number| [Vec2::splat(number); 3]).collect());
+        }
+        if colors {
+            mesh = mesh.colors(numbers.iter().map(|&number| [Vec3::splat(number); 3]).collect());
+        }
+        mesh
+    }
+
+    fn numbers(scene: &Scene) -> (Vec<f32>, Vec<f32>) {
+        (scene.uv().iter().map(|uv| uv[2].y).collect(), scene.colors().iter().map(|colors| colors[1].z).collect())
+    }
+
+    #[test]
+    fn lists_follow_their_triangles_and_go_with_the_last_mesh_that_has_any() {
+        let mut scene = Scene::new();
+        scene.add_mesh(&strip(&[9.0, 9.0], false, false)).unwrap();
+        assert_eq!(numbers(&scene), (vec![], vec![]));
+        scene.add_mesh(&strip(&[1.0, 2.0, 3.0], true, false)).unwrap();
+        scene.add_mesh(&strip(&[4.0], false, true)).unwrap();
+        assert_eq!(numbers(&scene), (vec![0., 0., 1., 2., 3., 0.], vec![1., 1., 1., 1., 1., 4.]));
+        // Moved, they stay; another mesh brings its own, as many as it has triangles.
+        scene.transform_object(1, &Affine3A::from_translation(Vec3::Z)).unwrap();
+        assert_eq!(numbers(&scene).0, [0., 0., 1., 2., 3., 0.]);
+        scene.set_mesh(0, &strip(&[5.0], true, true)).unwrap();
+        assert_eq!(numbers(&scene), (vec![5., 1., 2., 3., 0.], vec![5., 1., 1., 1., 4.]));
+        scene.set_mesh(1, &strip(&[6.0, 7.0], false, false)).unwrap();
+        assert_eq!(numbers(&scene), (vec![5., 0., 0., 0.], vec![5., 1., 1., 4.]));
+        scene.set_mesh(0, &strip(&[8.0, 8.0], false, false)).unwrap();
+        assert_eq!(numbers(&scene), (vec![], vec![1., 1., 1., 1., 4.]));
+        scene.set_mesh(2, &strip(&[], false, true)).unwrap();
+        assert_eq!(numbers(&scene), (vec![], vec![]));
+    }
+
+    #[test]
+    fn lists_that_do_not_fit_are_refused_by_name_and_change_nothing() {
+        let mut scene = Scene::new();
+        scene.add_mesh(&strip(&[1.0], true, true)).unwrap();
+        let mut said = |mesh: Mesh| scene.set_mesh(0, &mesh.name("flag")).unwrap_err().to_string();
+        let two = || strip(&[1.0, 2.0], true, true);
+        for (mesh, expected) in [
+            (two().uv(vec![NO_UV]), "texture coordinates: 1 for 2 triangles; give none or three each"),
+            (two().colors(vec![NO_COLORS; 3]), "colours: 3 for 2 triangles; give none or three each"),
+            (two().uv(vec![NO_UV, [Vec2::ZERO, Vec2::ZERO, Vec2::NAN]]), "triangle 1: a texture coordinate is not a"),
+            (two().colors(vec![[Vec3::INFINITY; 3], NO_COLORS]), "triangle 0: a corner's colour is [inf"),
+            (two().colors(vec![NO_COLORS, [-Vec3::X; 3]]), "triangle 1: a corner's colour is [-1"),
+        ] {
+            let message = said(mesh);
+            assert!(message.contains("mesh 'flag', ") && message.contains(expected), "{expected}: {message}");
+        }
+        assert_eq!(numbers(&scene), (vec![1.0], vec![1.0]));
+    }
+}

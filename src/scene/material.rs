@@ -1,0 +1,147 @@
+//! What surfaces are made of.
+
+use glam::Vec3;
+
+use super::TextureId;
+
+/// Index of a [`Material`] in its [`Scene`](super::Scene); the default is the grey that every scene begins with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// What a surface does with light beside scattering it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Finish {
+    /// Nothing but highlights of the lights, where [`Material::specular`] is not black. MTL: `illum` 0 to 2.
+    #[default]
+    Matte,
+    /// It mirrors its surroundings by the share of [`Material::specular`]. MTL: `illum` 3, 5 and 8.
+    Mirror {
+        /// The share grows towards white as the view grazes the surface (`illum` 5).
+        fresnel: bool,
+    },
+    /// It refracts what is behind it. MTL: `illum` 4, 6, 7 and 9.
+    Glass {
+        /// Index of refraction over that of what surrounds it, 0.1 to 10; window glass has 1.5. MTL's `Ni`.
+        index: f32,
+        /// Share of the light that comes through, linear RGB, 0 to 1. MTL's `Tf`.
+        transmission: Vec3,
+        /// The angle of view says how much is reflected, by the share of [`Material::specular`], and what is left comes through
+        /// (`illum` 7). Else all of it comes through but for what is reflected totally.
+        fresnel: bool,
+    },
+}
+
+/// A surface: what it scatters, shines, reflects, lets through and gives off.
+///
+/// ```
+/// use stereotrace::{Finish, Material, glam::Vec3};
+///
+/// let lacquer = Material::new(Vec3::new(0.5, 0.05, 0.05)).name("lacquer").specular(Vec3::splat(0.4)).exponent(60.0);
+/// let silver = Material::new(Vec3::ZERO).specular(Vec3::splat(0.95)).finish(Finish::Mirror { fresnel: false });
+/// # let _ = (lacquer, silver);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Material {
+    /// The material's name in its file, or empty.
+    pub name: String,
+    /// Diffuse (Lambertian) reflectance, linear RGB, 0 to 1. MTL's `Kd`.
+    pub albedo: Vec3,
+    /// The albedo is multiplied by this texture's colour; its alpha says nothing. MTL's `map_Kd`.
+    pub texture: Option<TextureId>,
+    /// Where this texture's alpha is below a half there is no surface. A checkerboard's alpha is its brightness. MTL's `map_d`.
+    pub cutout: Option<TextureId>,
+    /// The share of what is behind the surface that it hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
+    pub opacity: f32,
+    /// Colour of highlights; of mirrors and glass the share that they reflect. Linear RGB, 0 to 1. MTL's `Ks`.
+    pub specular: Vec3,
+    /// Phong's exponent: the larger, the smaller a highlight; 0 to 10000. MTL's `Ns`.
+    pub exponent: f32,
+    /// Radiance that it gives off by itself, linear RGB. It lights nothing else. MTL's `Ke`.
+    pub emission: Vec3,
+    /// What it does with light beside scattering it. MTL's `illum`.
+    pub finish: Finish,
+    /// Its albedo stands in for reflections, which pictures don't show yet: goes with obj/mtl/unrendered.rs.
+    pub(super) stands_in: bool,
+}
+
+impl Material {
+    /// Phong's exponent where nothing is said.
+    pub(crate) const DEFAULT_EXPONENT: f32 = 30.0;
+
+    /// A diffuse, opaque material without a name: reflectance in linear RGB, 0 to 1.
+    pub fn new(albedo: Vec3) -> Self {
+        Self {
+            name: String::new(),
+            albedo,
+            texture: None,
+            cutout: None,
+            opacity: 1.0,
+            specular: Vec3::ZERO,
+            exponent: Self::DEFAULT_EXPONENT,
+            emission: Vec3::ZERO,
+            finish: Finish::Matte,
+            stands_in: false,
+        }
+    }
+
+    /// Its name, for messages.
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// What its albedo is multiplied by.
+    pub fn texture(mut self, texture: TextureId) -> Self {
+        self.texture = Some(texture);
+        self
+    }
+
+    /// Where there is no surface: where this texture's alpha is below a half.
+    pub fn cutout(mut self, cutout: TextureId) -> Self {
+        self.cutout = Some(cutout);
+        self
+    }
+
+    /// The share of what is behind it that it hides, 0 to 1. 1 where nothing is said.
+    pub fn opacity(mut self, opacity: f32) -> Self {
+        self.opacity = opacity;
+        self
+    }
+
+    /// Colour of its highlights, or what a mirror or glass reflects; linear RGB, 0 to 1. Black where nothing is said.
+    pub fn specular(mut self, specular: Vec3) -> Self {
+        self.specular = specular;
+        self
+    }
+
+    /// Phong's exponent, 0 to 10000. 30 where nothing is said.
+    pub fn exponent(mut self, exponent: f32) -> Self {
+        self.exponent = exponent;
+        self
+    }
+
+    /// Radiance that it gives off, linear RGB. Black where nothing is said.
+    pub fn emission(mut self, emission: Vec3) -> Self {
+        self.emission = emission;
+        self
+    }
+
+    /// Whether it mirrors or refracts. It does neither where nothing is said.
+    pub fn finish(mut self, finish: Finish) -> Self {
+        self.finish = finish;
+        self
+    }
+
+    /// The most that a mirror or glass sends back of the light of each channel: what it scatters, and the larger of what it
+    /// reflects and what it lets through.
+    pub(super) fn most_returned(&self) -> Option<Vec3> {
+        match self.finish {
+            _ if self.stands_in => None,
+            Finish::Matte => None,
+            Finish::Mirror { .. } => Some(self.albedo + self.specular),
+            Finish::Glass { transmission, .. } => Some(self.albedo + self.specular.max(transmission)),
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Textures: pictures and patterns that materials lay on surfaces.
+
+#[cfg(feature = "textures")]
+mod picture;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{Scene, checks::check_color};
+use crate::{Error, message::counted};
+#[cfg(feature = "textures")]
+use crate::{Limits, input};
+
+/// Pixels that a side of a texture may have at most, and squares that a checkerboard's may: what every WebGPU adapter holds.
+pub const MAX_TEXTURE_SIDE: u32 = 8192;
+
+/// Index of a [`Texture`] in its [`Scene`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureId(pub u32);
+
+/// What lies beyond texture coordinates of 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// Its edge: MTL's `-clamp on`.
+    Clamp,
+}
+
+/// What a texture shows.
+#[derive(Clone, PartialEq)]
+#[non_exhaustive]
+pub enum TextureKind {
+    /// A picture.
+    Image {
+        /// Width and height in pixels, 1 to [`MAX_TEXTURE_SIDE`].
+        size: [u32; 2],
+        /// Row-major from the top left: red, green and blue in sRGB, and alpha.
+        pixels: Arc<Vec<[u8; 4]>>,
+    },
+    /// Squares of two colours.
+    Checkerboard {
+        /// The colour of the square at u = v = 0, and the other, in linear RGB.
+        colors: [Vec3; 2],
+        /// Squares along u and along v, each from 0 to 1.
+        squares: u32,
+    },
+}
+
+impl std::fmt::Debug for TextureKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Image { size: [width, height], .. } => write!(f, "Image {width}x{height}"),
+            Self::Checkerboard { colors: [a, b], squares } => write!(f, "Checkerboard {a} {b} {squares}x{squares}"),
+        }
+    }
+}
+
+/// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as OBJ has it: the
+/// centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Cloning shares the pixels.
+///
+/// ```
+/// use stereotrace::{Material, Scene, Texture, Wrap, glam::Vec3};
+///
+/// let mut scene = Scene::new();
+/// let picture = Texture::image(2, 1, vec![[255, 0, 0, 255], [0, 0, 255, 255]])?.wrap(Wrap::Clamp);
+/// let texture = scene.add_texture(picture);
+/// let material = scene.add_material(Material::new(Vec3::ONE).texture(texture));
+/// # let _ = material;
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Texture {
+    kind: TextureKind,
+    /// What lies beyond its edges.
+    pub wrap: Wrap,
+}
+
+impl Texture {
+    /// A picture, row-major from the top left: red, green and blue in sRGB, and alpha. It is repeated beyond its edges.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a side of no pixels or over [`MAX_TEXTURE_SIDE`], and where the number of pixels is another than
+    /// `width * height`.
+    pub fn image(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, Error> {
+        let check = || {
+            check_size(width, height)?;
+            match pixels.len() as u64 == u64::from(width) * u64::from(height) {
+                true => Ok(()),
+                false => {
+                    let pixels = counted(pixels.len(), "pixel", "pixels");
+                    Err(format!("a picture of {width}x{height} is not made of {pixels}"))
+                }
+            }
+        };
+        check().map_err(|reason| Error::Scene { element: "texture".into(), reason })?;
+        Ok(Self::of(TextureKind::Image { size: [width, height], pixels: Arc::new(pixels) }))
+    }
+
+    /// A checkerboard of `squares` by `squares` over texture coordinates of 0 to 1: the first colour where the numbers of a
+    /// square's column and row are both even or both odd, linear RGB. No memory goes into pixels.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a colour that is negative or not finite, and for no squares or more than [`MAX_TEXTURE_SIDE`].
+    pub fn checkerboard(first: Vec3, second: Vec3, squares: u32) -> Result<Self, Error> {
+        let check = || {
+            check_color("the first colour", first)?;
+            check_color("the second colour", second)?;
+            match (1..=MAX_TEXTURE_SIDE).contains(&squares) {
+                true => Ok(()),
+                false => Err(format!("{squares} squares a side; there can be 1 to {MAX_TEXTURE_SIDE}")),
+            }
+        };
+        check().map_err(|reason| Error::Scene { element: "checkerboard".into(), reason })?;
+        Ok(Self::of(TextureKind::Checkerboard { colors: [first, second], squares }))
+    }
+
+    fn of(kind: TextureKind) -> Self {
+        Self { kind, wrap: Wrap::default() }
+    }
+
+    /// Reads a PNG or JPEG file, taken as sRGB; what has no alpha is opaque, and 16 bits a channel are rounded to 8. Its size is
+    /// checked before it is decoded, which takes up to 16 bytes a pixel beside what the format itself needs; 4 stay.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
+    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or has a side over [`MAX_TEXTURE_SIDE`].
+    #[cfg(feature = "textures")]
+    pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        Self::open_within(path, &Limits::default())
+    }
+
+    /// [`Texture::open`] with other limits than the usual ones.
+    ///
+    /// # Errors
+    /// Those of [`Texture::open`].
+    #[cfg(feature = "textures")]
+    pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
+        let (size, pixels) = picture::decode(path, file, limits)?;
+        Ok(Self::of(TextureKind::Image { size, pixels: Arc::new(pixels) }))
+    }
+
+    /// What lies beyond its edges.
+    pub fn wrap(mut self, wrap: Wrap) -> Self {
+        self.wrap = wrap;
+        self
+    }
+
+    /// What it shows.
+    pub fn kind(&self) -> &TextureKind {
+        &self.kind
+    }
+}
+
+impl Scene {
+    /// Adds a texture and returns its id, for [`Material::texture`](super::Material::texture) and
+    /// [`Material::cutout`](super::Material::cutout).
+    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+        self.textures.push(texture);
+        TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// All textures; index = [`TextureId`].
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+}
+
+fn check_size(width: u32, height: u32) -> Result<(), String> {
+    match [width, height].iter().all(|side| (1..=MAX_TEXTURE_SIDE).contains(side)) {
+        true => Ok(()),
+        false => Err(format!("{width}x{height} pixels; each side can have 1 to {MAX_TEXTURE_SIDE}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_that_are_none_are_refused() {
+        let said = |texture: Result<Texture, Error>| texture.unwrap_err().to_string();
+        for (width, height, count) in [(0, 1, 0), (1, 0, 0), (8193, 1, 8193), (1, u32::MAX, 1)] {
+            let message = said(Texture::image(width, height, vec![[0; 4]; count]));
+            assert!(
+                message.contains(&format!("texture: {width}x{height} pixels; each side can have 1 to")),
+                "{message}"
+            );
+        }
+        let message = said(Texture::image(2, 2, vec![[0; 4]; 3]));
+        assert!(message.contains("a picture of 2x2 is not made of 3 pixels"), "{message}");
+        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 0)).contains("0 squares a side"));
+        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8193)).contains("8193 squares a side"));
+        assert!(said(Texture::checkerboard(Vec3::NAN, Vec3::ZERO, 8)).contains("the first colour is [NaN"));
+        assert!(said(Texture::checkerboard(Vec3::ONE, -Vec3::X, 8)).contains("the second colour is [-1"));
+    }
+
+    #[test]
+    fn a_texture_is_found_by_its_id_and_clones_share_its_pixels() {
+        let mut scene = Scene::new();
+        let board = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8).unwrap();
+        let image = Texture::image(2, 1, vec![[1, 2, 3, 4], [5, 6, 7, 8]]).unwrap().wrap(Wrap::Mirror);
+        assert_eq!([scene.add_texture(board.clone()), scene.add_texture(image.clone())], [TextureId(0), TextureId(1)]);
+        assert_eq!(scene.textures(), [board, image]);
+        let copy = scene.clone();
+        let pixels = |scene: &Scene| match scene.textures()[1].kind() {
+            TextureKind::Image { pixels, .. } => pixels.clone(),
+            other => panic!("{other:?}"),
+        };
+        assert!(Arc::ptr_eq(&pixels(&scene), &pixels(&copy)));
+    }
+}

@@ -1,0 +1,162 @@
+//! Pictures of textures, decoded into bytes of sRGB with alpha.
+
+use std::path::Path;
+
+use super::check_size;
+use crate::{Error, Limits};
+
+/// What decoding may take for each pixel: RGBA of 16 bits, and the same of 8, with as much again for the decoder's own.
+const DECODING_BYTES: u64 = 24;
+
+/// Reads a PNG or JPEG picture: its width and height, and its pixels.
+pub(super) fn decode(path: &Path, file: std::fs::File, limits: &Limits) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
+    let no_texture = |reason: String| Error::parse(path, None, format!("no picture of a texture: {reason}"));
+    let said =
+        |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a texture: {error}"), error);
+    let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
+        .with_guessed_format()
+        .map_err(|error| Error::io(path, error))?;
+    if !matches!(reader.format(), Some(image::ImageFormat::Png | image::ImageFormat::Jpeg)) {
+        return Err(no_texture("it is neither PNG nor JPEG".into()));
+    }
+    let mut format_limits = image::Limits::default();
+    format_limits.max_alloc = Some(limits.texture_pixels.saturating_mul(DECODING_BYTES).max(1 << 20));
+    reader.limits(format_limits);
+    let decoder = reader.into_decoder().map_err(said)?;
+    let (width, height) = image::ImageDecoder::dimensions(&decoder);
+    check_size(width, height).map_err(no_texture)?;
+    let count = u64::from(width) * u64::from(height);
+    if count > limits.texture_pixels {
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("the picture has {width}x{height} pixels, {count} in all"),
+            limit: limits.texture_pixels,
+            remedy: format!("raise it by {}, if it is right", limits.texture_option_name),
+        });
+    }
+    let picture = image::DynamicImage::from_decoder(decoder).map_err(said)?.into_rgba8();
+    // Bytes of a length that is no multiple of four in memory are copied.
+    let pixels = bytemuck::try_cast_vec(picture.into_raw()).unwrap_or_else(|(_, bytes)| bytes.as_chunks().0.to_vec());
+    Ok(([width, height], pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{ColorType, DynamicImage};
+
+    use super::*;
+    use crate::{
+        folder::Folder,
+        scene::{Texture, TextureKind},
+    };
+
+    fn pixels(texture: &Texture) -> &[[u8; 4]] {
+        match texture.kind() {
+            TextureKind::Image { pixels, .. } => pixels,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn every_kind_of_pixel_becomes_8_bits_of_rgba() {
+        let folder = Folder::new("texture_kinds");
+        // The first pixel of a picture of these samples, each value standing for 16 bits too.
+        let kinds = [
+            (ColorType::L8, [51, 51, 51, 255]),
+            (ColorType::La8, [51, 51, 51, 102]),
+            (ColorType::Rgb8, [51, 102, 153, 255]),
+            (ColorType::Rgba8, [51, 102, 153, 204]),
+            (ColorType::L16, [51, 51, 51, 255]),
+            (ColorType::La16, [51, 51, 51, 102]),
+            (ColorType::Rgb16, [51, 102, 153, 255]),
+            (ColorType::Rgba16, [51, 102, 153, 204]),
+        ];
+        for (kind, expected) in kinds {
+            let mut picture = DynamicImage::new(3, 2, kind);
+            let channels = usize::from(kind.channel_count());
+            let samples = [51u8, 102, 153, 204];
+            match &mut picture {
+                DynamicImage::ImageLuma8(p) => p[(0, 0)].0.copy_from_slice(&samples[..channels]),
+                DynamicImage::ImageLumaA8(p) => p[(0, 0)].0.copy_from_slice(&samples[..channels]),
+                DynamicImage::ImageRgb8(p) => p[(0, 0)].0.copy_from_slice(&samples[..channels]),
+                DynamicImage::ImageRgba8(p) => p[(0, 0)].0.copy_from_slice(&samples[..channels]),
+                DynamicImage::ImageLuma16(p) => p[(0, 0)].0 = [257 * 51],
+                DynamicImage::ImageLumaA16(p) => p[(0, 0)].0 = [257 * 51, 257 * 102],
+                DynamicImage::ImageRgb16(p) => p[(0, 0)].0 = [257 * 51, 257 * 102, 257 * 153],
+                DynamicImage::ImageRgba16(p) => p[(0, 0)].0 = [257 * 51, 257 * 102, 257 * 153, 257 * 204],
+                _ => unreachable!(),
+            }
+            let path = folder.file("kind.png");
+            picture.save(&path).unwrap();
+            let texture = Texture::open(&path).unwrap();
+            assert!(matches!(texture.kind(), TextureKind::Image { size: [3, 2], .. }), "{kind:?}");
+            assert_eq!((pixels(&texture).len(), pixels(&texture)[0]), (6, expected), "{kind:?}");
+        }
+    }
+
+    /// A picture of four colours and two opacities by number, as PNG has it.
+    #[test]
+    fn palettes_and_their_transparency_are_looked_up() {
+        let folder = Folder::new("palette");
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 4, 1);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_depth(png::BitDepth::Two);
+        encoder.set_palette(vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 8, 7]);
+        encoder.set_trns(vec![255, 128]);
+        encoder.write_header().unwrap().write_image_data(&[0b_00_01_10_11]).unwrap();
+        let texture = Texture::open(folder.write("palette.png", bytes)).unwrap();
+        assert_eq!(pixels(&texture), [[255, 0, 0, 255], [0, 255, 0, 128], [0, 0, 255, 255], [9, 8, 7, 255]]);
+    }
+
+    #[test]
+    fn a_jpeg_is_read_and_what_is_neither_is_named() {
+        let folder = Folder::new("texture_jpeg");
+        let path = folder.file("grey.jpg");
+        DynamicImage::ImageLuma8(image::GrayImage::from_pixel(5, 3, image::Luma([200]))).save(&path).unwrap();
+        let texture = Texture::open(&path).unwrap();
+        assert!(pixels(&texture).iter().all(|pixel| *pixel == [200, 200, 200, 255]), "{:?}", pixels(&texture));
+        let said = |name: &str, bytes: &[u8]| {
+            let message = Texture::open(folder.write(name, bytes)).unwrap_err().to_string();
+            assert!(message.contains(name), "{message}");
+            message
+        };
+        assert!(said("text.png", b"no picture").contains("it is neither PNG nor JPEG"));
+        assert!(said("empty.png", b"").contains("it is neither PNG nor JPEG"));
+        let whole = std::fs::read(&path).unwrap();
+        assert!(said("cut.jpg", &whole[..40]).contains("no picture of a texture"));
+        assert!(Texture::open(folder.path()).unwrap_err().to_string().contains("it is a folder"));
+    }
+
+    /// The header of a PNG of this size, and no pixels.
+    fn header(width: u32, height: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        encoder.write_header().unwrap().write_chunk(png::chunk::IDAT, &[]).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn sizes_over_the_limits_are_refused_before_anything_is_decoded() {
+        let folder = Folder::new("texture_limits");
+        for (width, height) in [(100_000, 100_000), (1, 8193), (8193, 1)] {
+            let message = Texture::open(folder.write("huge.png", header(width, height))).unwrap_err().to_string();
+            assert!(message.contains(&format!("{width}x{height} pixels; each side can have 1 to 8192")), "{message}");
+        }
+        // As large as PNG can say: the decoder itself refuses it.
+        let message =
+            Texture::open(folder.write("huge.png", header(0x7fff_ffff, 0x7fff_ffff))).unwrap_err().to_string();
+        assert!(message.contains("huge.png: no picture of a texture"), "{message}");
+        let path = folder.write("large.png", header(64, 32));
+        let limits = Limits::default().texture_pixels(2047);
+        let message = Texture::open_within(&path, &limits).unwrap_err().to_string();
+        assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it by Limits"), "{message}");
+        let named = limits.texture_option_name("--max-textures");
+        assert!(Texture::open_within(&path, &named).unwrap_err().to_string().contains("raise it by --max-textures"));
+        // Within the limit it is the missing pixels that are at fault.
+        let message = Texture::open_within(&path, &limits.texture_pixels(2048)).unwrap_err().to_string();
+        assert!(message.contains("large.png: no picture of a texture"), "{message}");
+    }
+}
