@@ -131,6 +131,6 @@ pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, Ste
 pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async};
 pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
-pub use scene::{Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
+pub use scene::{Ellipsoid, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Triangle};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -1,8 +1,9 @@
-//! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
+//! What is rendered: triangle meshes, spheres and ellipsoids, materials, point lights, ambient light and a sky.
 
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
+mod ellipsoid;
 mod lights;
 mod mesh;
 mod moving;
@@ -13,6 +14,8 @@ pub mod suite;
 #[cfg(feature = "obj")]
 mod warnings;
 
+pub(crate) use ellipsoid::ToSphere;
+pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
 pub use mesh::{Mesh, Triangle};
 pub use sky::SkyMap;
 
@@ -120,8 +123,15 @@ impl Sphere {
     }
 }
 
+/// What a primitive id names.
+pub(crate) enum Primitive<'a> {
+    Triangle(&'a Triangle),
+    Sphere(&'a Sphere),
+    Ellipsoid(&'a Ellipsoid),
+}
+
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
-/// their number), then spheres.
+/// their number), then spheres, then ellipsoids.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
@@ -146,6 +156,7 @@ pub struct Scene {
     materials: Vec<Material>,
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
+    ellipsoids: Vec<Ellipsoid>,
     mesh_objects: Vec<Object>,
     /// How many of the triangles that are traced are smooth.
     smooth: usize,
@@ -153,7 +164,7 @@ pub struct Scene {
     dropped: usize,
     /// How many meshes were warned of for it.
     dropping_meshes: usize,
-    /// Renewed when triangles or spheres change: equal ones are of equal primitives.
+    /// Renewed when triangles change, or spheres or ellipsoids: equal ones are of equal primitives.
     pub(crate) triangles_stamp: Stamp,
     pub(crate) spheres_stamp: Stamp,
 }
@@ -175,6 +186,7 @@ impl Scene {
             materials: vec![Material::new(Vec3::splat(0.7))],
             triangles: Vec::new(),
             spheres: Vec::new(),
+            ellipsoids: Vec::new(),
             mesh_objects: Vec::new(),
             smooth: 0,
             dropped: 0,
@@ -235,15 +247,27 @@ impl Scene {
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
-        triangles.chain(spheres).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
+        let ellipsoids = self.ellipsoids.iter().flat_map(Ellipsoid::corners);
+        triangles.chain(spheres).chain(ellipsoids).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
             let (low, high) = bounds.unwrap_or((point, point));
             Some((low.min(point), high.max(point)))
         })
     }
 
-    /// Number of primitive ids: triangles (dropped ones too), then spheres.
+    /// Number of primitive ids: triangles (dropped ones too), then spheres and ellipsoids.
     pub fn primitive_count(&self) -> usize {
-        self.triangles.len() + self.spheres.len()
+        self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+    }
+
+    /// A primitive by its id, which must be there.
+    pub(crate) fn primitive(&self, id: u32) -> Primitive<'_> {
+        let index = id as usize;
+        let (triangles, spheres) = (self.triangles.len(), self.spheres.len());
+        match self.triangles.get(index) {
+            Some(triangle) => Primitive::Triangle(triangle),
+            None if index < triangles + spheres => Primitive::Sphere(&self.spheres[index - triangles]),
+            None => Primitive::Ellipsoid(&self.ellipsoids[index - triangles - spheres]),
+        }
     }
 
     /// Triangles without area, which are counted and not traced.
@@ -271,12 +295,12 @@ impl Scene {
         self.smooth > 0
     }
 
-    /// Number of objects: meshes, then spheres.
+    /// Number of objects: meshes, then spheres and ellipsoids.
     pub fn object_count(&self) -> usize {
-        self.mesh_objects.len() + self.spheres.len()
+        self.mesh_objects.len() + self.spheres.len() + self.ellipsoids.len()
     }
 
-    /// The object of a primitive: meshes count first, in the order they were added, then spheres.
+    /// The object of a primitive: meshes count first, in the order they were added, then spheres, then ellipsoids.
     /// [`MISS`](crate::MISS) for numbers out of range.
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
@@ -289,7 +313,7 @@ impl Scene {
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
     }
 
-    /// The name of an object: its mesh's, empty for spheres and for numbers out of range.
+    /// The name of an object: its mesh's, empty for spheres, ellipsoids and for numbers out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
     }
