@@ -1,15 +1,18 @@
 //! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
 
+mod primitive;
 mod refit;
 
 use std::sync::Arc;
 
+pub(crate) use primitive::{reach_bits, shortest_edge_first};
 pub(crate) use refit::TreeShape;
 
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 
-use crate::{Boxes, Error, Scene, large::longest_edge, layout, scene::components, tree};
+use self::primitive::{geometry, push_primitive};
+use crate::{Boxes, Error, Scene, layout, scene::components, tree};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
@@ -46,8 +49,6 @@ impl BvhBuild {
 pub(crate) const LEAF: u32 = 0x8000_0000;
 const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
-/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
-const IS_SPHERE: u32 = 1;
 /// What 16 bits can name.
 const MAX_MATERIALS: usize = 1 << 16;
 /// Steps of the grid that boxes are stored on.
@@ -62,7 +63,7 @@ pub(crate) struct PackedBvh {
     pub(crate) nodes: Vec<Texel>,
     /// Texels of a pair: two, or four with f32 boxes.
     pub(crate) pair_texels: usize,
-    /// Three texels a primitive in leaf order, four if the scene has vertex normals.
+    /// Three texels a primitive in leaf order, four if the scene has vertex normals or ellipsoids.
     pub(crate) primitives: Vec<Texel>,
     /// The scene's id of each primitive, in leaf order.
     pub(crate) ids: Vec<u32>,
@@ -100,30 +101,19 @@ fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
             false => Aabb::new(a.min(b).min(c).into(), a.max(b).max(c).into()),
         }
     });
-    let spheres = scene.spheres().iter().map(|sphere| {
+    let around = |center: Vec3, half: DVec3| {
         // Rounded outwards: far from the origin a radius can be less than a step of f32.
-        let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-        let low = (center - radius).as_vec3().to_array().map(f32::next_down);
-        let high = (center + radius).as_vec3().to_array().map(f32::next_up);
+        let low = (center.as_dvec3() - half).as_vec3().to_array().map(f32::next_down);
+        let high = (center.as_dvec3() + half).as_vec3().to_array().map(f32::next_up);
         Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into())
-    });
-    triangles.chain(spheres)
+    };
+    let spheres = scene.spheres().iter().map(move |one| around(one.center, DVec3::splat(f64::from(one.radius))));
+    let ellipsoids = scene.ellipsoids().iter().map(move |one| around(one.center, one.half_extent()));
+    triangles.chain(spheres).chain(ellipsoids)
 }
 
 fn is_empty(aabb: &Aabb) -> bool {
     aabb.min.x > aabb.max.x
-}
-
-/// What rays meet of a primitive, to the bit: whether it is a sphere, and its corners or its centre and radius.
-fn geometry(scene: &Scene, id: u32) -> (bool, [[u32; 3]; 3]) {
-    let words = |v: Vec3| v.to_array().map(f32::to_bits);
-    match scene.triangles().get(id as usize) {
-        Some(triangle) => (false, triangle.corners.map(words)),
-        None => {
-            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
-            (true, [words(sphere.center), [sphere.radius.to_bits(), 0, 0], [0; 3]])
-        }
-    }
 }
 
 /// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive:
@@ -320,60 +310,6 @@ impl Packer<'_> {
     }
 }
 
-/// Adds a primitive's texels.
-fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, components: &[u32], id: u32) {
-    let component = components[id as usize] << 1;
-    let words = |v: Vec3| v.to_array().map(f32::to_bits);
-    let texel = |[x, y, z]: [u32; 3], w: u32| [x, y, z, w];
-    let mut normals = [0; 4];
-    match scene.triangles().get(id as usize) {
-        Some(triangle) => {
-            let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
-            let material = triangle.material.0 | reach_bits(triangle.corners);
-            primitives.extend([texel(a, id), texel(b, component), texel(c, material)]);
-            if triangle.is_smooth() {
-                let mut packed = triangle.normals.map(pack_normal);
-                packed.rotate_left(shortest_edge(triangle.corners));
-                normals = texel(packed, 1);
-            }
-        }
-        None => {
-            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
-            let radius = [sphere.radius.to_bits(), 0, 0];
-            let material = sphere.material.0;
-            primitives.extend([
-                texel(words(sphere.center), id),
-                texel(radius, component | IS_SPHERE),
-                [0, 0, 0, material],
-            ]);
-        }
-    }
-    if scene.has_normals() {
-        primitives.push(normals);
-    }
-}
-
-/// The place of the first corner of a triangle's shortest edge.
-fn shortest_edge(corners: [Vec3; 3]) -> usize {
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
-    let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
-    (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
-}
-
-/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another edge is the
-/// normal that rounds least.
-pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
-    let first = shortest_edge(corners);
-    corners.rotate_left(first);
-    corners
-}
-
-/// At least the length of a triangle's longest edge: the upper half of an f32, the lower half being the material's.
-pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
-    let longest = longest_edge(corners.map(Vec3::as_dvec3)) as f32;
-    longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)
-}
-
 /// Whether one primitive in ten is far smaller than the scene.
 fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     let side = |aabb: &Aabb| Vec3::from(aabb.max - aabb.min).max_element();
@@ -382,15 +318,6 @@ fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     let place = sides.len() / 10;
     let (_, small, _) = sides.select_nth_unstable_by(place, f32::total_cmp);
     *small < side(&all) * FINE_DETAIL
-}
-
-/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/triangle.wgsl`.
-fn pack_normal(normal: Vec3) -> u32 {
-    let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
-    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
-    let (x, y) = if n.z >= 0.0 { (n.x, n.y) } else { ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) };
-    let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
-    u32::from(snorm(x)) | u32::from(snorm(y)) << 16
 }
 
 #[cfg(test)]

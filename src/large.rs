@@ -5,7 +5,8 @@ use glam::{DVec3, Vec3};
 
 use crate::{
     Scene, Sphere,
-    cpu::intersect::{is_close, is_close_sphere},
+    cpu::intersect::{is_close, is_close_ellipsoid, is_close_sphere},
+    scene::ToSphere,
 };
 
 /// A triangle is large for a point that is nearer to its plane than its longest edge over this; `LARGE` of the kernels.
@@ -18,6 +19,8 @@ const MOST: usize = 1024;
 pub(crate) struct LargePrimitives {
     triangles: Vec<[Vec3; 3]>,
     spheres: Vec<Sphere>,
+    /// Centres and maps.
+    ellipsoids: Vec<(Vec3, ToSphere)>,
 }
 
 impl LargePrimitives {
@@ -27,6 +30,9 @@ impl LargePrimitives {
         Self {
             triangles: largest(triangles.map(|triangle| triangle.corners), edge),
             spheres: largest(scene.spheres().iter().copied(), |sphere| f64::from(sphere.radius)),
+            ellipsoids: largest(scene.ellipsoids().iter().map(|one| (one.center, one.to_sphere())), |(_, map)| {
+                f64::from(map.radius)
+            }),
         }
     }
 
@@ -35,6 +41,7 @@ impl LargePrimitives {
         points.iter().any(|&point| {
             self.triangles.iter().any(|corners| is_over(point, *corners) && is_close(point, *corners))
                 || self.spheres.iter().any(|sphere| is_close_sphere(point, sphere.center, sphere.radius))
+                || self.ellipsoids.iter().any(|(center, map)| is_close_ellipsoid(point, *center, map))
         })
     }
 }

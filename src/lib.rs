@@ -132,8 +132,8 @@ pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_ster
 pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId, TextureKind,
-    Triangle, Wrap,
+    Ellipsoid, Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId,
+    TextureKind, Triangle, Wrap,
 };
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -1,6 +1,6 @@
 //! What kernels are specialised to, and the choices that follow from it for their WGSL: the only place that makes them.
 //!
-//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, vertex normals, lights, a sky gradient,
+//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, ellipsoids, vertex normals, lights, a sky gradient,
 //! anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
@@ -65,7 +65,10 @@ impl SkyKind {
 pub(crate) struct Variant {
     pub(crate) traversal: Traversal,
     pub(crate) triangles: bool,
+    /// Spheres or ellipsoids.
     pub(crate) spheres: bool,
+    /// Some of them are ellipsoids: then spheres are traced as such.
+    pub(crate) ellipsoids: bool,
     pub(crate) normals: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
@@ -96,6 +99,7 @@ impl Variant {
         traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
         triangles: false,
         spheres: false,
+        ellipsoids: false,
         normals: false,
         lights: false,
         shadows: Shadows::None,
@@ -121,7 +125,8 @@ impl Variant {
         Self {
             traversal,
             triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
-            spheres: !scene.spheres().is_empty(),
+            spheres: !scene.spheres().is_empty() || !scene.ellipsoids().is_empty(),
+            ellipsoids: !scene.ellipsoids().is_empty(),
             normals: scene.has_normals(),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
@@ -173,13 +178,19 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 15] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 17] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
             (false, true) => "spheres",
             (false, false) => "none",
         };
+        let texels = match primitives {
+            _ if with.ellipsoids => "ellipsoids",
+            "spheres" => "spheres",
+            _ => "corners",
+        };
+        let smooth = with.triangles && with.normals;
         let boxes = match with.traversal.boxes {
             Boxes::Grid16 => "grid",
             Boxes::F32 if with.world_boxes => "world",
@@ -209,8 +220,10 @@ impl Kernel {
         let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
         [
             ("primitives", primitives),
+            ("texels", texels),
             // Spheres alone take as many texels as triangles without vertex normals.
-            ("normals", if with.triangles && with.normals { "smooth" } else { "flat" }),
+            ("texel_count", if with.ellipsoids || smooth { "four" } else { "three" }),
+            ("normals", if smooth { "smooth" } else { "flat" }),
             ("boxes", boxes),
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),

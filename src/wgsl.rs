@@ -52,6 +52,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "boxes",
     "bvh",
     "double_float",
+    "ellipsoid",
     "fetch",
     "in_steps",
     "lane",

@@ -5,10 +5,10 @@ mod truth;
 
 use common::{random::Random, renderer};
 use stereotrace::{
-    Material, MaterialId, Mesh, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair,
-    View,
+    Ellipsoid, Material, MaterialId, Mesh, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera,
+    StereoPair, View,
     cpu::{Eye, Frame},
-    glam::{Quat, Vec3},
+    glam::{Mat3, Quat, Vec3},
 };
 use truth::{Seen, Truth};
 
@@ -28,18 +28,19 @@ const STEPS: u8 = 3;
 const OWN_RAYS: [&str; 4] = ["bracket", "verified", "bracket-rays", "auto"];
 const COPIED: [&str; 6] = ["atomic", "buffer", "buffer-2e", "es-isler", "adelson-hodges", "atomic-edges"];
 
-/// What a scene stands on: a square or a sphere that touches the origin from below.
+/// What a scene stands on: a square, or a sphere or an ellipsoid that touches the origin from below.
 #[derive(Clone, Copy, Debug)]
 enum Ground {
     Quad { half_side: f32, tilt_degrees: f32 },
     Sphere { radius: f32 },
+    Ellipsoid { radius: f32, height: f32, tilt_degrees: f32 },
 }
 
 impl Ground {
     /// Turns the level world into the tilted one.
     fn turn(self) -> Quat {
         match self {
-            Self::Quad { tilt_degrees, .. } => {
+            Self::Quad { tilt_degrees, .. } | Self::Ellipsoid { tilt_degrees, .. } => {
                 Quat::from_axis_angle(Vec3::new(1.0, 0.0, 0.3).normalize(), tilt_degrees.to_radians())
             }
             Self::Sphere { .. } => Quat::IDENTITY,
@@ -61,6 +62,10 @@ impl Ground {
             }
             Self::Sphere { radius } => {
                 scene.add_sphere(Sphere::new(-radius * Vec3::Y, radius, grey)).unwrap();
+            }
+            Self::Ellipsoid { radius, height, .. } => {
+                let axes = Mat3::from_quat(self.turn()) * Mat3::from_diagonal(Vec3::new(radius, height, radius));
+                scene.add_ellipsoid(Ellipsoid::new(-axes.y_axis, axes, grey)).unwrap();
             }
         }
         let mut random = Random::new(5);
@@ -148,11 +153,11 @@ impl Judged {
     }
 }
 
-/// The floor is the quad, which comes first, or the sphere, which comes last.
+/// The floor is the quad, which comes first, or the sphere or ellipsoid, which comes last.
 fn is_floor(scene: &Scene, primitive: u32) -> bool {
     let material: &Material = match scene.triangles().get(primitive as usize) {
         Some(triangle) => &scene.materials()[triangle.material.0 as usize],
-        None => &scene.materials()[scene.spheres()[0].material.0 as usize],
+        None => &scene.materials()[1],
     };
     material.name == "grey"
 }
@@ -286,6 +291,29 @@ fn ground_spheres_beyond_have_no_acne_and_are_off_by_at_most_an_ulp_of_the_radiu
         faults(Ground::Sphere { radius }, bound, false)
     };
     assert_none(&[1e5, 1e6].map(beyond).concat());
+}
+
+/// Whole ellipsoids and flat ones, along the axes of the world: their matrices are exact, or nearly.
+#[test]
+fn ground_ellipsoids_to_10_000_are_as_in_double_precision() {
+    let sizes = [(20.0, 5.0), (1000.0, 1.0), (1e4, 5e3), (1e4, 10.0)];
+    let ground = |(radius, height)| Ground::Ellipsoid { radius, height, tilt_degrees: 0.0 };
+    assert_none(&sizes.map(|size| faults(ground(size), exact, true)).concat());
+}
+
+/// The rounding of their matrices moves these by some ulps of their size; they have no acne.
+#[test]
+fn tilted_and_vast_ground_ellipsoids_have_no_acne_and_are_off_by_at_most_two_ulps() {
+    let beyond = |(radius, height, tilt_degrees): (f32, f32, f32)| {
+        let ulp = f64::from(radius.next_up() - radius);
+        let bound = move |judged: &Judged| {
+            let good = judged.wrong_colors == 0 && judged.off_surface <= 2.0 * ulp;
+            (!good).then(|| format!("an ulp is {ulp:.1e}: {judged:?}"))
+        };
+        faults(Ground::Ellipsoid { radius, height, tilt_degrees }, bound, false)
+    };
+    let sizes = [(1e4, 10.0, 30.0), (1e6, 1e6, 0.0), (1e6, 1e3, 0.0), (1e5, 1e4, 30.0), (1e6, 1e3, 30.0)];
+    assert_none(&sizes.map(beyond).concat());
 }
 
 /// The comparison itself: a shadow bit, a step too many or a depth of another plane must show.

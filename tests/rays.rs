@@ -56,9 +56,11 @@ fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &m
 #[test]
 fn every_variant_hits_what_a_search_through_all_primitives_hits() {
     let mut random = Random::new(77);
-    for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e4)] {
+    let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e4)];
+    for ((scale, offset), ellipsoids) in places.into_iter().flat_map(|place| [0, 20].map(|count| (place, count))) {
         let place = |v: Vec3| v * scale + Vec3::splat(offset);
-        let scene = RandomScene { scale, offset, ..RandomScene::default() }.build();
+        let (triangles, seed) = if ellipsoids > 0 { (60, 2) } else { (150, 1) };
+        let scene = RandomScene { scale, offset, ellipsoids, triangles, seed, ..RandomScene::default() }.build();
         let camera = StereoCamera::look_at(place(Vec3::new(0.3, 0.4, 3.0)), place(Vec3::ZERO))
             .size(27, 19)
             .interaxial_pixels(3.0);
@@ -77,7 +79,10 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
             let exact = is_exact(&renderer);
             let uploaded = renderer.upload(&scene).unwrap();
             for (list, expected) in lists.iter().zip(&expected) {
-                let what = format!("{} rays, {traversal:?}, scale {scale}, offset {offset}", list.kind);
+                let what = format!(
+                    "{} rays, {traversal:?}, scale {scale}, offset {offset}, {ellipsoids} ellipsoids",
+                    list.kind
+                );
                 let closest = renderer.closest_hits(&uploaded, &list.rays).unwrap().hits;
                 let any = renderer.any_hits(&uploaded, &list.rays).unwrap().hits;
                 assert!(expected.iter().any(|hit| hit.1 != MISS), "{what}: nothing is hit");

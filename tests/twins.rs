@@ -103,6 +103,16 @@ fn triangles_and_spheres_together_are_hit_as_by_brute_force() {
 }
 
 #[test]
+fn ellipsoids_are_hit_as_by_brute_force() {
+    let only = RandomScene { seed: 6, triangles: 0, spheres: 0, ellipsoids: 40, ..RandomScene::default() };
+    check(&only.build(), &camera(65, 63));
+    check(&RandomScene { spheres: 20, ..only }.build(), &camera(64, 64));
+    for smooth in [false, true] {
+        check(&RandomScene { triangles: 100, spheres: 10, smooth, ..only }.build(), &camera(71, 33));
+    }
+}
+
+#[test]
 fn one_triangle_one_sphere_one_pixel_and_nothing_at_all() {
     let mut triangle = Scene::new();
     triangle.add_mesh(&Mesh::new(vec![-Vec3::ONE, Vec3::new(2.0, -0.5, 0.2), Vec3::Y], vec![[0, 1, 2]])).unwrap();

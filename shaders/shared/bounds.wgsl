@@ -84,6 +84,7 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     return (bits.x | bits.y) | (bits.z | bits.w);
 }
 
+//! if texels is corners or spheres
 // Least and largest column and row of a sphere's projection; everywhere if it reaches the plane of the eyes. The bounds are those of
 // the tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {

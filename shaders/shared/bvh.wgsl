@@ -40,7 +40,9 @@ struct Child {
     link: u32,
 }
 
+//! if texels is corners or spheres
 // What an intersection needs of a primitive. A sphere has its centre in a and its radius in b.x.
+// Where there are ellipsoids: ellipsoid.wgsl.
 struct Primitive {
     a: vec3f,
     b: vec3f,
@@ -49,6 +51,7 @@ struct Primitive {
     component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
     reach: f32,       // of a triangle: at least the length of its longest edge
 }
+//! end
 
 // What a lane's rays find of one primitive.
 struct Found {
@@ -73,7 +76,7 @@ struct Surface {
     reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a sphere
 }
 
-// Lowest bit of a component.
+// Lowest bit of a component: of a sphere or an ellipsoid.
 const IS_SPHERE: u32 = 1u;
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;

@@ -1,11 +1,20 @@
-// What a scene's primitives are, behind one set of names.
+// What a scene's primitives are, behind one set of names. Where there are ellipsoids, spheres are such: ellipsoid.wgsl.
 
-//! if primitives is triangles or mixed
+//! if texels is corners
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);
     let third = primitive_texel(slot, 2u);
     return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), bitcast<vec3f>(third.xyz), first.w, second.w, reach_of(third.w));
+}
+
+//! if texels is spheres
+// Centre and id, then radius and component, in texels like a triangle's.
+
+fn primitive_at(slot: u32) -> Primitive {
+    let first = primitive_texel(slot, 0u);
+    let second = primitive_texel(slot, 1u);
+    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
 }
 
 //! if primitives is triangles
@@ -22,14 +31,6 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
 }
 
 //! if primitives is spheres
-// Centre and id, then radius and component, in texels like a triangle's.
-
-fn primitive_at(slot: u32) -> Primitive {
-    let first = primitive_texel(slot, 0u);
-    let second = primitive_texel(slot, 1u);
-    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
-}
-
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
     return intersect_sphere(rays, scales, primitive, t_min);
 }

@@ -2,6 +2,7 @@
 // Gems, chapter 7): the distance of the centre from the line is taken of the line's nearest point, so that small
 // spheres far away lose no digits.
 
+//! if texels is corners or spheres
 // The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result is doubtful.
 fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
     let radius = primitive.b.x;

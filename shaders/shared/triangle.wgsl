@@ -112,10 +112,15 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w));
 }
 
-//! if normals is flat
-// No triangle of the scene has vertex normals: three texels a primitive, and the triangle's own normal.
-
+//! if texel_count is three
 const PRIMITIVE_TEXELS: u32 = 3u;
+
+//! if texel_count is four
+// Normals, or the last row of an ellipsoid's matrix.
+const PRIMITIVE_TEXELS: u32 = 4u;
+
+//! if normals is flat
+// No triangle of the scene has vertex normals: the triangle's own.
 
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     return geometric;
@@ -124,8 +129,6 @@ fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
 //! if normals is smooth
 // Vertex normals: a fourth texel a primitive holds three of them, each two 16-bit snorms (octahedral mapping; Cigolle
 // et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors"), and 1 if they are to be used.
-
-const PRIMITIVE_TEXELS: u32 = 4u;
 
 fn unpack_normal(word: u32) -> vec3f {
     let e = unpack2x16snorm(word);

@@ -7,7 +7,8 @@ use obvhs::aabb::Aabb;
 use rustc_hash::FxHashMap;
 
 use super::{
-    Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, geometry, has_fine_detail, is_empty, push_primitive,
+    Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, has_fine_detail, is_empty,
+    primitive::{geometry, push_primitive, texels_of_each},
 };
 use crate::{
     Boxes, Error, Scene,
@@ -24,14 +25,19 @@ pub(crate) struct TreeShape {
     /// Primitives that were left out, each with the one that it was an exact copy of.
     copies: Arc<Vec<(u32, u32)>>,
     stack_size: u32,
-    triangles: usize,
-    spheres: usize,
+    /// Of triangles, spheres and ellipsoids.
+    counts: [usize; 3],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
 }
 
 fn stamps(scene: &Scene) -> [Stamp; 2] {
     [scene.triangles_stamp, scene.spheres_stamp]
+}
+
+/// How many triangles, spheres and ellipsoids there are.
+fn counts(scene: &Scene) -> [usize; 3] {
+    [scene.triangles().len(), scene.spheres().len(), scene.ellipsoids().len()]
 }
 
 impl TreeShape {
@@ -44,8 +50,7 @@ impl TreeShape {
             ids: Arc::new(packed.ids.clone()),
             copies: Arc::new(copies(scene, &packed.ids)),
             stack_size: packed.stack_size,
-            triangles: scene.triangles().len(),
-            spheres: scene.spheres().len(),
+            counts: counts(scene),
             components: packed.components.clone(),
             stamps: stamps(scene),
         }
@@ -70,7 +75,7 @@ impl TreeShape {
         let boxes: Vec<Aabb> = boxes_of(scene).collect();
         self.check(scene, &boxes)?;
         check_materials(scene)?;
-        let same_triangles = self.stamps[0] == scene.triangles_stamp && self.spheres == scene.spheres().len();
+        let same_triangles = self.stamps[0] == scene.triangles_stamp && self.counts == counts(scene);
         let components = if same_triangles { self.components.clone() } else { Arc::new(components::of(scene)) };
         let Some(&stand_in) = self.ids.iter().find(|&&id| !is_empty(&boxes[id as usize])) else {
             return Ok(PackedBvh::empty(kind, components));
@@ -89,7 +94,7 @@ impl TreeShape {
         }
         let is_traced = |id: u32| !is_empty(&boxes[id as usize]);
         let ids: Vec<u32> = self.ids.iter().map(|&id| if is_traced(id) { id } else { stand_in }).collect();
-        let mut primitives = Vec::with_capacity(ids.len() * if scene.has_normals() { 4 } else { 3 });
+        let mut primitives = Vec::with_capacity(ids.len() * texels_of_each(scene));
         ids.iter().for_each(|&id| push_primitive(&mut primitives, scene, &components, id));
         Ok(PackedBvh {
             uniform: grid.uniform(),
@@ -125,10 +130,13 @@ impl TreeShape {
         let fault = |element: String, reason: String| {
             Err(Error::Scene { element, reason: format!("{reason}; use Update::Rebuild") })
         };
-        let count = |triangles, spheres| format!("{triangles} triangles and {spheres} spheres");
-        let now = [scene.triangles().len(), scene.spheres().len()];
-        if now != [self.triangles, self.spheres] {
-            let (now, then) = (count(now[0], now[1]), count(self.triangles, self.spheres));
+        let count = |[triangles, spheres, ellipsoids]: [usize; 3]| match ellipsoids {
+            0 => format!("{triangles} triangles and {spheres} spheres"),
+            _ => format!("{triangles} triangles, {spheres} spheres and {ellipsoids} ellipsoids"),
+        };
+        let now = counts(scene);
+        if now != self.counts {
+            let (now, then) = (count(now), count(self.counts));
             return fault("geometry".into(), format!("the tree to refit was built of {then}, and these are {now}"));
         }
         let mut held = vec![false; boxes.len()];

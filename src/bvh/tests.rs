@@ -2,7 +2,7 @@
 
 use glam::Affine3A;
 
-use super::*;
+use super::{primitive::pack_normal, *};
 use crate::{MaterialId, Mesh, random::Random};
 
 fn scene_of(corners: Vec<Vec3>) -> Scene {

@@ -4,7 +4,11 @@
 use glam::Vec3;
 
 use super::{Eye, Frame, intersect::closest_hit, reproject::landing_x};
-use crate::{FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource, layout::TILE, scene::components};
+use crate::{
+    FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource,
+    layout::TILE,
+    scene::{Primitive, components},
+};
 
 /// Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;
@@ -151,14 +155,16 @@ fn agreed_bits(
 fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, id): (f32, u32)) -> Vec3 {
     let width = frame.size()[0];
     let direction = frame.direction(eye, index % width, index / width);
-    let normal = match scene.triangles().get(id as usize) {
-        Some(triangle) => {
+    let from = |center: Vec3| direction * depth - (center - frame.eye(eye));
+    let normal = match scene.primitive(id) {
+        Primitive::Triangle(triangle) => {
             let [a, b, c] = triangle.corners;
             (b - a).cross(c - a)
         }
-        None => {
-            let sphere = scene.spheres()[id as usize - scene.triangles().len()];
-            direction * depth - (sphere.center - frame.eye(eye))
+        Primitive::Sphere(sphere) => from(sphere.center),
+        Primitive::Ellipsoid(ellipsoid) => {
+            let rows = ellipsoid.to_sphere().rows;
+            rows.iter().map(|&row| row * row.dot(from(ellipsoid.center))).sum()
         }
     };
     let normal = normal.normalize();

@@ -1,14 +1,17 @@
-//! Twins of shaders/shared/triangle.wgsl and sphere.wgsl, and a search through all primitives in place of the BVH.
+//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl and ellipsoid.wgsl, and a search through all primitives in place of the BVH.
 
 use glam::Vec3;
 
 use super::double_float::{Two, Two3, dot, plane_t};
 use crate::{
-    MISS, Scene,
+    Ellipsoid, MISS, Scene,
     bvh::{reach_bits, shortest_edge_first},
     large::LARGE,
+    scene::ToSphere,
 };
 
+/// `CANCELLED` of ellipsoid.wgsl.
+const CANCELLED: f32 = 1.0 / 16.0;
 /// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
@@ -67,8 +70,25 @@ pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
 
 /// Whether t must be computed twice as exactly.
 pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
-    let to_center = center - origin;
+    is_close_to_centered(center - origin, radius)
+}
+
+fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
     (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
+}
+
+/// Whether t must be computed twice as exactly: near the surface, as of a sphere, and where the products of the map cancel, as at a tilted
+/// flat ellipsoid far from its centre.
+pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
+    let to_center = center - origin;
+    let mapped = mapped(map, to_center);
+    let [x, y, z] = map.rows.map(|row| row.abs().dot(to_center.abs()));
+    let distance = (mapped.dot(mapped) - map.radius * map.radius).abs();
+    is_close_to_centered(mapped, map.radius) || distance < map.radius * (x.max(y.max(z)) * CANCELLED)
+}
+
+fn mapped(map: &ToSphere, v: Vec3) -> Vec3 {
+    Vec3::from(map.rows.map(|row| row.dot(v)))
 }
 
 fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
@@ -85,10 +105,24 @@ fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
 
 /// The nearest t of at least `t_min` at a sphere, or `None` where the ray misses (shaders/shared/sphere.wgsl).
 pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
-    let to_center = center - origin;
     if is_close_sphere(origin, center, radius) {
-        return look_again_sphere(origin, direction, center, radius, t_min);
+        return look_again(Two3::difference(center, origin), Two3::new(direction), radius, t_min);
     }
+    meet(center - origin, direction, radius, t_min)
+}
+
+/// The same of an ellipsoid (shaders/shared/ellipsoid.wgsl).
+pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid, t_min: f32) -> Option<f32> {
+    let (center, map) = (ellipsoid.center, ellipsoid.to_sphere());
+    if is_close_ellipsoid(origin, center, &map) {
+        let mapped = |v: Two3| Two3(map.rows.map(|row| dot(Two3::new(row), v)));
+        let to_center = mapped(Two3::difference(center, origin));
+        return look_again(to_center, mapped(Two3::new(direction)), map.radius, t_min);
+    }
+    meet(mapped(&map, center - origin), mapped(&map, direction), map.radius, t_min)
+}
+
+fn meet(to_center: Vec3, direction: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     let per_length_squared = 1.0 / direction.dot(direction);
     let middle = to_center.dot(direction) * per_length_squared;
     let offset = to_center - direction * middle;
@@ -101,9 +135,7 @@ pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32
     Some(if near >= t_min { near } else { middle + half })
 }
 
-fn look_again_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
-    let to_center = Two3::difference(center, origin);
-    let way = Two3::new(direction);
+fn look_again(to_center: Two3, way: Two3, radius: f32, t_min: f32) -> Option<f32> {
     let squared = Two::new(radius) * Two::new(radius);
     let outside = dot(to_center, to_center) + -squared;
     let middle = dot(to_center, way);
@@ -128,7 +160,8 @@ pub fn closest_hit(scene: &Scene, origin: Vec3, direction: Vec3, t_min: f32, t_m
     let spheres =
         scene.spheres().iter().map(|sphere| intersect_sphere(origin, direction, sphere.center, sphere.radius, t_min));
     let mut best = (t_max, MISS);
-    for (id, t) in triangles.chain(spheres).enumerate() {
+    let ellipsoids = scene.ellipsoids().iter().map(|one| intersect_ellipsoid(origin, direction, one, t_min));
+    for (id, t) in triangles.chain(spheres).chain(ellipsoids).enumerate() {
         let Some(t) = t.filter(|&t| t >= t_min) else { continue };
         if t < best.0 || (t == best.0 && (id as u32) < best.1) {
             best = (t, id as u32);

@@ -80,16 +80,27 @@ fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
 fn variants() -> Vec<Variant> {
     let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
     let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
-    // Spheres, triangles, normals.
-    let kinds = [[true, false, false], [false, true, false], [false, true, true], [true, true, false], [true; 3]];
+    // Spheres, triangles, normals, ellipsoids.
+    let kinds = [
+        [true, false, false, false],
+        [false, true, false, false],
+        [false, true, true, false],
+        [true, true, false, false],
+        [true, true, true, false],
+        [true, false, false, true],
+        [true, true, false, true],
+        [true; 4],
+    ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
     let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2]);
     let with = |&[traversal, kind, light, kept, sky, bits, counting, close]: &[usize; 8]| {
-        let ((traversal, world_boxes), [spheres, triangles, normals]) = (traversals[traversal], kinds[kind]);
+        let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
+            (traversals[traversal], kinds[kind]);
         Variant {
             traversal,
             triangles,
             spheres,
+            ellipsoids,
             normals,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],

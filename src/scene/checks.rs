@@ -98,10 +98,11 @@ impl Scene {
         ))
     }
 
-    /// Far from the origin a sphere can be less than a step of f32 across, and its box nothing.
+    /// Far from the origin a sphere or an ellipsoid can be less than a step of f32 across, and its box nothing.
     fn check_extent(&self) -> Result<(), String> {
         let Some((low, high)) = self.bounds() else { return Ok(()) };
         let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
+        let across = across.chain(self.ellipsoids.iter().map(|one| 2.0 * one.half_extent().max_element() as f32));
         let extent = across.fold((high - low).max_element(), f32::max);
         match extent >= MIN_EXTENT {
             true => Ok(()),

@@ -21,7 +21,7 @@ impl Scene {
     /// to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
     ///
     /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
-    /// light would be inside a sphere that the eyes are not in, it keeps its place beside the eyes, drawn
+    /// light would be inside a sphere or an ellipsoid that the eyes are not in, it keeps its place beside the eyes, drawn
     /// towards them to nine tenths of the way to the first thing between.
     ///
     /// # Errors
@@ -53,12 +53,16 @@ impl Scene {
         Ok(())
     }
 
-    /// A sphere has one of the points in it and not the other.
+    /// A sphere or an ellipsoid has one of the points in it and not the other.
     fn enclosed(&self, point: Vec3, eye: Vec3) -> bool {
-        self.spheres.iter().any(|sphere| {
-            let inside = |at: Vec3| at.as_dvec3().distance(sphere.center.as_dvec3()) <= f64::from(sphere.radius);
-            inside(point) && !inside(eye)
-        })
+        let of_ellipsoids = || self.ellipsoids.iter().any(|one| one.holds(point) && !one.holds(eye));
+        let of_spheres = || {
+            self.spheres.iter().any(|sphere| {
+                let inside = |at: Vec3| at.as_dvec3().distance(sphere.center.as_dvec3()) <= f64::from(sphere.radius);
+                inside(point) && !inside(eye)
+            })
+        };
+        of_spheres() || of_ellipsoids()
     }
 
     /// The primitives that may stand between the eyes and a light.
@@ -73,6 +77,10 @@ impl Scene {
         near.spheres.extend(
             self.spheres.iter().filter(|sphere| meets(sphere.center - sphere.radius, sphere.center + sphere.radius)),
         );
+        near.ellipsoids.extend(self.ellipsoids.iter().filter(|one| {
+            let [low, high] = one.corners();
+            meets(low, high)
+        }));
         near
     }
 }

@@ -1,9 +1,10 @@
-//! What is rendered: triangle meshes and spheres, materials, point lights, ambient light and a sky.
+//! What is rendered: triangle meshes, spheres and ellipsoids, materials, point lights, ambient light and a sky.
 
 mod beside;
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
+mod ellipsoid;
 mod lights;
 mod material;
 mod mesh;
@@ -17,6 +18,8 @@ mod texture;
 #[cfg(feature = "obj")]
 mod warnings;
 
+pub(crate) use ellipsoid::ToSphere;
+pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 pub use sky::SkyMap;
@@ -99,8 +102,15 @@ impl Sphere {
     }
 }
 
+/// What a primitive id names.
+pub(crate) enum Primitive<'a> {
+    Triangle(&'a Triangle),
+    Sphere(&'a Sphere),
+    Ellipsoid(&'a Ellipsoid),
+}
+
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
-/// their number), then spheres.
+/// their number), then spheres, then ellipsoids.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
@@ -126,6 +136,7 @@ pub struct Scene {
     textures: Vec<Texture>,
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
+    ellipsoids: Vec<Ellipsoid>,
     mesh_objects: Vec<Object>,
     beside: Beside,
     /// How many of the triangles that are traced are smooth.
@@ -134,7 +145,7 @@ pub struct Scene {
     dropped: usize,
     /// How many meshes were warned of for it.
     dropping_meshes: usize,
-    /// Renewed when triangles or spheres change: equal ones are of equal primitives.
+    /// Renewed when triangles change, or spheres or ellipsoids: equal ones are of equal primitives.
     pub(crate) triangles_stamp: Stamp,
     pub(crate) spheres_stamp: Stamp,
 }
@@ -157,6 +168,7 @@ impl Scene {
             textures: Vec::new(),
             triangles: Vec::new(),
             spheres: Vec::new(),
+            ellipsoids: Vec::new(),
             mesh_objects: Vec::new(),
             beside: Beside::default(),
             smooth: 0,
@@ -218,15 +230,27 @@ impl Scene {
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
-        triangles.chain(spheres).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
+        let ellipsoids = self.ellipsoids.iter().flat_map(Ellipsoid::corners);
+        triangles.chain(spheres).chain(ellipsoids).fold(None, |bounds: Option<(Vec3, Vec3)>, point| {
             let (low, high) = bounds.unwrap_or((point, point));
             Some((low.min(point), high.max(point)))
         })
     }
 
-    /// Number of primitive ids: triangles (dropped ones too), then spheres.
+    /// Number of primitive ids: triangles (dropped ones too), then spheres and ellipsoids.
     pub fn primitive_count(&self) -> usize {
-        self.triangles.len() + self.spheres.len()
+        self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+    }
+
+    /// A primitive by its id, which must be there.
+    pub(crate) fn primitive(&self, id: u32) -> Primitive<'_> {
+        let index = id as usize;
+        let (triangles, spheres) = (self.triangles.len(), self.spheres.len());
+        match self.triangles.get(index) {
+            Some(triangle) => Primitive::Triangle(triangle),
+            None if index < triangles + spheres => Primitive::Sphere(&self.spheres[index - triangles]),
+            None => Primitive::Ellipsoid(&self.ellipsoids[index - triangles - spheres]),
+        }
     }
 
     /// Triangles without area, which are counted and not traced.
@@ -254,12 +278,12 @@ impl Scene {
         self.smooth > 0
     }
 
-    /// Number of objects: meshes, then spheres.
+    /// Number of objects: meshes, then spheres and ellipsoids.
     pub fn object_count(&self) -> usize {
-        self.mesh_objects.len() + self.spheres.len()
+        self.mesh_objects.len() + self.spheres.len() + self.ellipsoids.len()
     }
 
-    /// The object of a primitive: meshes count first, in the order they were added, then spheres.
+    /// The object of a primitive: meshes count first, in the order they were added, then spheres, then ellipsoids.
     /// [`MISS`](crate::MISS) for numbers out of range.
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
@@ -272,7 +296,7 @@ impl Scene {
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
     }
 
-    /// The name of an object: its mesh's, empty for spheres and for numbers out of range.
+    /// The name of an object: its mesh's, empty for spheres, ellipsoids and for numbers out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
     }

@@ -5,9 +5,9 @@ use std::{
     sync::atomic::{AtomicU64, Ordering},
 };
 
-use glam::{Affine3A, DVec3, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec3};
 
-use super::{Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object};
+use super::{Ellipsoid, Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object};
 use crate::{Error, message::counted};
 
 /// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
@@ -26,7 +26,8 @@ impl Stamp {
 
 impl Scene {
     /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and again adds up
-    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`] or [`Scene::set_sphere`]. Triangles that it
+    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`], [`Scene::set_sphere`] or
+    /// [`Scene::set_ellipsoid`]. Triangles that it
     /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does.
     ///
     /// ```
@@ -42,7 +43,8 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`] for an object that is not there, where a coordinate becomes infinite, no number or larger than
     /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor that is not the same
-    /// in all directions, or sheared. The scene then stays as it was.
+    /// in all directions, or sheared: what may become an ellipsoid is to be added as one. Of an ellipsoid's map the errors are those of
+    /// [`Scene::add_ellipsoid`]. The scene then stays as it was.
     pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
         match self.place_of(object)? {
             Place::Sphere(index) => {
@@ -52,6 +54,12 @@ impl Scene {
                 let center = transform.transform_point3(sphere.center);
                 let radius = (f64::from(sphere.radius) * scale) as f32;
                 self.set_sphere(object, Sphere { center, radius, ..sphere })
+            }
+            Place::Ellipsoid(index) => {
+                let ellipsoid = self.ellipsoids[index];
+                let center = transform.transform_point3(ellipsoid.center);
+                let axes = Mat3::from(transform.matrix3) * ellipsoid.axes;
+                self.set_ellipsoid(object, Ellipsoid { center, axes, ..ellipsoid })
             }
             Place::Triangles(range) => {
                 let moved = self.triangles[range.clone()].iter().map(|triangle| transformed(triangle, transform));
@@ -73,12 +81,12 @@ impl Scene {
     /// primitives behind them, and the scene must be updated by [`Update::Rebuild`](crate::Update).
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is a sphere. The scene then stays as it
+    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is no mesh. The scene then stays as it
     /// was.
     pub fn set_mesh(&mut self, object: u32, mesh: &Mesh) -> Result<(), Error> {
-        let Place::Triangles(range) = self.place_of(object)? else {
-            let reason = "it is a sphere: use set_sphere".into();
-            return Err(Error::Scene { element: format!("object {object}"), reason });
+        let range = match self.place_of(object)? {
+            Place::Triangles(range) => range,
+            other => return Err(other.refuses(object)),
         };
         let triangles = self.checked_triangles(mesh)?;
         for later in &mut self.mesh_objects[object as usize + 1..] {
@@ -91,18 +99,34 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes.
+    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes, ellipsoids behind those.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is a mesh. The scene then stays as it
+    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is no sphere. The scene then stays as it
     /// was.
     pub fn set_sphere(&mut self, object: u32, sphere: Sphere) -> Result<(), Error> {
-        let Place::Sphere(index) = self.place_of(object)? else {
-            let reason = "it is a mesh: use set_mesh".into();
-            return Err(Error::Scene { element: format!("object {object}"), reason });
+        let index = match self.place_of(object)? {
+            Place::Sphere(index) => index,
+            other => return Err(other.refuses(object)),
         };
         self.check_sphere(index, &sphere)?;
         self.spheres[index] = sphere;
+        self.spheres_stamp = Stamp::new();
+        Ok(())
+    }
+
+    /// Puts another ellipsoid in the place of an ellipsoid, as the same object.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and for an object that is not there or is no ellipsoid. The scene then stays as it
+    /// was.
+    pub fn set_ellipsoid(&mut self, object: u32, ellipsoid: Ellipsoid) -> Result<(), Error> {
+        let index = match self.place_of(object)? {
+            Place::Ellipsoid(index) => index,
+            other => return Err(other.refuses(object)),
+        };
+        self.check_ellipsoid(index, &ellipsoid)?;
+        self.ellipsoids[index] = ellipsoid;
         self.spheres_stamp = Stamp::new();
         Ok(())
     }
@@ -134,15 +158,31 @@ impl Scene {
         let first = |object: usize| self.mesh_objects.get(object).map(|mesh| mesh.first_primitive as usize);
         Ok(match first(object) {
             Some(begin) => Place::Triangles(begin..first(object + 1).unwrap_or(self.triangles.len())),
-            None => Place::Sphere(object - self.mesh_objects.len()),
+            None => {
+                let index = object - self.mesh_objects.len();
+                index.checked_sub(self.spheres.len()).map_or(Place::Sphere(index), Place::Ellipsoid)
+            }
         })
     }
 }
 
-/// Where an object's primitives stand among triangles or spheres.
+/// Where an object's primitives stand among triangles, spheres or ellipsoids.
 enum Place {
     Triangles(Range<usize>),
     Sphere(usize),
+    Ellipsoid(usize),
+}
+
+impl Place {
+    /// What is said where an object is to become what it is not.
+    fn refuses(&self, object: u32) -> Error {
+        let reason = match self {
+            Self::Triangles(_) => "it is a mesh: use set_mesh",
+            Self::Sphere(_) => "it is a sphere: use set_sphere",
+            Self::Ellipsoid(_) => "it is an ellipsoid: use set_ellipsoid",
+        };
+        Error::Scene { element: format!("object {object}"), reason: reason.into() }
+    }
 }
 
 fn axes(transform: &Affine3A) -> [DVec3; 3] {

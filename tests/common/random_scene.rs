@@ -1,17 +1,21 @@
 //! Random scenes: one to find hits wrong in, one to find shadows wrong in.
 
-use stereotrace::{Material, MaterialId, Mesh, PointLight, Scene, Sphere, glam::Vec3};
+use stereotrace::{
+    Ellipsoid, Material, MaterialId, Mesh, PointLight, Scene, Sphere,
+    glam::{Mat3, Vec3},
+};
 
 use super::random::Random;
 
-/// Triangles and spheres without order, in a cube of two units or so about the origin. Some triangles stand there twice
+/// Triangles, spheres and ellipsoids without order, in a cube of two units or so about the origin. Some triangles stand there twice
 /// (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are large;
-/// each sphere stands there twice.
+/// each sphere and ellipsoid stands there twice. Every other ellipsoid is turned and sheared.
 #[derive(Clone, Copy)]
 pub struct RandomScene {
     pub seed: u32,
     pub triangles: usize,
     pub spheres: usize,
+    pub ellipsoids: usize,
     /// Whether triangles have vertex normals, which point anywhere.
     pub smooth: bool,
     pub scale: f32,
@@ -21,7 +25,7 @@ pub struct RandomScene {
 
 impl Default for RandomScene {
     fn default() -> Self {
-        Self { seed: 1, triangles: 150, spheres: 20, smooth: false, scale: 1.0, offset: 0.0 }
+        Self { seed: 1, triangles: 150, spheres: 20, ellipsoids: 0, smooth: false, scale: 1.0, offset: 0.0 }
     }
 }
 
@@ -45,6 +49,13 @@ impl RandomScene {
             scene.add_sphere(sphere).unwrap();
             scene.add_sphere(sphere).unwrap();
         }
+        for index in 0..self.ellipsoids {
+            let ellipsoid = random_ellipsoid(&mut random, index % 2 == 1, 0.4);
+            let (center, axes) = (place(ellipsoid.center), ellipsoid.axes * self.scale);
+            for _ in 0..2 {
+                scene.add_ellipsoid(Ellipsoid::new(center, axes, MaterialId(0))).unwrap();
+            }
+        }
         scene
     }
 
@@ -63,6 +74,16 @@ impl RandomScene {
         }
         corners
     }
+}
+
+/// An ellipsoid about a point of a cube of two units, up to 20 times as long as it is thick.
+pub fn random_ellipsoid(random: &mut Random, turned: bool, longest: f32) -> Ellipsoid {
+    let radii = Vec3::from_array([(); 3].map(|()| longest * random.between(0.1, 1.0)));
+    let axes = Mat3::from_diagonal(radii);
+    let turn = Mat3::from_axis_angle(random.point(1.0).normalize(), random.between(0.0, 6.0));
+    let shear = Mat3::from_cols(Vec3::X, Vec3::new(random.between(-0.5, 0.5), 1.0, 0.0), Vec3::Z);
+    let axes = if turned { turn * (shear * axes) } else { axes };
+    Ellipsoid::new(random.point(1.0), axes, MaterialId(0))
 }
 
 /// Fans of triangles that share their edges, and spheres, over a floor among four lights.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use stereotrace::{
     MISS, Scene, Sky,
     cpu::{Eye, Frame},
-    glam::{DVec3, Vec3},
+    glam::{DMat3, DVec3, Vec3},
 };
 
 /// A triangle with what its tests share.
@@ -22,10 +22,18 @@ struct Sphere {
     albedo: DVec3,
 }
 
+/// A sphere under a map: what takes offsets from its centre to those from the unit sphere's.
+struct Ellipsoid {
+    center: DVec3,
+    inverse: DMat3,
+    albedo: DVec3,
+}
+
 /// A scene in double precision.
 pub struct Truth {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
+    ellipsoids: Vec<Ellipsoid>,
     lights: Vec<(DVec3, DVec3)>,
     shadows: bool,
     ambient: DVec3,
@@ -66,10 +74,16 @@ impl Truth {
             radius: f64::from(sphere.radius),
             albedo: albedo(sphere.material),
         };
+        let ellipsoid = |one: &stereotrace::Ellipsoid| Ellipsoid {
+            center: one.center.as_dvec3(),
+            inverse: one.axes.as_dmat3().inverse(),
+            albedo: albedo(one.material),
+        };
         let Sky::Constant(sky) = scene.sky else { panic!("skies of one colour only") };
         Self {
             triangles: scene.triangles().iter().map(triangle).collect(),
             spheres: scene.spheres().iter().map(sphere).collect(),
+            ellipsoids: scene.ellipsoids().iter().map(ellipsoid).collect(),
             lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
             shadows: scene.shadows,
             ambient: scene.rendered_ambient().as_dvec3(),
@@ -88,11 +102,17 @@ impl Truth {
         for (id, triangle) in self.triangles.iter().enumerate() {
             offer(triangle.hit(origin, direction), id);
         }
-        for (id, sphere) in self.spheres.iter().enumerate() {
-            let [near, far] = sphere.hits(origin, direction).unwrap_or([f64::NAN; 2]);
+        for (id, hits) in self.quadrics(origin, direction).enumerate() {
+            let [near, far] = hits.unwrap_or([f64::NAN; 2]);
             offer(Some(if near > 0.0 { near } else { far }), self.triangles.len() + id);
         }
         best
+    }
+
+    /// Where spheres are met, and then ellipsoids.
+    fn quadrics(&self, origin: DVec3, direction: DVec3) -> impl Iterator<Item = Option<[f64; 2]>> + '_ {
+        let spheres = self.spheres.iter().map(move |sphere| sphere.hits(origin, direction));
+        spheres.chain(self.ellipsoids.iter().map(move |one| one.hits(origin, direction)))
     }
 
     /// Whether a primitive other than `own` stands between two points.
@@ -101,9 +121,10 @@ impl Truth {
         let between = |t: f64| t > 1e-9 && t < 1.0;
         let direction = to - from;
         let triangles = self.triangles.iter().enumerate().filter(|(id, _)| *id as u32 != own);
-        let mut spheres = self.spheres.iter().enumerate().filter(|(id, _)| (self.triangles.len() + id) as u32 != own);
+        let quadrics = self.quadrics(from, direction).enumerate();
+        let mut quadrics = quadrics.filter(|(id, _)| (self.triangles.len() + id) as u32 != own);
         triangles.into_iter().any(|(_, triangle)| triangle.hit(from, direction).is_some_and(between))
-            || spheres.any(|(_, sphere)| sphere.hits(from, direction).is_some_and(|t| t.into_iter().any(between)))
+            || quadrics.any(|(_, hits)| hits.is_some_and(|t| t.into_iter().any(between)))
     }
 
     /// What a ray sees, shaded as DESIGN, section 3, says.
@@ -117,8 +138,15 @@ impl Truth {
         let (normal, albedo) = match self.triangles.get(primitive as usize) {
             Some(triangle) => (triangle.normal.normalize(), triangle.albedo),
             None => {
-                let sphere = &self.spheres[primitive as usize - self.triangles.len()];
-                ((point - sphere.center).normalize(), sphere.albedo)
+                let index = primitive as usize - self.triangles.len();
+                match self.spheres.get(index) {
+                    Some(sphere) => ((point - sphere.center).normalize(), sphere.albedo),
+                    None => {
+                        let one = &self.ellipsoids[index - self.spheres.len()];
+                        let normal = one.inverse.transpose() * (one.inverse * (point - one.center));
+                        (normal.normalize(), one.albedo)
+                    }
+                }
             }
         };
         let cosine = normal.dot(direction);
@@ -154,6 +182,13 @@ impl Triangle {
         let inside = u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0;
         let across = self.normal.dot(direction);
         (inside && across != 0.0).then(|| self.normal.dot(a) / across)
+    }
+}
+
+impl Ellipsoid {
+    fn hits(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let unit = Sphere { center: self.inverse * (self.center - origin), radius: 1.0, albedo: DVec3::ZERO };
+        unit.hits(DVec3::ZERO, self.inverse * direction)
     }
 }
 

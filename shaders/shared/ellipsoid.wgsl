@@ -1,0 +1,153 @@
+// Rays against an ellipsoid: a matrix takes it to a sphere, and rays with it, which changes no t. There they are met as sphere.wgsl says.
+
+// Spheres of a scene with ellipsoids are ellipsoids too, their matrix being the identity. So these are what other files know as a sphere's
+// functions, in place of those of sphere.wgsl and bounds.wgsl.
+
+//! if texels is ellipsoids
+// What an intersection needs of a primitive. An ellipsoid has its centre in a, and in b, c and d the rows of the matrix that takes offsets from
+// there to those from the centre of a sphere. They stand at right angles, each along a semi-axis (src/scene/ellipsoid.rs): so the
+// rounding of a product with one of them moves a point along that semi-axis alone, by as little as the offset's own rounding.
+struct Primitive {
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+    d: vec3f,
+    id: u32,          // in the scene's order
+    component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
+    reach: f32,       // of a triangle: at least the length of its longest edge; of an ellipsoid: the sphere's radius
+}
+
+// Four texels: these vectors, with id, component, material and radius in w.
+fn primitive_at(slot: u32) -> Primitive {
+    let first = primitive_texel(slot, 0u);
+    let second = primitive_texel(slot, 1u);
+    let third = primitive_texel(slot, 2u);
+    let fourth = primitive_texel(slot, 3u);
+    let reach = select(reach_of(third.w), bitcast<f32>(fourth.w), (second.w & IS_SPHERE) != 0u);
+    return Primitive(
+        bitcast<vec3f>(first.xyz),
+        bitcast<vec3f>(second.xyz),
+        bitcast<vec3f>(third.xyz),
+        bitcast<vec3f>(fourth.xyz),
+        first.w,
+        second.w,
+        reach,
+    );
+}
+
+fn to_sphere(primitive: Primitive, v: vec3f) -> vec3f {
+    return vec3f(dot(primitive.b, v), dot(primitive.c, v), dot(primitive.d, v));
+}
+
+// The nearest t of at least t_min.
+fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
+    let radius = primitive.reach;
+    let from_origin = primitive.a - rays.origin;
+    let to_center = to_sphere(primitive, from_origin);
+    let direction = F3(
+        along(rays.direction, primitive.b),
+        along(rays.direction, primitive.c),
+        along(rays.direction, primitive.d),
+    );
+    let per_length_squared = 1.0 / dot3(direction, direction);
+    let middle = along(direction, to_center) * per_length_squared;
+    let offset = minus3(all3(to_center), times3(direction, middle));
+    let inside = radius * radius - dot3(offset, offset);
+    let half = sqrt(max(inside, F(0.0)) * per_length_squared);
+    let near = middle - half;
+    let t = select(middle + half, near, near >= t_min);
+    let close = B(CLOSE && is_close_ellipsoid(primitive, from_origin, to_center));
+    return Found((inside >= F(0.0)) & !close, t, close);
+}
+
+// Of the products of the matrix and an offset, what their sum must be over, or the rounding of t shows.
+const CANCELLED: f32 = 1.0 / 16.0;
+
+// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in sphere.wgsl, or because products
+// cancel. These do where a tilted flat ellipsoid is nearer than its centre.
+fn is_close_ellipsoid(primitive: Primitive, from_origin: vec3f, to_center: vec3f) -> bool {
+    let radius = primitive.reach;
+    let distance = abs(dot(to_center, to_center) - radius * radius);
+    let way = abs(from_origin);
+    let most = max(dot(abs(primitive.b), way), max(dot(abs(primitive.c), way), dot(abs(primitive.d), way)));
+    return distance < 0.5 * radius * radius || distance < radius * (most * CANCELLED);
+}
+
+fn to_sphere_two(primitive: Primitive, v: Two3) -> Two3 {
+    let x = dot_two3(Two3(primitive.b, vec3f(0.0)), v);
+    let y = dot_two3(Two3(primitive.c, vec3f(0.0)), v);
+    let z = dot_two3(Two3(primitive.d, vec3f(0.0)), v);
+    return Two3(vec3f(x.hi, y.hi, z.hi), vec3f(x.lo, y.lo, z.lo));
+}
+
+// One ray's t where it was doubtful, or -1 where it misses, as in sphere.wgsl.
+fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
+    let to_center = to_sphere_two(primitive, difference3(primitive.a, origin));
+    let way = to_sphere_two(primitive, Two3(direction, vec3f(0.0)));
+    let radius = Two(primitive.reach, 0.0);
+    let squared = product_two(radius, radius);
+    let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
+    let middle = dot_two3(to_center, way);
+    let length_squared = dot_two3(way, way);
+    let less = product_two(length_squared, outside);
+    let root = sum_two(product_two(middle, middle), Two(-less.hi, -less.lo)).hi;
+    let both = middle.hi + select(-1.0, 1.0, middle.hi >= 0.0) * sqrt(max(root, 0.0));
+    let larger_root = both / length_squared.hi;
+    let other_root = select(outside.hi / both, 0.0, both == 0.0);
+    let near = min(larger_root, other_root);
+    let t = select(max(larger_root, other_root), near, near >= t_min);
+    return select(-1.0, t, root >= 0.0);
+}
+
+fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    let slot = of_ray_u(hits.slot, ray);
+    let primitive = primitive_at(slot);
+    let material = primitive_texel(slot, 2u).w;
+    let direction = of_ray3(rays.direction, ray);
+    // From the eye, not from the world's origin, which may be far off.
+    let from_center = direction * of_ray(hits.t, ray) - (primitive.a - rays.origin);
+    // Normals go back by the matrix transposed.
+    let outwards = to_sphere(primitive, largest_one(from_center));
+    let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
+    let normal = towards_viewer(normalize(largest_one(across)), direction);
+    return Surface(normal, normal, material, primitive.component, 0.0);
+}
+
+// An ellipsoid that is nearer to the plane of the eyes than this share of its distance and size has its projection bounded by nothing: the bounds
+// grow beyond all bounds there, and their rounding with them.
+const NEAR_PLANE: f32 = 1.0 / 64.0;
+
+// Least and largest column and row of an ellipsoid's projection; everywhere if it reaches the plane of the eyes, or nearly. The bounds are those
+// of the planes through the eye and along the picture's columns and rows that touch it.
+fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
+    let center = primitive.a - frame.target_eye;
+    let up = cross(frame.right_axis, projection.forward);
+    // How far it reaches along an axis is the length of these.
+    let forward = half_widths(primitive, projection.forward);
+    let z = dot(center, projection.forward);
+    let depth = length(forward);
+    let columns = touching(dot(center, frame.right_axis), z, half_widths(primitive, frame.right_axis), forward, depth);
+    let rows = touching(dot(center, up), z, half_widths(primitive, up), forward, depth);
+    let per_column = 1.0 / dot(frame.step_x, frame.right_axis);
+    let per_row = 1.0 / dot(frame.step_y, up);
+    let x = (columns - dot(frame.target_corner, frame.right_axis)) * per_column;
+    let y = (rows - dot(frame.target_corner, up)) * per_row;
+    let bounds = vec4f(min(x.x, x.y), min(y.x, y.y), max(x.x, x.y), max(y.x, y.y));
+    return select(EVERYWHERE, bounds, z - depth > (length(center) + depth) * NEAR_PLANE);
+}
+
+// The components of an axis along the ellipsoid's semi-axes, each times the semi-axis.
+fn half_widths(primitive: Primitive, axis: vec3f) -> vec3f {
+    let squared = vec3f(dot(primitive.b, primitive.b), dot(primitive.c, primitive.c), dot(primitive.d, primitive.d));
+    return to_sphere(primitive, axis) * (primitive.reach / squared);
+}
+
+// Least and largest slope s of the planes `across = s z` that touch: where (across - s z)² is |a - s b|² for the half widths a and b of the two axes.
+// The discriminant is written as two products, so that it does not vanish in the rounding of a distant centre's.
+fn touching(across: f32, z: f32, a: vec3f, b: vec3f, depth: f32) -> vec2f {
+    let seen = z * a - across * b;
+    let hidden = cross(a, b);
+    let root = sqrt(max(dot(seen, seen) - dot(hidden, hidden), 0.0));
+    let middle = across * z - dot(a, b);
+    return vec2f(middle - root, middle + root) / ((z - depth) * (z + depth));
+}

@@ -1,0 +1,107 @@
+//! Primitives in the words that shaders/shared/primitives.wgsl and ellipsoid.wgsl read.
+
+use glam::Vec3;
+
+use super::Texel;
+use crate::{
+    Scene, Triangle,
+    large::longest_edge,
+    scene::{Primitive, ToSphere},
+};
+
+/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
+const IS_SPHERE: u32 = 1;
+
+/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes.
+pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4]) {
+    match scene.primitive(id) {
+        Primitive::Triangle(triangle) => {
+            let [a, b, c] = triangle.corners.map(words);
+            (0, [a, b, c, [0; 3]])
+        }
+        Primitive::Sphere(sphere) => (1, [words(sphere.center), [sphere.radius.to_bits(), 0, 0], [0; 3], [0; 3]]),
+        Primitive::Ellipsoid(one) => {
+            let [x, y, z] = [one.axes.x_axis, one.axes.y_axis, one.axes.z_axis].map(words);
+            (2, [words(one.center), x, y, z])
+        }
+    }
+}
+
+fn words(v: Vec3) -> [u32; 3] {
+    v.to_array().map(f32::to_bits)
+}
+
+fn texel([x, y, z]: [u32; 3], w: u32) -> Texel {
+    [x, y, z, w]
+}
+
+/// Texels of each of a scene's primitives.
+pub(super) fn texels_of_each(scene: &Scene) -> usize {
+    if scene.has_normals() || !scene.ellipsoids().is_empty() { 4 } else { 3 }
+}
+
+/// Adds a primitive's texels. Where there are ellipsoids, spheres are traced as such.
+pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, components: &[u32], id: u32) {
+    let component = components[id as usize] << 1;
+    let has_ellipsoids = !scene.ellipsoids().is_empty();
+    let ellipsoid = |center: Vec3, map: ToSphere, material: u32| {
+        let [a, b, c] = map.rows.map(words);
+        let [center, radius] = [texel(words(center), id), texel(c, map.radius.to_bits())];
+        [center, texel(a, component | IS_SPHERE), texel(b, material), radius]
+    };
+    let all = match scene.primitive(id) {
+        Primitive::Triangle(triangle) => triangle_texels(triangle, id, component),
+        Primitive::Sphere(one) if has_ellipsoids => {
+            ellipsoid(one.center, ToSphere::identity(one.radius), one.material.0)
+        }
+        Primitive::Sphere(one) => {
+            let radius = texel([one.radius.to_bits(), 0, 0], component | IS_SPHERE);
+            [texel(words(one.center), id), radius, [0, 0, 0, one.material.0], [0; 4]]
+        }
+        Primitive::Ellipsoid(one) => ellipsoid(one.center, one.to_sphere(), one.material.0),
+    };
+    primitives.extend_from_slice(&all[..texels_of_each(scene)]);
+}
+
+/// Corners, and vertex normals where it has any.
+fn triangle_texels(triangle: &Triangle, id: u32, component: u32) -> [Texel; 4] {
+    let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
+    let material = triangle.material.0 | reach_bits(triangle.corners);
+    let mut normals = [0; 4];
+    if triangle.is_smooth() {
+        let mut packed = triangle.normals.map(pack_normal);
+        packed.rotate_left(shortest_edge(triangle.corners));
+        normals = texel(packed, 1);
+    }
+    [texel(a, id), texel(b, component), texel(c, material), normals]
+}
+
+/// The place of the first corner of a triangle's shortest edge.
+fn shortest_edge(corners: [Vec3; 3]) -> usize {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+    (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
+}
+
+/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another edge is the
+/// normal that rounds least.
+pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
+    let first = shortest_edge(corners);
+    corners.rotate_left(first);
+    corners
+}
+
+/// At least the length of a triangle's longest edge: the upper half of an f32, the lower half being the material's.
+pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
+    let longest = longest_edge(corners.map(Vec3::as_dvec3)) as f32;
+    longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)
+}
+
+/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/triangle.wgsl`.
+pub(super) fn pack_normal(normal: Vec3) -> u32 {
+    let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
+    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
+    let (x, y) = if n.z >= 0.0 { (n.x, n.y) } else { ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) };
+    let snorm = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16;
+    u32::from(snorm(x)) | u32::from(snorm(y)) << 16
+}
