@@ -36,8 +36,8 @@ const HEAD_WORDS: u64 = 4;
 /// Bytes of a `Lane`.
 pub(crate) fn lane_bytes(with: &Variant) -> u64 {
     let rays = u64::from(with.traversal.rays.block().pow(2));
-    // Nine numbers of each ray, three of the lane, and its stack.
-    4 * (9 * rays + 3 + u64::from(with.stack_size)).next_multiple_of(rays)
+    // Twelve numbers of each ray, three of the lane, and its stack.
+    4 * (12 * rays + 3 + u64::from(with.stack_size)).next_multiple_of(rays)
 }
 
 /// What the threads of a launch keep from step to step.

@@ -184,6 +184,11 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
+/// Linear light of a channel of an 8-bit sRGB picture, 0 to 1.
+pub(crate) fn linear_of(byte: u8) -> f32 {
+    LINEAR[usize::from(byte)]
+}
+
 impl View {
     /// The picture as linear RGB and alpha: [`View::linear`] if that was kept, else decoded from [`View::rgba8`].
     pub fn light(&self) -> Cow<'_, [[f32; 4]]> {
@@ -191,7 +196,7 @@ impl View {
             return Cow::Borrowed(&self.linear);
         }
         let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
-            let [red, green, blue] = [red, green, blue].map(|byte| LINEAR[usize::from(byte)]);
+            let [red, green, blue] = [red, green, blue].map(linear_of);
             [red, green, blue, f32::from(alpha) / 255.0]
         };
         self.rgba8.iter().map(decoded).collect()

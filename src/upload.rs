@@ -9,7 +9,7 @@ use glam::Vec3;
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Pose, Renderer, Scene, Sky, SkyMap,
+    BvhBuild, Choice, Error, Method, Pose, Renderer, Scene,
     auto::CostModel,
     bvh::{self, PackedBvh, Texel, TreeShape},
     geometry::GeometryTexels,
@@ -17,6 +17,7 @@ use crate::{
     kernels::Kernels,
     large::LargePrimitives,
     message::counted,
+    table::{Pictures, ShadingTable},
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
 };
@@ -28,8 +29,8 @@ pub struct UploadedScene {
     pub(crate) shading: wgpu::BindGroup,
     /// What these two bind.
     texels: [Arc<Texels>; 2],
-    /// The sky that the shading table has, and where in it.
-    sky: Option<(SkyMap, usize)>,
+    /// The pictures that the shading table has.
+    pictures: Pictures,
     /// Made when edges are first asked for.
     pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
@@ -148,13 +149,13 @@ impl Renderer {
         self.check(scene)?;
         let started = Instant::now();
         let traversal = uploaded.info.traversal;
-        let table_fits = self.gpu.texel_capacity(traversal.fetch) >= table_texels(scene) as u64;
+        let table_fits = self.gpu.texel_capacity(traversal.fetch) >= ShadingTable::of(scene).count() as u64;
         if how == Update::Refit && uploaded.shape.is_of(scene) && table_fits {
             let (table, shading) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
             uploaded.lights = positions(scene);
-            (uploaded.shading, uploaded.texels[1], uploaded.sky) = (shading, table, sky_of(scene));
+            (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, Pictures::of(scene));
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -204,7 +205,7 @@ impl Renderer {
             geometry: gpu.checked(bind).await?,
             shading,
             texels: [geometry, table],
-            sky: sky_of(scene),
+            pictures: Pictures::of(scene),
             object_table: OnceLock::new(),
             variant: Variant::of(scene, traversal, &packed),
             objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
@@ -224,22 +225,20 @@ impl Renderer {
         })
     }
 
-    /// Uploads the shading table; of one that stands there with the same sky at the same place, what is before the sky.
+    /// Uploads the shading table; of one that stands there with the same pictures at the same place, what is before them.
     async fn bring_table(
         &self,
         scene: &Scene,
         fetch: Fetch,
         before: Option<&UploadedScene>,
     ) -> Result<(Arc<Texels>, wgpu::BindGroup), Error> {
-        let count = table_texels(scene);
-        let is_there = |before: &&UploadedScene| match (&before.sky, sky_of(scene)) {
-            (Some((sky, at)), Some((wanted, wanted_at))) => sky.shares_pixels(&wanted) && *at == wanted_at,
-            _ => false,
-        };
+        let table = ShadingTable::of(scene);
+        let count = table.count();
+        let is_there = |before: &&UploadedScene| before.pictures.are_those_of(scene);
         let room = before.map(|before| &before.texels[1]).filter(|room| room.has_room(count, fetch));
-        let written =
-            if room.is_some() && before.filter(is_there).is_some() { texels_before_sky(scene) } else { count };
-        let table = self.written("shading_table", room, count, shading_table(scene).take(written), fetch).await?;
+        let stays = room.is_some() && before.filter(is_there).is_some();
+        let written = if stays { table.before_pictures() } else { count };
+        let table = self.written("shading_table", room, count, table.texels().take(written), fetch).await?;
         let bind = || {
             let layout = &self.kernels.layouts(fetch).table;
             Ok(bind_group(&self.gpu, "shading_table", layout, std::iter::once(table.binding())))
@@ -284,7 +283,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) 
         Fetch::Buffer => Fetch::Texture,
     };
     let geometry = |fetch| GeometryTexels::new(packed, fetch).count() as u64;
-    let table = table_texels(scene) as u64;
+    let table = ShadingTable::of(scene).count() as u64;
     let fits = |&fetch: &Fetch| gpu.texel_capacity(fetch) >= geometry(fetch).max(table);
     if let Some(fetch) = [wanted, other].into_iter().find(fits) {
         if fetch != wanted {
@@ -300,11 +299,11 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) 
     let primitives = scene.primitive_count() as u64;
     if table > geometry {
         return Err(Error::Limit {
-            what: "the scene's table of lights, materials and sky".into(),
+            what: "the scene's table of lights, materials, sky and textures".into(),
             needed: format!("{table} texels of 16 bytes"),
             limit,
             allowed: format!("enough for {capacity}"),
-            remedy: "use a smaller sky",
+            remedy: "use smaller or fewer pictures",
         });
     }
     Err(Error::Limit {
@@ -314,45 +313,6 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) 
         allowed: format!("enough for {capacity}, about {} primitives", capacity * primitives / geometry),
         remedy: "use fewer primitives",
     })
-}
-
-/// Texels of the shading table before its lights.
-const TABLE_HEAD: usize = 3;
-
-fn texels_before_sky(scene: &Scene) -> usize {
-    TABLE_HEAD + 2 * scene.lights.len() + scene.materials().len()
-}
-
-fn table_texels(scene: &Scene) -> usize {
-    texels_before_sky(scene) + sky_pixels(scene).len()
-}
-
-/// A sky that is a picture, and where it stands in the table.
-fn sky_of(scene: &Scene) -> Option<(SkyMap, usize)> {
-    if let Sky::Map(map) = &scene.sky { Some((map.clone(), texels_before_sky(scene))) } else { None }
-}
-
-/// The pixels of a sky that is a picture.
-fn sky_pixels(scene: &Scene) -> &[Vec3] {
-    if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
-}
-
-/// What shading reads of a scene, a texel each: see shaders/shared/shade.wgsl.
-fn shading_table(scene: &Scene) -> impl Iterator<Item = Texel> {
-    let texel = |vector: Vec3, word: u32| {
-        let [x, y, z] = vector.to_array().map(f32::to_bits);
-        [x, y, z, word]
-    };
-    let plain = move |vector| texel(vector, 0);
-    let [nadir, zenith] = match &scene.sky {
-        Sky::Constant(color) => [*color; 2].map(plain),
-        Sky::Gradient { nadir, zenith } => [*nadir, *zenith].map(plain),
-        Sky::Map(map) => [[texels_before_sky(scene) as u32, map.size()[0], map.size()[1], 0], [0; 4]],
-    };
-    let head: [_; TABLE_HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
-    let lights = scene.lights.iter().flat_map(|light| [light.position, light.intensity]);
-    let albedos = scene.materials().iter().map(|material| material.albedo);
-    head.into_iter().chain(lights.chain(albedos).chain(sky_pixels(scene).iter().copied()).map(plain))
 }
 
 /// Objects, four a texel.

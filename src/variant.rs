@@ -4,7 +4,7 @@
 //! anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
 
 use crate::{
-    Scene, ShadowReuse, Sky,
+    Material, Scene, ShadowReuse, Sky,
     bvh::PackedBvh,
     kernels::{
         Access::{Read, Write},
@@ -42,6 +42,31 @@ impl Shadows {
     }
 }
 
+/// Where the texels of a primitive stand that not all scenes have: behind three that all have, and a fourth of vertex normals or ellipsoids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TexelPlaces {
+    /// The first of two with texture coordinates.
+    pub(crate) uv: usize,
+    /// The one with the corners' colours.
+    pub(crate) colors: usize,
+    /// Of all together.
+    pub(crate) count: usize,
+}
+
+impl TexelPlaces {
+    /// With a fourth texel or not, and what each primitive has besides.
+    pub(crate) fn of(fourth: bool, has_uv: bool, has_colors: bool) -> Self {
+        let uv = if fourth { 4 } else { 3 };
+        let colors = if has_uv { uv + 2 } else { uv };
+        Self { uv, colors, count: colors + usize::from(has_colors) }
+    }
+}
+
+/// Texels of a material in the shading table.
+pub(crate) fn material_texels(shine: bool) -> usize {
+    if shine { 4 } else { 1 }
+}
+
 /// How a sky is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum SkyKind {
@@ -70,6 +95,13 @@ pub(crate) struct Variant {
     /// Some of them are ellipsoids: then spheres are traced as such.
     pub(crate) ellipsoids: bool,
     pub(crate) normals: bool,
+    /// Primitives have texture coordinates, and colours at their corners.
+    pub(crate) uv: bool,
+    pub(crate) colors: bool,
+    /// Some material is textured, or some corner has a colour.
+    pub(crate) textures: bool,
+    /// Some material has highlights or gives off light.
+    pub(crate) shine: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     pub(crate) sky: SkyKind,
@@ -101,6 +133,10 @@ impl Variant {
         spheres: false,
         ellipsoids: false,
         normals: false,
+        uv: false,
+        colors: false,
+        textures: false,
+        shine: false,
         lights: false,
         shadows: Shadows::None,
         sky: SkyKind::Constant,
@@ -128,6 +164,10 @@ impl Variant {
             spheres: !scene.spheres().is_empty() || !scene.ellipsoids().is_empty(),
             ellipsoids: !scene.ellipsoids().is_empty(),
             normals: scene.has_normals(),
+            uv: !scene.uv().is_empty(),
+            colors: !scene.colors().is_empty(),
+            textures: scene.is_textured(),
+            shine: scene.materials().iter().any(Material::shines),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),
@@ -154,9 +194,16 @@ impl Variant {
         }
     }
 
+    /// Where the texels of a primitive stand that not all scenes have.
+    fn texel_places(&self) -> TexelPlaces {
+        TexelPlaces::of(self.ellipsoids || (self.triangles && self.normals), self.uv, self.colors)
+    }
+
     /// For kernels that shade nothing.
     fn unlit(self) -> Self {
         Self {
+            textures: false,
+            shine: false,
             lights: false,
             shadows: Shadows::None,
             sky: SkyKind::Constant,
@@ -178,7 +225,7 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 17] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 20] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -222,12 +269,15 @@ impl Kernel {
             ("primitives", primitives),
             ("texels", texels),
             // Spheres alone take as many texels as triangles without vertex normals.
-            ("texel_count", if with.ellipsoids || smooth { "four" } else { "three" }),
             ("normals", if smooth { "smooth" } else { "flat" }),
             ("boxes", boxes),
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
             ("dispatches", if self.in_steps() { "many" } else { "one" }),
+            ("uv", if with.uv { "some" } else { "none" }),
+            ("colors", if with.colors { "some" } else { "none" }),
+            ("textures", if with.textures { "some" } else { "none" }),
+            ("shine", if with.shine { "some" } else { "none" }),
             ("sky", sky),
             ("lights", if with.lights { "some" } else { "none" }),
             ("shadows", shadows),
@@ -245,9 +295,13 @@ impl Kernel {
         // Six samples are told apart by their normals, two have room for an occluder.
         let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
         let bits = self.samples(with) == Some(Write);
+        let TexelPlaces { uv, colors, count } = with.texel_places();
+        let (shine, material_texels) = (with.shine, material_texels(with.shine));
         format!(
             "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
-             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\n{}",
+             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
+             const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
+             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{}",
             wgsl::text(self.main, &self.choices(with))
         )
     }

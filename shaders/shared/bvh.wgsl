@@ -73,7 +73,9 @@ struct Surface {
     shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
     component: u32,            // of connected primitives
-    reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a sphere
+    reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a ball
+    outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
+    radius: f32,               // of a ball
 }
 
 // Lowest bit of a component: of a sphere or an ellipsoid.

@@ -110,7 +110,7 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let outwards = to_sphere(primitive, largest_one(from_center));
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
     let normal = towards_viewer(normalize(largest_one(across)), direction);
-    return Surface(normal, normal, material, primitive.component, 0.0);
+    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), primitive.reach);
 }
 
 // An ellipsoid that is nearer to the plane of the eyes than this share of its distance and size has its projection bounded by nothing: the bounds

@@ -19,13 +19,13 @@ fn is_tired() -> bool { return false; }
 
 fn is_step_over(link: u32) -> bool { return false; }
 
-fn sum_so_far() -> F3 { return all3(vec3f(0.0)); }
+fn sum_so_far() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
 
 fn first_light() -> u32 { return 0u; }
 
 fn is_put_off(asked: B) -> bool { return false; }
 
-fn keep_lights(sum: F3, light: u32) -> bool { return false; }
+fn keep_lights(sum: Light, light: u32) -> bool { return false; }
 
 //! if dispatches is many
 // A thread does so many rounds of its loops in one dispatch, keeps where it stands, and goes on from there in the next: for
@@ -38,7 +38,7 @@ fn keep_lights(sum: F3, light: u32) -> bool { return false; }
 struct Lane {
     seen: Hits,     // by primary rays, once they are traced
     passed: Hits,   // by the traversal at work
-    sum: F3,        // of the lights before the one at work
+    sum: Light,     // of the lights before the one at work
     stage: u32,     // 0: primary rays are at work; n: light n - 1 is; FINISHED
     link: u32,      // where the traversal goes on; 0: it has not begun
     top: i32,
@@ -107,7 +107,7 @@ fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) 
     return true;
 }
 
-fn sum_so_far() -> F3 { return steps.lanes[lane].sum; }
+fn sum_so_far() -> Light { return steps.lanes[lane].sum; }
 
 fn first_light() -> u32 { return steps.lanes[lane].stage - 1u; }
 
@@ -118,7 +118,7 @@ fn is_put_off(asked: B) -> bool {
 }
 
 // Whether these lights, of which there are more, are to be gone on with.
-fn keep_lights(sum: F3, light: u32) -> bool {
+fn keep_lights(sum: Light, light: u32) -> bool {
     if !is_tired() { return false; }
     steps.lanes[lane].sum = sum;
     steps.lanes[lane].stage = light + 1u;

@@ -1,5 +1,11 @@
 // Omnidirectional point lights (DESIGN, section 3); who sees them is for visibility.wgsl to say.
 
+// What lights send to points: to a white dull surface there, and on to the eye as highlights.
+struct Light {
+    diffuse: F3,
+    shine: F3,
+}
+
 //! if lights is some
 // A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
 // the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
@@ -18,7 +24,7 @@ struct ShadowRay {
     distance: F,
 }
 
-fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
+fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
     let point = surfaces.point;
     let reach_x = abs(point.x) * OFFSET_BY_PLACE + abs(point.x - eye.x) * OFFSET_BY_DISTANCE;
     let reach_y = abs(point.y) * OFFSET_BY_PLACE + abs(point.y - eye.y) * OFFSET_BY_DISTANCE;
@@ -49,7 +55,11 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
             if is_put_off(faces) { break; }
-            sum = add3(sum, times3(all3(intensity), select(F(0.0), cosine, lit)));
+            sum.diffuse = add3(sum.diffuse, times3(all3(intensity), select(F(0.0), cosine, lit)));
+            if SHINE {
+                let shine = product3(all3(intensity), highlight(surfaces, direction, eye));
+                sum.shine = add3(sum.shine, select3(all3(vec3f(0.0)), shine, lit));
+            }
         }
         light += 1u;
         spend_round();
@@ -61,6 +71,6 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
 
 //! if lights is none
 // Ambient light only.
-fn direct_light(surfaces: Surfaces, eye: vec3f) -> F3 {
-    return all3(vec3f(0.0));
+fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
+    return Light(all3(vec3f(0.0)), all3(vec3f(0.0)));
 }

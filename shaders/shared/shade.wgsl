@@ -1,11 +1,11 @@
-// Diffuse shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V), linear, clamped to 0..1.
+// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights, linear, clamped to 0..1.
 
 // What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
 // driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
-const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height
+const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height; first of the textures' heads in w
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
-const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials' albedos; then a map's pixels
+const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials (materials.wgsl); then a map's pixels; then textures (textures.wgsl)
 
 fn shading_vector(index: u32) -> vec3f {
     return bitcast<vec3f>(table_texel(index).xyz);
@@ -54,6 +54,9 @@ struct Surfaces {
     albedo: F3,
     component: U,
     reach: F,               // of triangles: at least the length of the longest edge
+    specular: F3,
+    exponent: F,
+    emission: F3,
 }
 
 // Primary rays from an eye, shaded; those that are not wanted see the sky.
@@ -63,7 +66,9 @@ fn trace_pixels(rays: Rays, wanted: B) -> Samples {
 }
 
 fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
-    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), direct_light(surfaces, rays.origin)));
+    let light = direct_light(surfaces, rays.origin);
+    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), light.diffuse));
+    if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
     color = select3(sky(rays.direction), color, surfaces.there);
     let depth = select(F(FAR), hits.t, surfaces.there);
     let slots = select(U(MISS), hits.slot, surfaces.there);
@@ -73,25 +78,23 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
 // Normals and albedos are fetched here, once a hit.
 fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
     let there = hits.primitive != U(MISS);
-    let albedos = LIGHTS + 2u * table_texel(AMBIENT).w;
-    var geometric: F3;
-    var smooth_normal: F3;
-    var albedo: F3;
-    var component: U;
-    var reach: F;
+    var found: Surfaces;
+    found.there = there;
     var ray = 0u;
     loop {
         if of_ray_b(there, ray) {
             let surface = surface_at(rays, hits, ray);
-            geometric = with_ray3(geometric, ray, surface.geometric_normal);
-            smooth_normal = with_ray3(smooth_normal, ray, surface.shading_normal);
-            component = with_ray_u(component, ray, surface.component);
-            reach = with_ray(reach, ray, surface.reach);
-            albedo = with_ray3(albedo, ray, shading_vector(albedos + surface.material));
+            found.geometric_normal = with_ray3(found.geometric_normal, ray, surface.geometric_normal);
+            found.shading_normal = with_ray3(found.shading_normal, ray, surface.shading_normal);
+            found.component = with_ray_u(found.component, ray, surface.component);
+            found.reach = with_ray(found.reach, ray, surface.reach);
+            let albedo = bitcast<vec3f>(material_texel(surface.material, MATERIAL_ALBEDO).xyz);
+            found.albedo = with_ray3(found.albedo, ray, albedo * texture_factor(rays, hits, surface, ray));
+            found = with_shine(found, ray, surface.material);
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    let point = add3(all3(rays.origin), times3(rays.direction, hits.t));
-    return Surfaces(there, point, geometric, smooth_normal, albedo, component, reach);
+    found.point = add3(all3(rays.origin), times3(rays.direction, hits.t));
+    return found;
 }

@@ -46,6 +46,7 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let direction = of_ray3(rays.direction, ray);
     // From the eye, not from the world's origin, which may be far off.
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
-    let normal = towards_viewer(normalize(largest_one(from_center)), direction);
-    return Surface(normal, normal, material, component, 0.0);
+    let outward = normalize(largest_one(from_center));
+    let normal = towards_viewer(outward, direction);
+    return Surface(normal, normal, material, component, 0.0, outward, bitcast<f32>(primitive_texel(slot, 1u).x));
 }

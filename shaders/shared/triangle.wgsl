@@ -109,15 +109,25 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
-    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w));
+    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w), vec3f(0.0), 0.0);
 }
 
-//! if texel_count is three
-const PRIMITIVE_TEXELS: u32 = 3u;
+fn triangle_corners(slot: u32) -> array<vec3f, 3> {
+    return array<vec3f, 3>(
+        bitcast<vec3f>(primitive_texel(slot, 0u).xyz),
+        bitcast<vec3f>(primitive_texel(slot, 1u).xyz),
+        bitcast<vec3f>(primitive_texel(slot, 2u).xyz),
+    );
+}
 
-//! if texel_count is four
-// Normals, or the last row of an ellipsoid's matrix.
-const PRIMITIVE_TEXELS: u32 = 4u;
+// Of the corners where a ray hits, together 1.
+fn corner_weights(rays: Rays, corners: array<vec3f, 3>, ray: u32) -> vec3f {
+    let origin = rays.origin;
+    let weights = triangle_weights(rays.direction, corners[0] - origin, corners[1] - origin, corners[2] - origin);
+    let one = of_ray3(weights, ray);
+    let sum = one.x + one.y + one.z;
+    return select(one / sum, vec3f(1.0, 0.0, 0.0), sum == 0.0);
+}
 
 //! if normals is flat
 // No triangle of the scene has vertex normals: the triangle's own.

@@ -7,6 +7,7 @@ use crate::{
     Scene, Triangle,
     large::longest_edge,
     scene::{Primitive, ToSphere},
+    variant::TexelPlaces,
 };
 
 /// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
@@ -37,7 +38,12 @@ fn texel([x, y, z]: [u32; 3], w: u32) -> Texel {
 
 /// Texels of each of a scene's primitives.
 pub(super) fn texels_of_each(scene: &Scene) -> usize {
-    if scene.has_normals() || !scene.ellipsoids().is_empty() { 4 } else { 3 }
+    places(scene).count
+}
+
+fn places(scene: &Scene) -> TexelPlaces {
+    let fourth = scene.has_normals() || !scene.ellipsoids().is_empty();
+    TexelPlaces::of(fourth, !scene.uv().is_empty(), !scene.colors().is_empty())
 }
 
 /// Adds a primitive's texels. Where there are ellipsoids, spheres are traced as such.
@@ -60,7 +66,28 @@ pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, compone
         }
         Primitive::Ellipsoid(one) => ellipsoid(one.center, one.to_sphere(), one.material.0),
     };
-    primitives.extend_from_slice(&all[..texels_of_each(scene)]);
+    let TexelPlaces { uv, colors, count } = places(scene);
+    primitives.extend_from_slice(&all[..uv]);
+    let beside = primitives.len();
+    primitives.resize(beside + count - uv, [0; 4]);
+    let Some(triangle) = scene.triangles().get(id as usize) else { return };
+    let first = shortest_edge(triangle.corners);
+    if let Some(&(mut corners)) = scene.uv().get(id as usize) {
+        corners.rotate_left(first);
+        let [a, b, c] = corners.map(|corner| corner.to_array().map(f32::to_bits));
+        primitives[beside] = [a[0], a[1], b[0], b[1]];
+        primitives[beside + 1] = [c[0], c[1], 0, 0];
+    }
+    if let Some(&(mut corners)) = scene.colors().get(id as usize) {
+        corners.rotate_left(first);
+        primitives[beside + colors - uv] = texel(corners.map(pack_color), 0);
+    }
+}
+
+/// A colour as 10 bits of red, 12 of green and 10 of blue, unpacked by `shaders/shared/textures.wgsl`.
+fn pack_color(color: Vec3) -> u32 {
+    let parts = (color.clamp(Vec3::ZERO, Vec3::ONE) * Vec3::new(1023.0, 4095.0, 1023.0)).round();
+    parts.x as u32 | (parts.y as u32) << 10 | (parts.z as u32) << 22
 }
 
 /// Corners, and vertex normals where it has any.

@@ -92,8 +92,8 @@ fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2]);
-    let with = |&[traversal, kind, light, kept, sky, bits, counting, close]: &[usize; 8]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6]);
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces]: &[usize; 9]| {
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
@@ -102,6 +102,11 @@ fn variants() -> Vec<Variant> {
             spheres,
             ellipsoids,
             normals,
+            // What a scene has none of, textures of balls, and of triangles, with and without the others.
+            uv: [2, 5].contains(&surfaces),
+            colors: [3, 5].contains(&surfaces),
+            textures: ![0, 4].contains(&surfaces),
+            shine: surfaces > 3,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
@@ -162,7 +167,7 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
     for (kernel, with, text) in modules {
         let module = parse(kernel, &with);
         let info =
-            Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap_or_else(|error| {
+            Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32).validate(&module).unwrap_or_else(|error| {
                 let place = place(&text, error.location(&text));
                 panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
             });

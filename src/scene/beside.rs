@@ -62,6 +62,11 @@ impl Scene {
         &self.beside.uv
     }
 
+    /// Whether its surfaces have colours that change from place to place.
+    pub(crate) fn is_textured(&self) -> bool {
+        !self.colors().is_empty() || self.materials().iter().any(|material| material.texture.is_some())
+    }
+
     /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles without; empty
     /// where no mesh has any.
     pub fn colors(&self) -> &[[Vec3; 3]] {

@@ -134,6 +134,11 @@ impl Material {
         self
     }
 
+    /// Whether it has highlights or gives off light.
+    pub(crate) fn shines(&self) -> bool {
+        self.emission != Vec3::ZERO || (self.finish == Finish::Matte && self.specular != Vec3::ZERO)
+    }
+
     /// The most that a mirror or glass sends back of the light of each channel: what it scatters, and the larger of what it
     /// reflects and what it lets through.
     pub(super) fn most_returned(&self) -> Option<Vec3> {

@@ -1,0 +1,261 @@
+//! The shading table: what shading reads of a scene, a texel each (`shaders/shared/{shade,materials,textures}.wgsl`).
+
+use std::iter;
+
+use glam::{Vec3, Vec4};
+use half::f16;
+
+use crate::{
+    Finish, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap, bvh::Texel, pair::linear_of,
+    variant::material_texels,
+};
+
+/// Texels before the lights.
+const HEAD: usize = 3;
+
+/// `CHECKERBOARD` of textures.wgsl.
+const CHECKERBOARD: u32 = 1;
+
+/// What a table has behind its lights and materials, and where: it stays where a scene is lit otherwise.
+#[derive(Clone, Debug)]
+pub(crate) struct Pictures {
+    at: usize,
+    sky: Option<SkyMap>,
+    textures: Vec<Texture>,
+}
+
+impl Pictures {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let sky = if let Sky::Map(map) = &scene.sky { Some(map.clone()) } else { None };
+        let textures = if scene.is_textured() { scene.textures().to_vec() } else { Vec::new() };
+        Self { at: ShadingTable::of(scene).before_pictures(), sky, textures }
+    }
+
+    /// Whether a table has the same ones at the same place.
+    pub(crate) fn are_those_of(&self, scene: &Scene) -> bool {
+        let other = Self::of(scene);
+        let same_sky = match (&self.sky, &other.sky) {
+            (Some(sky), Some(other)) => sky.shares_pixels(other),
+            (None, None) => true,
+            _ => false,
+        };
+        same_sky && self.at == other.at && self.textures == other.textures
+    }
+}
+
+/// A scene's table.
+pub(crate) struct ShadingTable<'a> {
+    scene: &'a Scene,
+    /// Texels of a material.
+    each: usize,
+}
+
+impl<'a> ShadingTable<'a> {
+    pub(crate) fn of(scene: &'a Scene) -> Self {
+        Self { scene, each: material_texels(scene.materials().iter().any(Material::shines)) }
+    }
+
+    /// Texels before the sky's pixels.
+    pub(crate) fn before_pictures(&self) -> usize {
+        HEAD + 2 * self.scene.lights.len() + self.each * self.scene.materials().len()
+    }
+
+    fn before_textures(&self) -> usize {
+        self.before_pictures() + sky_pixels(self.scene).len()
+    }
+
+    /// All texels.
+    pub(crate) fn count(&self) -> usize {
+        self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
+    }
+
+    /// What textured surfaces show; nothing where no surface is.
+    fn textures(&self) -> &'a [Texture] {
+        if self.scene.is_textured() { self.scene.textures() } else { &[] }
+    }
+
+    pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> + use<'a> {
+        let scene = self.scene;
+        let plain = |vector| texel(vector, 0);
+        let [mut nadir, zenith] = match &scene.sky {
+            Sky::Constant(color) => [*color; 2].map(plain),
+            Sky::Gradient { nadir, zenith } => [*nadir, *zenith].map(plain),
+            Sky::Map(map) => [[self.before_pictures() as u32, map.size()[0], map.size()[1], 0], [0; 4]],
+        };
+        nadir[3] = self.before_textures() as u32;
+        let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
+        let lights = scene.lights.iter().flat_map(|light| [light.position, light.intensity]).map(plain);
+        let each = self.each;
+        let materials = scene.materials().iter().flat_map(move |material| material_of(material).into_iter().take(each));
+        let sky = sky_pixels(scene).iter().copied().map(plain);
+        let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
+        let bodies = self.placed_textures().flat_map(|(at, texture)| body_of(texture, at));
+        head.into_iter().chain(lights).chain(materials).chain(sky).chain(heads).chain(bodies)
+    }
+
+    /// Textures, each with the texel that its body begins at.
+    fn placed_textures(&self) -> impl Iterator<Item = (u32, &'a Texture)> + use<'a> {
+        let textures = self.textures();
+        let begin = self.before_textures() + textures.len();
+        textures.iter().scan(begin, |next, texture| {
+            let at = *next;
+            *next += body_texels(texture);
+            Some((at as u32, texture))
+        })
+    }
+}
+
+fn texel(vector: Vec3, word: u32) -> Texel {
+    let [x, y, z] = vector.to_array().map(f32::to_bits);
+    [x, y, z, word]
+}
+
+/// The pixels of a sky that is a picture.
+fn sky_pixels(scene: &Scene) -> &[Vec3] {
+    if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
+}
+
+/// A material's texels (materials.wgsl).
+fn material_of(material: &Material) -> [Texel; 4] {
+    let texture = material.texture.map_or(0, |texture| texture.0 + 1);
+    // A mirror's specular colour is what it reflects, not a highlight's.
+    let specular = if material.finish == Finish::Matte { material.specular } else { Vec3::ZERO };
+    [texel(material.albedo, texture), texel(specular, material.exponent.to_bits()), texel(material.emission, 0), [0; 4]]
+}
+
+fn head_of(texture: &Texture, at: u32) -> Texel {
+    let wrap = match texture.wrap {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    };
+    match texture.kind() {
+        TextureKind::Image { size, .. } => [wrap << 4, at, level_sizes(*size).count() as u32, 0],
+        TextureKind::Checkerboard { squares, .. } => [CHECKERBOARD | wrap << 4, at, *squares, 0],
+    }
+}
+
+/// Texels of a texture besides its head: what `body_of` makes.
+fn body_texels(texture: &Texture) -> usize {
+    match texture.kind() {
+        TextureKind::Image { size, .. } => level_sizes(*size).map(|size| 1 + pixel_texels(size)).sum(),
+        TextureKind::Checkerboard { .. } => 2,
+    }
+}
+
+/// Heads of a picture's levels, then their pixels; or the colours of a checkerboard.
+fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
+    let (size, pixels) = match texture.kind() {
+        TextureKind::Image { size, pixels } => (*size, pixels),
+        TextureKind::Checkerboard { colors, .. } => return colors.map(|color| texel(color, 0)).to_vec(),
+    };
+    let mut next = at + level_sizes(size).count() as u32;
+    let mut texels: Vec<Texel> = level_sizes(size)
+        .map(|[width, height]| {
+            let head = [next, width, height, 0];
+            next += pixel_texels([width, height]) as u32;
+            head
+        })
+        .collect();
+    let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
+        Vec4::new(linear_of(red), linear_of(green), linear_of(blue), f32::from(alpha) / 255.0)
+    };
+    let mut level: Vec<Vec4> = pixels.iter().map(decoded).collect();
+    for sizes in level_sizes(size).collect::<Vec<_>>().windows(2) {
+        texels.extend(halves(&level));
+        level = smaller(&level, sizes[0], sizes[1]);
+    }
+    texels.extend(halves(&level));
+    texels
+}
+
+/// Sizes of a picture's mip levels, from its own down to a pixel.
+fn level_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    iter::successors(Some(size), |&size| (size != [1, 1]).then(|| size.map(|side| (side / 2).max(1))))
+}
+
+fn pixel_texels([width, height]: [u32; 2]) -> usize {
+    (width as usize * height as usize).div_ceil(2)
+}
+
+/// Pixels as halves, two a texel.
+fn halves(pixels: &[Vec4]) -> impl Iterator<Item = Texel> + '_ {
+    let words = |pixel: Vec4| {
+        let [r, g, b, a] = pixel.to_array().map(|value| u32::from(f16::from_f32(value).to_bits()));
+        [r | g << 16, b | a << 16]
+    };
+    pixels.chunks(2).map(move |two| {
+        let [first, second] = [words(two[0]), words(*two.last().unwrap_or(&two[0]))];
+        [first[0], first[1], second[0], second[1]]
+    })
+}
+
+/// A picture in another size, each pixel the mean of what lies under it.
+fn smaller(pixels: &[Vec4], [width, height]: [u32; 2], [to_width, to_height]: [u32; 2]) -> Vec<Vec4> {
+    let (columns, rows) = (shares(width, to_width), shares(height, to_height));
+    let mean = |row: &[(usize, f32)], column: &[(usize, f32)]| {
+        let across = |y: usize| column.iter().map(|&(x, share)| pixels[y * width as usize + x] * share).sum::<Vec4>();
+        row.iter().map(|&(y, share)| across(y) * share).sum()
+    };
+    rows.iter().flat_map(|row| columns.iter().map(move |column| mean(row, column))).collect()
+}
+
+/// Of a row of `from` pixels, those under each of `to`, and by which share.
+fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
+    let scale = f64::from(from) / f64::from(to);
+    let under = |pixel: u32| {
+        let (begin, end) = (f64::from(pixel) * scale, f64::from(pixel + 1) * scale);
+        let share = |at: usize| ((end.min(at as f64 + 1.0) - begin.max(at as f64)) / scale) as f32;
+        (begin as usize..(end.ceil() as usize).min(from as usize)).map(|at| (at, share(at))).collect()
+    };
+    (0..to).map(under).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_shrink_to_the_mean_whatever_the_sides() {
+        for [width, height] in [[1, 1], [2, 2], [5, 3], [7, 1], [64, 48]] {
+            let pixel = |index: u32| Vec4::new(index as f32, 1.0, 0.5, (index % 3) as f32);
+            let mut level: Vec<Vec4> = (0..width * height).map(pixel).collect();
+            let mean = level.iter().sum::<Vec4>() / level.len() as f32;
+            let sizes: Vec<_> = level_sizes([width, height]).collect();
+            for pair in sizes.windows(2) {
+                level = smaller(&level, pair[0], pair[1]);
+                assert_eq!(level.len() as u32, pair[1][0] * pair[1][1]);
+            }
+            assert_eq!(sizes.last(), Some(&[1, 1]));
+            assert!(
+                level.len() == 1 && (level[0] - mean).abs().max_element() < 1e-5 * mean.x.max(1.0),
+                "{width}x{height}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_table_has_as_many_texels_as_it_says_and_its_places_lead_to_them() {
+        let mut scene = Scene::new();
+        let pixels = (0..15).map(|index| [index * 17, 255, 0, 128]).collect();
+        let image = scene.add_texture(Texture::image(5, 3, pixels).unwrap());
+        let board = scene.add_texture(Texture::checkerboard(Vec3::X, Vec3::Y, 8).unwrap().wrap(Wrap::Mirror));
+        scene.add_material(Material::new(Vec3::ONE).texture(board));
+        scene.add_material(Material::new(Vec3::ONE).texture(image).specular(Vec3::splat(0.2)));
+        scene.sky = Sky::Map(SkyMap::procedural(8).unwrap());
+        let table = ShadingTable::of(&scene);
+        let texels: Vec<Texel> = table.texels().collect();
+        assert_eq!(texels.len(), table.count());
+        assert_eq!(texels[0][3], 0);
+        assert_eq!([texels[3][3], texels[7][3], texels[11][3]], [0, 2, 1]);
+        let heads = texels[1][3] as usize;
+        assert_eq!(texels[heads + 1][0], CHECKERBOARD | 1 << 4);
+        assert_eq!(texels[texels[heads + 1][1] as usize], texel(Vec3::X, 0));
+        let levels = texels[heads][1] as usize;
+        assert_eq!(texels[heads][2], 3);
+        assert_eq!(texels[levels + 1][1..3], [2, 1]);
+        let third = texels[texels[levels][0] as usize + 1];
+        assert_eq!(f16::from_bits(third[0] as u16).to_f32(), f16::from_f32(linear_of(34)).to_f32());
+        assert_eq!(f16::from_bits((third[1] >> 16) as u16), f16::from_f32(128.0 / 255.0));
+    }
+}
