@@ -136,5 +136,7 @@ pub use scene::{
     Ellipsoid, Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId,
     TextureKind, Triangle, Wrap,
 };
+#[cfg(feature = "obj")]
+pub use scene::{MissingTextures, ObjOptions};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

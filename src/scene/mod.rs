@@ -22,6 +22,8 @@ pub(crate) use ellipsoid::ToSphere;
 pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
+#[cfg(feature = "obj")]
+pub use obj::{MissingTextures, ObjOptions};
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 
@@ -199,17 +201,19 @@ impl Scene {
 
     /// Reads a scene from an OBJ file and the MTL files it names. A face of n corners becomes n - 2 triangles: a fan from
     /// its first corner, or ears cut off where it is concave; one that crosses itself or is far from flat is fanned and
-    /// logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. A mirror or glass (`illum` 3 and above) without a diffuse
-    /// colour takes its specular one. What pictures don't show of a file is logged once a file: textures, highlights,
-    /// lines and points, and the like. The scene has no lights yet: see [`Scene::place_lights`].
+    /// logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. Colours of vertices (`v x y z r g b`) are taken as
+    /// sRGB. Textures (`map_Kd`, `map_d`) are read with the feature `textures`, those of materials that are used. What pictures
+    /// don't show of a file is logged once a file: highlights, lines and points, and the like; a mirror or glass without a
+    /// diffuse colour takes its specular one. DESIGN, section 8, has all that is read of an MTL. The scene has no lights yet: see
+    /// [`Scene::place_lights`].
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
     /// [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is wrong: numbers that don't parse or are not
-    /// finite, indices out of range, no faces at all.
+    /// finite, indices out of range, no faces at all, textures that can't be read.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::from_obj_within(path, &Limits::default())
+        Self::from_obj_with(path, &ObjOptions::default())
     }
 
     /// [`Scene::from_obj`] with other limits than the usual ones.
@@ -218,7 +222,16 @@ impl Scene {
     /// Those of [`Scene::from_obj`].
     #[cfg(feature = "obj")]
     pub fn from_obj_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
-        obj::read(path.as_ref(), limits)
+        Self::from_obj_with(path, &ObjOptions::default().limits(*limits))
+    }
+
+    /// [`Scene::from_obj`] with limits, missing textures and missing normals as `options` say.
+    ///
+    /// # Errors
+    /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    #[cfg(feature = "obj")]
+    pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
+        obj::read(path.as_ref(), options)
     }
 
     /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.
@@ -300,4 +313,10 @@ impl Scene {
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
     }
+}
+
+/// The light of an sRGB value (IEC 61966-2-1).
+#[cfg(any(feature = "obj", feature = "sky"))]
+fn linear(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

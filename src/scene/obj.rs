@@ -9,17 +9,25 @@ mod checks;
 mod ears;
 mod models;
 mod mtl;
+mod options;
 mod polygon;
+
+pub use options::{MissingTextures, ObjOptions};
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
 use glam::Vec3;
 
 use self::{
-    checks::{check_face, find_bad_number, find_mixed_color},
-    models::join_models,
+    checks::{Corners, check_face, find_bad_number, mixed_color},
+    models::{Joined, join_models},
 };
-use super::{MAX_COORDINATE, MaterialId, Mesh, Scene, mesh::dropped_text, warnings::Warnings};
+use super::{
+    MAX_COORDINATE, MaterialId, Mesh, Scene,
+    mesh::dropped_text,
+    smooth::{check_crease, smooth_normals},
+    warnings::Warnings,
+};
 use crate::{Error, Limits, input, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
@@ -28,8 +36,9 @@ const GREY: Vec3 = Vec3::splat(0.7);
 /// What is wrong, and on which line, counted from 1.
 type Fault = (usize, String);
 
-/// A run of faces that belong together: it ends at each `o` and `g`, and where faces with and without normals meet.
-#[derive(Clone, Copy, Default)]
+/// A run of faces that belong together: it ends at each `o` and `g`, at each `s` where normals are made, and where faces with and
+/// without normals or texture coordinates meet.
+#[derive(Clone, Copy)]
 struct Section {
     /// How many `o` lines came before.
     object: usize,
@@ -37,10 +46,16 @@ struct Section {
     object_name: usize,
     /// The group's.
     group_name: usize,
+    /// The smoothing group.
+    smoothing: u32,
+}
+
+impl Section {
+    /// The smoothing group of all faces before the first `s`.
+    const UNGROUPED: u32 = u32::MAX;
 }
 
 /// An OBJ file in the form that tobj gets.
-#[derive(Default)]
 struct Prepared {
     /// What `mtllib` lines name, each once, with the first line that does.
     libraries: Vec<(usize, String)>,
@@ -51,27 +66,32 @@ struct Prepared {
     names: Vec<String>,
     /// The names given to `usemtl`, each once, with the first line that does.
     used_materials: Vec<(usize, String)>,
-    /// Vertices and normals so far.
-    vertices: usize,
-    normals: usize,
+    /// Vertices, texture coordinates and normals so far.
+    counts: Corners<usize>,
+    /// The first vertex's line, and whether it has a colour: then all have one.
+    first_vertex: Option<(usize, bool)>,
     /// The lines of the faces of more than three corners.
     polygon_lines: Vec<usize>,
-    /// What a face belongs to here, and whether the last one of it had normals.
+    /// What a face belongs to here, and what the last one of it had.
     section: Section,
-    section_has_normals: Option<bool>,
+    section_has: Option<Corners<bool>>,
+    /// Whether smoothing groups matter, since normals are made.
+    smooths: bool,
 }
 
-/// See [`Scene::from_obj_within`].
-pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
-    let (text, _) = read_text(path, limits)?;
+/// See [`Scene::from_obj_with`].
+pub(super) fn read(path: &Path, options: &ObjOptions) -> Result<Scene, Error> {
+    let crease = options.crease_angle.map_or(Ok(()), check_crease);
+    crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
+    let (text, _) = read_text(path, &options.limits)?;
     let mut warnings = Warnings::new(path);
     // Of a bad number and a bad index, the message names whichever comes first in the file.
-    let prepared = prepare(&text, &mut warnings).map_err(|bad_index| {
-        let bad_number = find_bad_number(&text).filter(|bad_number| bad_number.0 < bad_index.0);
+    let prepared = prepare(&text, options.crease_angle.is_some(), &mut warnings).map_err(|bad_index| {
+        let bad_number = find_bad_number(&text).filter(|bad_number| bad_number.0 <= bad_index.0);
         let (line, reason) = bad_number.unwrap_or(bad_index);
         Error::parse(path, Some(line), reason)
     })?;
-    let library = mtl::read(path, &prepared.libraries, limits, &mut warnings);
+    let library = mtl::read(path, &prepared, options, &mut warnings)?;
     let models = parse(path, &text, &prepared, &library)?;
 
     for (line, name) in &prepared.used_materials {
@@ -80,32 +100,45 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Scene, Error> {
             warnings.warn("materials that are in no MTL file", *line, text);
         }
     }
+    let Joined { meshes, fanned, clamped_colors } = join_models(&models, &prepared, &library.placements);
     let mut scene = Scene::new();
     scene.materials.extend(library.materials);
-    let (meshes, fanned) = join_models(&models, &prepared);
-    for mesh in meshes {
+    scene.textures = library.textures;
+    for (mut mesh, groups) in meshes {
+        if let Some(degrees) = options.crease_angle.filter(|_| mesh.normals.is_empty()) {
+            mesh.normals = smooth_normals(&mesh.positions, &mesh.triangles, &groups, degrees);
+        }
         scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     }
     if scene.triangles.is_empty() {
-        let vertices = counted(prepared.vertices, "vertex", "vertices");
+        let vertices = counted(prepared.counts.vertex, "vertex", "vertices");
         let reason = format!("no faces and {vertices}; a scene needs `f` lines of 3 corners or more");
         return Err(Error::parse(path, None, reason));
     }
+    warn_of_triangles(&scene, &fanned, clamped_colors, &warnings);
+    Ok(scene)
+}
+
+/// Warns of faces that were split wrongly, of colours that are none, and of triangles without area.
+fn warn_of_triangles(scene: &Scene, fanned: &[usize], clamped_colors: usize, warnings: &Warnings) {
     if let Some(first) = fanned.first() {
         let text =
             "faces that cross themselves, are far from flat or too intricate, which are fanned from their first corner";
         let place = if fanned.len() == 1 { format!("on line {first}") } else { format!("from line {first} on") };
         warnings.warn_once(format!("{text}: {} {place}", fanned.len()));
     }
+    if clamped_colors > 0 {
+        let vertices = counted(clamped_colors, "vertex", "vertices");
+        warnings.warn_once(format!("colours beyond 0 to 1, which are brought into it, at {vertices}"));
+    }
     if scene.dropped > 0 {
         warnings.warn_once(dropped_text(scene.dropped, &scene.triangles));
     }
-    Ok(scene)
 }
 
 /// Lets tobj read numbers and gather what faces have.
 fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -> Result<Vec<tobj::Model>, Error> {
-    // One index for positions and normals: a model then has as many normals as positions, or too few to use.
+    // One index for all that corners have: a model then has as many normals as positions, or too few to use, and so on.
     let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
     // The library is read already; its name goes first, so that a `usemtl` may stand before the file's own `mtllib`.
     let mut reader = b"mtllib all\n".chain(prepared.text.as_bytes());
@@ -113,28 +146,23 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
         let indices = library.index_of.iter().map(|(name, &index)| (key(name), index)).collect();
         Ok((Vec::new(), indices))
     });
-    let fault = |place: Option<Fault>, otherwise: &str| match place {
+    let (models, _) = loaded.map_err(|error| match find_bad_number(text) {
         Some((line, reason)) => Error::parse(path, Some(line), reason),
-        None => Error::parse(path, None, otherwise),
-    };
-    let (models, _) = loaded.map_err(|error| match error {
-        tobj::LoadError::FaceColorOutOfBounds => {
-            let place = find_bad_number(text).or_else(|| find_mixed_color(text));
-            fault(place, "vertex colours are incomplete")
-        }
-        error => match find_bad_number(text) {
-            Some((line, reason)) => Error::parse(path, Some(line), reason),
-            None => Error::parse_from(path, None, error.to_string(), error),
-        },
+        None => Error::parse_from(path, None, error.to_string(), error),
     })?;
     let usable = |model: &tobj::Model| {
-        model.mesh.positions.iter().all(|value| value.abs() <= MAX_COORDINATE)
-            && model.mesh.normals.iter().all(|value| value.is_finite())
+        let tobj::Mesh { positions, normals, texcoords, vertex_color, .. } = &model.mesh;
+        positions.iter().all(|value| value.abs() <= MAX_COORDINATE)
+            && normals.iter().chain(texcoords).chain(vertex_color).all(|value| value.is_finite())
     };
     if models.iter().all(usable) {
         return Ok(models);
     }
-    Err(fault(find_bad_number(text), "a coordinate is no usable number"))
+    let (line, reason) = match find_bad_number(text) {
+        Some((line, reason)) => (Some(line), reason),
+        None => (None, "a coordinate is no usable number".into()),
+    };
+    Err(Error::parse(path, line, reason))
 }
 
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
@@ -182,7 +210,7 @@ fn split_keyword(line: &str) -> (&str, &str) {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = match keyword {
-        "v" | "vn" | "f" => without_comment(rest),
+        "v" | "vt" | "vn" | "f" => without_comment(rest),
         _ => rest,
     };
     (keyword, rest.trim())
@@ -200,9 +228,9 @@ fn key(material: &str) -> String {
     format!("={material}")
 }
 
-/// Checks every index and writes the lines that tobj is to read. Texture coordinates and lines (`l`) are left out.
-fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
-    let mut prepared = Prepared { names: vec![String::new()], ..Prepared::default() };
+/// Checks every index and writes the lines that tobj is to read. Lines (`l`) are left out.
+fn prepare(text: &str, smooths: bool, warnings: &mut Warnings) -> Result<Prepared, Fault> {
+    let mut prepared = Prepared::new(smooths);
     prepared.text.reserve(text.len() + 16);
     let mut smoothing_groups = Vec::new();
     let mut libraries = HashSet::new();
@@ -210,7 +238,8 @@ fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
     for (number, line) in lines(text) {
         let (keyword, rest) = split_keyword(&line);
         match keyword {
-            "v" | "vn" => prepared.vector(keyword, rest, number, warnings),
+            "v" => prepared.vertex(rest, number)?,
+            "vt" | "vn" => prepared.vector(keyword, rest),
             "f" => prepared.face(rest, number, warnings).map_err(|reason| (number, reason))?,
             "o" => {
                 prepared.section.object += 1;
@@ -227,45 +256,80 @@ fn prepare(text: &str, warnings: &mut Warnings) -> Result<Prepared, Fault> {
                 warnings.warn("mtllib lines without a name", number, "mtllib names no file; it is left out");
             }
             "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push((number, rest.into())),
-            "s" if !matches!(rest, "" | "0" | "off") => smoothing_groups.push(number),
-            "mtllib" | "s" => {}
+            "s" => {
+                let group = if rest == "off" { 0 } else { rest.parse().unwrap_or(1) };
+                if smooths {
+                    (prepared.section.smoothing, prepared.section_has) = (group, None);
+                } else if group != 0 && !rest.is_empty() {
+                    smoothing_groups.push(number);
+                }
+            }
+            "mtllib" => {}
             _ => note_left_out(keyword, number, warnings),
         }
     }
     // Beside normals, which say more, they go without saying.
-    if prepared.normals == 0 {
+    if prepared.counts.normal == 0 {
         smoothing_groups.into_iter().for_each(|line| warnings.left_out("smoothing groups (s)", line));
     }
     Ok(prepared)
 }
 
 impl Prepared {
+    fn new(smooths: bool) -> Self {
+        Self {
+            libraries: Vec::new(),
+            text: String::new(),
+            sections: Vec::new(),
+            names: vec![String::new()],
+            used_materials: Vec::new(),
+            counts: Corners::default(),
+            first_vertex: None,
+            polygon_lines: Vec::new(),
+            section: Section { object: 0, object_name: 0, group_name: 0, smoothing: Section::UNGROUPED },
+            section_has: None,
+            smooths,
+        }
+    }
+
     fn keep(&mut self, keyword: &str, rest: &str) {
         for part in [keyword, " ", rest, "\n"] {
             self.text.push_str(part);
         }
     }
 
-    /// A vertex or a normal.
-    fn vector(&mut self, keyword: &str, rest: &str, line: usize, warnings: &mut Warnings) {
-        if keyword == "vn" {
-            self.normals += 1;
-        } else {
-            // All vertices have colours or none has.
-            if self.vertices == 0 && rest.split_whitespace().count() > 4 {
-                warnings.left_out("vertex colours", line);
-            }
-            self.vertices += 1;
+    /// tobj counts colours on their own: of vertices with and without, it gives some another's.
+    fn vertex(&mut self, rest: &str, line: usize) -> Result<(), Fault> {
+        let has_color = rest.split_whitespace().count() == 6;
+        let first = *self.first_vertex.get_or_insert((line, has_color));
+        if first.1 != has_color {
+            return Err((line, mixed_color(has_color, first.0)));
         }
+        self.counts.vertex += 1;
+        self.keep("v", rest);
+        Ok(())
+    }
+
+    /// Texture coordinates or a normal.
+    fn vector(&mut self, keyword: &str, rest: &str) {
+        match keyword {
+            "vn" => self.counts.normal += 1,
+            _ => self.counts.texture += 1,
+        }
+        // Of texture coordinates tobj wants two, but one alone has 0 beside it.
+        let lacks_one = keyword == "vt" && rest.split_whitespace().count() == 1;
         self.keep(keyword, rest);
+        if lacks_one {
+            self.text.insert_str(self.text.len() - 1, " 0");
+        }
     }
 
     fn face(&mut self, rest: &str, line: usize, warnings: &mut Warnings) -> Result<(), String> {
-        let has_normals = check_face(rest, self.vertices, self.normals)?;
-        if self.section_has_normals != Some(has_normals) {
+        let has = check_face(rest, self.counts)?;
+        if self.section_has != Some(has) {
             self.keep("o", &self.sections.len().to_string());
             self.sections.push(self.section);
-            self.section_has_normals = Some(has_normals);
+            self.section_has = Some(has);
         }
         match rest.split_whitespace().take(4).count() {
             4 => self.polygon_lines.push(line),
@@ -278,7 +342,7 @@ impl Prepared {
 
     /// Keeps a name, which begins a section, and returns its index.
     fn name(&mut self, name: &str) -> usize {
-        self.section_has_normals = None;
+        self.section_has = None;
         self.names.push(name.into());
         self.names.len() - 1
     }
@@ -291,8 +355,7 @@ fn note_left_out(keyword: &str, line: usize, warnings: &mut Warnings) {
         "p" => warnings.left_out("points (p)", line),
         "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole" | "scrv"
         | "sp" | "end" | "con" => warnings.left_out("statements of curves and surfaces", line),
-        // Of texture coordinates textures tell, in the MTL.
-        "" | "vt" => {}
+        "" => {}
         comment if comment.starts_with('#') => {}
         _ => warnings.left_out("unknown statements", line),
     }

@@ -63,7 +63,7 @@ pub(super) fn smooth_normals(
     let mut fans = Fans::default();
     for bounds in starts.windows(2) {
         let around = &corners[bounds[0] as usize..bounds[1] as usize];
-        fans.find(around, &vertices, triangles, &joined);
+        fans.find(around, &vertices, triangles, joined);
         fans.add_up(around, positions, triangles, &faces);
         for (place, &(triangle, corner)) in around.iter().enumerate() {
             let face = faces[triangle as usize];

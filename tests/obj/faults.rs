@@ -24,6 +24,11 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("v 1 2 3 1e-9", "is beyond ±1e8"),
         ("v 1 2 3 4 5", "vertex: 5 numbers"),
         ("v 1 2 3 4 5 6 7", "vertex: 7 numbers"),
+        ("v 1 2 3 nan 5 6", "vertex: colour NaN is not a finite number"),
+        ("vt", "texture coordinates: 0 numbers of 2"),
+        ("vt 0 up", "texture coordinates: 'up' is not a number"),
+        ("vt nan 0", "texture coordinates: NaN is not a finite number"),
+        ("vt 0 -inf 7", "texture coordinates: -inf is not a finite number"),
         ("vn 0 0", "normal: 2 numbers of 3"),
         ("vn 0 up 0", "normal: 'up' is not a number"),
         ("vn 0 nan 0", "normal: NaN is not a finite number"),
@@ -31,8 +36,13 @@ fn numbers_that_are_none_are_errors_on_their_line() {
     ];
     for (line, expected) in cases {
         // Used by a face whichever it is, and behind a folded line, which counts as two.
-        let face = if line.starts_with("vn") { "f 1//-1 2//-1 3//-1" } else { "f 1 2 -1" };
-        folder.fails_on_line(9, expected, format!("{SIX}f 1 2 \\\n 3\n{line}\n{face}\n"));
+        let face = match line.split(' ').next() {
+            Some("vn") => "f 1//-1 2//-1 3//-1",
+            Some("vt") => "f 1/-1 2/-1 3/-1",
+            _ => "f 1 2 -1",
+        };
+        let vertices = if expected.contains("colour") { SIX.replace('\n', " 0 0 0\n") } else { SIX.into() };
+        folder.fails_on_line(9, expected, format!("{vertices}f 1 2 \\\n 3\n{line}\n{face}\n"));
     }
 }
 
@@ -52,6 +62,9 @@ fn indices_out_of_range_are_errors_on_their_line() {
         ("f 1//1 2//1 3//-5", "normal index -5 is out of range"),
         ("f 1//1 2//1 3//6148914691236517207", "is out of range"),
         ("f 1//0 2//1 3//1", "normal index 0; the first is 1"),
+        ("f 1/1 2/1 3/1", "face corner '1/1': texture index 1 is out of range: there are 0 before this line"),
+        ("f 1/-1 2/1 3/1", "texture index -1 is out of range"),
+        ("f 1/0 2 3", "texture index 0; the first is 1"),
         ("f 1/x 2/1 3/1", "texture index 'x' is not a whole number"),
         ("f 1 2 3.0", "vertex index '3.0' is not a whole number"),
         ("f 1 2 /1/1", "no vertex index"),
@@ -119,6 +132,8 @@ fn vertices_with_and_without_colours_are_an_error_with_a_remedy() {
         format!("v 1 0 0 1 1 1\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"),
     );
     folder.fails_on_line(3, "this vertex has a colour", format!("# c\nv 1 0 0\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"));
+    // Also where no face has the vertex: a colour too few would shift all that follow.
+    folder.fails_on_line(7, "this vertex has a colour", format!("{SIX}v 7 0 0 1 1 1\nf 2 3 4\n"));
     folder.fails_on_line(2, "'red' is not a number", format!("v 1 0 0 1 1 1\nv 2 1 0 1 red 1\nv 3 0 1 1 1 1\n{faces}"));
 }
 
@@ -149,9 +164,11 @@ fn no_damaged_file_panics() {
     let folder = Folder::new("damaged");
     let mtl = "newmtl red\nKd 0.5 0.25 1\nKa 1 1 1\nNs 3\nmap_Kd a.png\nnewmtl green\nKd 0 1 0\n";
     let obj = format!(
-        "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nl 1 2 3\ng b\n\
+        "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nf 1/1 2/1 3/1\nl 1 2 3\ng b\n\
          usemtl green\nf 4 5 6 1\n"
     );
+    #[cfg(feature = "textures")]
+    image::RgbImage::new(1, 1).save(folder.file("a.png")).unwrap();
     let mut random = Random::new(1);
     let mut damage = |text: &str| {
         let mut bytes = text.as_bytes().to_vec();

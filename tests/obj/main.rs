@@ -3,10 +3,14 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod corners;
 mod faces;
 mod faults;
 mod materials;
 mod polygons;
+mod surfaces;
+#[cfg(feature = "textures")]
+mod textures;
 mod warnings;
 
 use std::{
@@ -14,7 +18,7 @@ use std::{
     sync::{Mutex, Once},
 };
 
-use stereotrace::{Error, MaterialId, Scene};
+use stereotrace::{Error, Material, MaterialId, ObjOptions, Scene};
 
 /// Every warning of this process; tests look for those that name their own folder.
 static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
@@ -59,8 +63,12 @@ impl Folder {
 
     /// Writes `content` to an OBJ file and reads it.
     pub(crate) fn read(&self, content: impl AsRef<[u8]>) -> Result<Scene, Error> {
+        self.read_with(content, &ObjOptions::default())
+    }
+
+    pub(crate) fn read_with(&self, content: impl AsRef<[u8]>, options: &ObjOptions) -> Result<Scene, Error> {
         self.write("scene.obj", content);
-        Scene::from_obj(self.file("scene.obj"))
+        Scene::from_obj_with(self.file("scene.obj"), options)
     }
 
     pub(crate) fn scene(&self, content: impl AsRef<[u8]>) -> Scene {
@@ -106,6 +114,10 @@ pub(crate) fn corners(scene: &Scene) -> Vec<[u32; 3]> {
 pub(crate) fn materials(scene: &Scene) -> Vec<&str> {
     let name = |MaterialId(id)| scene.materials()[id as usize].name.as_str();
     scene.triangles().iter().map(|triangle| name(triangle.material)).collect()
+}
+
+pub(crate) fn material<'a>(scene: &'a Scene, name: &str) -> &'a Material {
+    scene.materials().iter().find(|material| material.name == name).unwrap()
 }
 
 /// Name and first primitive of each object.

@@ -4,12 +4,20 @@ use crate::message::{counted, noun};
 
 use super::{Fault, MAX_COORDINATE, lines, split_keyword};
 
-/// Checks the corners of a face against the vertices and normals so far, and tells whether all corners have normals.
-pub(super) fn check_face(corners: &str, vertices: usize, normals: usize) -> Result<bool, String> {
+/// One for each of what a face's corner names.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub(super) struct Corners<T> {
+    pub(super) vertex: T,
+    pub(super) texture: T,
+    pub(super) normal: T,
+}
+
+/// Checks the corners of a face against what there is so far, and tells what all corners have.
+pub(super) fn check_face(corners: &str, counts: Corners<usize>) -> Result<Corners<bool>, String> {
     if corners.is_empty() {
         return Err("a face without corners".into());
     }
-    let mut has_normals = true;
+    let mut has = Corners { vertex: true, texture: true, normal: true };
     for corner in corners.split_whitespace() {
         let mut parts = corner.split('/');
         let mut next = || parts.next().filter(|part| !part.is_empty());
@@ -19,16 +27,17 @@ pub(super) fn check_face(corners: &str, vertices: usize, normals: usize) -> Resu
             return Err(fault("more than vertex/texture/normal".into()));
         }
         let vertex = vertex.ok_or_else(|| fault("no vertex index".into()))?;
-        check_index("vertex", vertex, vertices).map_err(fault)?;
-        if let Some(texture) = texture {
-            parse_index("texture", texture).map_err(fault)?;
+        check_index("vertex", vertex, counts.vertex).map_err(fault)?;
+        match texture {
+            Some(texture) => check_index("texture", texture, counts.texture).map_err(fault)?,
+            None => has.texture = false,
         }
         match normal {
-            Some(normal) => check_index("normal", normal, normals).map_err(fault)?,
-            None => has_normals = false,
+            Some(normal) => check_index("normal", normal, counts.normal).map_err(fault)?,
+            None => has.normal = false,
         }
     }
-    Ok(has_normals)
+    Ok(has)
 }
 
 fn parse_index(what: &str, word: &str) -> Result<isize, String> {
@@ -47,12 +56,13 @@ fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
     }
 }
 
-/// The first `v` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
+/// The first `v`, `vt` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
 pub(super) fn find_bad_number(text: &str) -> Option<Fault> {
     lines(text).find_map(|(number, line)| {
         let (keyword, rest) = split_keyword(&line);
         let fault = match keyword {
             "v" => check_numbers("vertex", rest, MAX_COORDINATE),
+            "vt" => check_texture(rest),
             // tobj reads three numbers and leaves alone what follows them.
             "vn" => {
                 let words: Vec<&str> = rest.split_whitespace().take(3).collect();
@@ -73,7 +83,11 @@ fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
     let (coordinates, more) =
         values.split_at_checked(3).ok_or_else(|| format!("{what}: {} of 3", counted(count, "number", "numbers")))?;
     let scale = match *more {
-        [] | [_, _, _] => 1.0,
+        [] => 1.0,
+        [r, g, b] => match [r, g, b].into_iter().find(|value| !value.is_finite()) {
+            Some(value) => return Err(format!("{what}: colour {value} is not a finite number")),
+            None => 1.0,
+        },
         [0.0] => return Err(format!("{what}: the weight w is 0")),
         [w] => w,
         _ => return Err(format!("{what}: {count} numbers; give x y z, x y z w, or x y z r g b")),
@@ -87,18 +101,24 @@ fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
     }
 }
 
-/// The first vertex that has a colour where the first vertex has none, or the other way round.
-pub(super) fn find_mixed_color(text: &str) -> Option<Fault> {
-    let mut first = None;
-    lines(text).find_map(|(number, line)| {
-        let ("v", rest) = split_keyword(&line) else { return None };
-        let colored = rest.split_whitespace().count() == 6;
-        let (first_line, first_colored) = *first.get_or_insert((number, colored));
-        let (has, had) = if colored { ("a", "none") } else { ("no", "one") };
-        let reason = format!(
-            "this vertex has {has} colour and the first, on line {first_line}, has {had}; give all vertices x y z r g b, \
-             or none (colours are not used)"
-        );
-        (colored != first_colored).then_some((number, reason))
-    })
+/// One texture coordinate, or two; what follows them is the depth in a solid texture.
+fn check_texture(words: &str) -> Result<(), String> {
+    let what = "texture coordinates";
+    let mut count = 0;
+    for word in words.split_whitespace().take(2) {
+        let value: f32 = word.parse().map_err(|_| format!("{what}: '{word}' is not a number"))?;
+        if !value.is_finite() {
+            return Err(format!("{what}: {value} is not a finite number"));
+        }
+        count += 1;
+    }
+    if count > 0 { Ok(()) } else { Err(format!("{what}: 0 numbers of 2")) }
+}
+
+/// What to say of a vertex that has a colour where the first has none, or the other way round.
+pub(super) fn mixed_color(has_color: bool, first_line: usize) -> String {
+    let (has, had) = if has_color { ("a", "none") } else { ("no", "one") };
+    format!(
+        "this vertex has {has} colour and the first, on line {first_line}, has {had}; give all vertices x y z r g b, or none"
+    )
 }

@@ -1,20 +1,32 @@
 //! Meshes out of tobj's models.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{
     MaterialId, Mesh, Prepared, Section,
+    mtl::Placement,
     polygon::{Split, split},
 };
+use crate::scene::linear;
 
-/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. Returns the lines
-/// of faces for which no split was found, too.
-pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> (Vec<Mesh>, Vec<usize>) {
+/// What becomes of tobj's models.
+#[derive(Default)]
+pub(super) struct Joined {
+    /// The objects, with the smoothing group of each triangle where there are such.
+    pub(super) meshes: Vec<(Mesh, Vec<u32>)>,
+    /// The lines of faces for which no split was found.
+    pub(super) fanned: Vec<usize>,
+    /// How many vertices have colours beyond 0 to 1.
+    pub(super) clamped_colors: usize,
+}
+
+/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. `placements` are those
+/// of each material's texture.
+pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placements: &[Placement]) -> Joined {
     let Prepared { sections, names, .. } = prepared;
     let mut lines = prepared.polygon_lines.iter().copied();
-    let mut fanned = Vec::new();
+    let mut joined = Joined::default();
     let has_objects = sections.iter().any(|section| section.object > 0);
-    let mut meshes: Vec<Mesh> = Vec::new();
     let mut last: Option<&Section> = None;
     // The last model has no faces if nothing follows the last section's name.
     for model in models.iter().filter(|model| !model.mesh.indices.is_empty()) {
@@ -27,40 +39,77 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared) -> (Vec<M
         last = Some(section);
         if !continues {
             let name = if has_objects { section.object_name } else { section.group_name };
-            meshes.push(Mesh { name: names[name].clone(), ..Mesh::default() });
+            joined.meshes.push((Mesh { name: names[name].clone(), ..Mesh::default() }, Vec::new()));
         }
-        if let Some(mesh) = meshes.last_mut() {
-            add_model(mesh, &model.mesh, &mut lines, &mut fanned);
+        if let Some((mesh, groups)) = joined.meshes.last_mut() {
+            let placement = model.mesh.material_id.and_then(|index| placements.get(index)).copied().unwrap_or_default();
+            add_model(mesh, &model.mesh, placement, &mut lines, &mut joined.fanned);
+            if prepared.smooths {
+                groups.resize(mesh.triangles.len(), section.smoothing);
+            }
         }
+        let color = |color: &&[f32; 3]| color.iter().any(|value| !(0.0..=1.0).contains(value));
+        joined.clamped_colors += model.mesh.vertex_color.as_chunks::<3>().0.iter().filter(color).count();
     }
-    for mesh in &mut meshes {
-        if !mesh.normals.is_empty() {
-            mesh.normals.resize(mesh.triangles.len(), [Vec3::ZERO; 3]);
-        }
+    for (mesh, _) in &mut joined.meshes {
+        let count = mesh.triangles.len();
+        fill(&mut mesh.normals, count, [Vec3::ZERO; 3]);
+        fill(&mut mesh.uv, count, [Vec2::ZERO; 3]);
+        fill(&mut mesh.colors, count, [Vec3::ONE; 3]);
     }
-    (meshes, fanned)
+    joined
+}
+
+/// As many entries as there are triangles, where there are any.
+fn fill<T: Clone>(list: &mut Vec<T>, count: usize, none: T) {
+    if !list.is_empty() {
+        list.resize(count, none);
+    }
 }
 
 /// Adds a model's triangles. `lines` are those of the faces of more than three corners from the model's first on.
-fn add_model(mesh: &mut Mesh, model: &tobj::Mesh, lines: &mut impl Iterator<Item = usize>, fanned: &mut Vec<usize>) {
+fn add_model(
+    mesh: &mut Mesh,
+    model: &tobj::Mesh,
+    placement: Placement,
+    lines: &mut impl Iterator<Item = usize>,
+    fanned: &mut Vec<usize>,
+) {
     let first_vertex = mesh.positions.len() as u32;
-    let first_triangle = mesh.triangles.len();
+    let before = mesh.triangles.len();
     let (positions, _) = model.positions.as_chunks::<3>();
     mesh.positions.extend(positions.iter().copied().map(Vec3::from_array));
     let triangles = split_faces(model, &mesh.positions[first_vertex as usize..], lines, fanned);
     mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first_vertex + corner)));
     let material = model.material_id.map_or(MaterialId(0), |index| MaterialId(index as u32 + 1));
     mesh.materials.resize(mesh.triangles.len(), material);
-    // Fewer normals than positions: some corner has none, and the list no longer says which.
-    if model.normals.len() == model.positions.len() {
-        // Normals that tobj left out for a flat model before this one.
-        mesh.normals.resize(first_triangle, [Vec3::ZERO; 3]);
-        let (normals, _) = model.normals.as_chunks::<3>();
+    // Fewer than positions: some corner has none, and the list no longer says which. What models before this one lack is
+    // filled in.
+    let (normals, _) = model.normals.as_chunks::<3>();
+    if normals.len() == positions.len() {
+        mesh.normals.resize(before, [Vec3::ZERO; 3]);
         mesh.normals.extend(triangles.iter().map(|corners| {
             let normals = corners.map(|corner| unit(Vec3::from_array(normals[corner as usize])));
             if normals.contains(&Vec3::ZERO) { [Vec3::ZERO; 3] } else { normals }
         }));
     }
+    let (uv, _) = model.texcoords.as_chunks::<2>();
+    if uv.len() == positions.len() {
+        mesh.uv.resize(before, [Vec2::ZERO; 3]);
+        let place = |corner: u32| placement.place(Vec2::from_array(uv[corner as usize]));
+        mesh.uv.extend(triangles.iter().map(|corners| corners.map(place)));
+    }
+    let (colors, _) = model.vertex_color.as_chunks::<3>();
+    if colors.len() == positions.len() {
+        mesh.colors.resize(before, [Vec3::ONE; 3]);
+        let linear: Vec<Vec3> = colors.iter().map(|color| linear_color(*color)).collect();
+        mesh.colors.extend(triangles.iter().map(|corners| corners.map(|corner| linear[corner as usize])));
+    }
+}
+
+/// Scanners and modellers write colours in sRGB, as they show them.
+fn linear_color(color: [f32; 3]) -> Vec3 {
+    Vec3::from_array(color.map(|value| linear(value.clamp(0.0, 1.0))))
 }
 
 /// The triangles of a model's faces.

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::is_map;
-use crate::{Error, Limits, message::counted};
+use crate::{Error, Limits, message::counted, scene::linear};
 
 /// Bytes of an HDR file, as the image crate asks for them.
 struct HdrBytes<R> {
@@ -103,11 +103,6 @@ fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
         ColorType::Rgb32F => bytemuck::pod_read_unaligned(pixel),
         other => return Err(format!("pixels of the kind {other:?}")),
     })
-}
-
-/// The light of an sRGB value (IEC 61966-2-1).
-fn linear(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]
