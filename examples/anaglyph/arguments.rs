@@ -20,7 +20,8 @@ const ENVIRONMENT: &str =
 #[derive(Debug, Parser)]
 #[command(name = "anaglyph", after_help = ENVIRONMENT)]
 pub(crate) struct Arguments {
-    /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near or grazing
+    /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near, grazing, random-20, random-100,
+    /// random-125 or random-1000
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
     /// Folder to write into

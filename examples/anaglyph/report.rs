@@ -114,8 +114,12 @@ impl Report<'_> {
         };
         let (name, lights) = (self.arguments.scene_name(), self.scene.lights.len());
         let triangles = counted(triangles, "triangle", "triangles");
+        let ellipsoids = match self.scene.ellipsoids().len() {
+            0 => String::new(),
+            count => format!(", {}", counted(count, "ellipsoid", "ellipsoids")),
+        };
         let (spheres, lights) = (counted(spheres, "sphere", "spheres"), counted(lights, "light", "lights"));
-        format!("{name}: {triangles}{dropped}, {spheres}, {lights}")
+        format!("{name}: {triangles}{dropped}, {spheres}{ellipsoids}, {lights}")
     }
 
     fn method_line(&self) -> String {

@@ -1,6 +1,7 @@
-//! Built-in scenes, so that nothing has to be downloaded: two to look at, and four that are hard on stereo methods.
+//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, and four of ellipsoids.
 
 mod hall;
+mod random;
 pub(super) mod shapes;
 mod spheres;
 pub(super) mod stage;
@@ -9,7 +10,7 @@ use std::{fmt, str::FromStr};
 
 use glam::Vec3;
 
-pub use self::spheres::spheres_turned;
+pub use self::{random::RandomObjects, spheres::spheres_turned};
 use self::{
     shapes::Shape,
     spheres::{CLOUD_SCREEN, spheres},
@@ -19,6 +20,9 @@ use crate::{Error, StereoCamera};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
 pub(super) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
+
+/// Where the numbers of the random scenes begin.
+const SEED: u32 = 1993;
 
 /// A scene that comes with the library, with lights, sky and a camera.
 ///
@@ -44,11 +48,30 @@ pub enum Builtin {
     Near,
     /// Sheets that point at the left eye: edges to the left eye, surfaces to the right one.
     Grazing,
+    /// Twelve ellipsoids and eight spheres at random over a checkerboard ([`RandomObjects`]), after Adelson and Hodges 1993.
+    Random20,
+    /// A hundred ellipsoids over a checkerboard.
+    Random100,
+    /// The same of 125.
+    Random125,
+    /// The same of a thousand.
+    Random1000,
 }
 
 impl Builtin {
     /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Spheres, Self::Hall, Self::Fence, Self::Hidden, Self::Near, Self::Grazing];
+    pub const ALL: &'static [Self] = &[
+        Self::Spheres,
+        Self::Hall,
+        Self::Fence,
+        Self::Hidden,
+        Self::Near,
+        Self::Grazing,
+        Self::Random20,
+        Self::Random100,
+        Self::Random125,
+        Self::Random1000,
+    ];
 
     /// The name it has on a command line.
     pub fn name(self) -> &'static str {
@@ -59,6 +82,10 @@ impl Builtin {
             Self::Hidden => "hidden",
             Self::Near => "near",
             Self::Grazing => "grazing",
+            Self::Random20 => "random-20",
+            Self::Random100 => "random-100",
+            Self::Random125 => "random-125",
+            Self::Random1000 => "random-1000",
         }
     }
 
@@ -71,6 +98,10 @@ impl Builtin {
             Self::Hidden => stage::hidden(),
             Self::Near => stage::near(),
             Self::Grazing => stage::grazing(),
+            Self::Random20 => RandomObjects::new(20, SEED).sphere_share(0.4).scene(),
+            Self::Random100 => RandomObjects::new(100, SEED).scene(),
+            Self::Random125 => RandomObjects::new(125, SEED).scene(),
+            Self::Random1000 => RandomObjects::new(1000, SEED).scene(),
         }
     }
 
@@ -83,6 +114,7 @@ impl Builtin {
             Self::Hall => hall::camera(),
             Self::Near => stage::near_camera(),
             Self::Fence | Self::Hidden | Self::Grazing => stage::camera(),
+            Self::Random20 | Self::Random100 | Self::Random125 | Self::Random1000 => random::camera(),
         };
         camera.size(width, height).interaxial_pixels(INTERAXIAL_SHARE * width as f32)
     }
