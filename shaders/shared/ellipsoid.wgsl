@@ -109,8 +109,9 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     // Normals go back by the matrix transposed.
     let outwards = to_sphere(primitive, largest_one(from_center));
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
+    let outside = dot(across, direction) < 0.0;
     let normal = towards_viewer(normalize(largest_one(across)), direction);
-    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), primitive.reach);
+    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), primitive.reach, outside);
 }
 
 // An ellipsoid that is nearer to the plane of the eyes than this share of its distance and size has its projection bounded by nothing: the bounds

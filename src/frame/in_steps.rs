@@ -5,7 +5,7 @@ use crate::{
     Error, RaysPerLane,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    steps::trace::TRACE_IN_STEPS,
+    steps::{mirrors, trace::TRACE_IN_STEPS},
     variant::Shadows,
 };
 
@@ -34,6 +34,17 @@ impl Driver<'_> {
         gpu.checked(clear).await?;
         for view in 0..self.eyes.sources.len() {
             self.view_in_steps(band, view, rows, steps).await?;
+        }
+        if self.variant.mirrors {
+            self.set_rows(band);
+            let follow = || {
+                self.upload_frames();
+                let mut encoder = self.encoder();
+                (0..self.frames.len()).for_each(|view| self.encode_all(&mut encoder, &mirrors::of(view)));
+                gpu.queue.submit([encoder.finish()]);
+                Ok(())
+            };
+            gpu.checked(follow).await?;
         }
         self.variant = usual;
         Ok(())

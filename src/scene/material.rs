@@ -136,7 +136,12 @@ impl Material {
 
     /// Whether it has highlights or gives off light.
     pub(crate) fn shines(&self) -> bool {
-        self.emission != Vec3::ZERO || (self.finish == Finish::Matte && self.specular != Vec3::ZERO)
+        self.emission != Vec3::ZERO || self.specular != Vec3::ZERO
+    }
+
+    /// Whether rays go on from it: a mirror, glass, or a veil that hides only a share of what is behind it.
+    pub(crate) fn sends_rays(&self) -> bool {
+        self.finish != Finish::Matte || self.opacity < 1.0
     }
 
     /// The most that a mirror or glass sends back of the light of each channel: what it scatters, and the larger of what it
