@@ -62,8 +62,6 @@ pub struct Material {
     pub emission: Vec3,
     /// What it does with light beside scattering it. MTL's `illum`.
     pub finish: Finish,
-    /// Its albedo stands in for reflections, which pictures don't show yet: goes with obj/mtl/unrendered.rs.
-    pub(super) stands_in: bool,
 }
 
 impl Material {
@@ -82,7 +80,6 @@ impl Material {
             exponent: Self::DEFAULT_EXPONENT,
             emission: Vec3::ZERO,
             finish: Finish::Matte,
-            stands_in: false,
         }
     }
 
@@ -148,7 +145,6 @@ impl Material {
     /// reflects and what it lets through.
     pub(super) fn most_returned(&self) -> Option<Vec3> {
         match self.finish {
-            _ if self.stands_in => None,
             Finish::Matte => None,
             Finish::Mirror { .. } => Some(self.albedo + self.specular),
             Finish::Glass { transmission, .. } => Some(self.albedo + self.specular.max(transmission)),
