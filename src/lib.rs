@@ -106,6 +106,7 @@ pub mod pair;
 mod random;
 pub mod renderer;
 pub mod rig;
+mod samples;
 pub mod scene;
 mod steps;
 mod table;
@@ -131,6 +132,7 @@ pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async};
 pub use rig::{Rig, RigView, Views};
+pub use samples::Filter;
 pub use scene::builtin::Builtin;
 pub use scene::{
     Ellipsoid, Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId,

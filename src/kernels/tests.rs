@@ -166,8 +166,9 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
     assert!(modules.len() > 100, "{}", modules.len());
     for (kernel, with, text) in modules {
         let module = parse(kernel, &with);
-        let info =
-            Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32).validate(&module).unwrap_or_else(|error| {
+        let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
+            .validate(&module)
+            .unwrap_or_else(|error| {
                 let place = place(&text, error.location(&text));
                 panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
             });
