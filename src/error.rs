@@ -79,6 +79,15 @@ pub enum Error {
         /// What is expected of it.
         reason: &'static str,
     },
+    /// A number of samples that no pixel has, or more of them than directions in f32 tell apart.
+    #[non_exhaustive]
+    #[error("invalid samples: {samples} a pixel; {reason}")]
+    Samples {
+        /// The number asked for.
+        samples: u32,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A rig of eyes that can't be rendered, or a quilt that its views don't fill.
     #[non_exhaustive]
     #[error("invalid rig: {reason}")]

@@ -106,6 +106,7 @@ pub mod pair;
 mod random;
 pub mod renderer;
 pub mod rig;
+mod samples;
 pub mod scene;
 mod steps;
 mod table;
@@ -133,6 +134,7 @@ pub use renderer::{
     GBuffer, MAX_BOUNCES, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async,
 };
 pub use rig::{Rig, RigView, Views};
+pub use samples::Filter;
 pub use scene::builtin::Builtin;
 pub use scene::{
     Ellipsoid, Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId,

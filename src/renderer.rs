@@ -5,7 +5,7 @@ use std::{ops::ControlFlow, sync::Once};
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use crate::blocking::render_stereo;
 use crate::{
-    BvhBuild, Error, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
+    BvhBuild, Error, Filter, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
     frame::{self, Done, OnRows, Rows, ViewRows},
     gpu::Timestamps,
     kernels::Kernels,
@@ -31,6 +31,10 @@ pub struct Options {
     pub bounces: u32,
     /// Keep linear colour too, as [`View::linear`](crate::View::linear).
     pub linear: bool,
+    /// Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64.
+    pub samples: u32,
+    /// How they are weighed.
+    pub filter: Filter,
 }
 
 /// The most that [`Options::bounces`] may be.
@@ -52,7 +56,16 @@ pub enum GBuffer {
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, bounces: 5, linear: false }
+        Self {
+            method,
+            count: false,
+            cost_map: false,
+            g_buffer: GBuffer::Ids,
+            bounces: 5,
+            linear: false,
+            samples: 1,
+            filter: Filter::Box,
+        }
     }
 
     /// How the right view is made.
@@ -82,6 +95,26 @@ impl Options {
     /// Whether [`View::linear`](crate::View::linear) is kept too.
     pub fn linear(mut self, linear: bool) -> Self {
         self.linear = linear;
+        self
+    }
+
+    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
+    /// middles of the cells of a square grid, the same in all views, and are clamped to 0 to 1 and weighed by [`Options::filter`] in linear
+    /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
+    ///
+    /// [`View::cost`](crate::View::cost), [`Statistics`] and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
+    /// are not filtered, and are those of one ray through the pixel's centre. Of odd grids (9, 25, 49) that is the sample in the middle. Even
+    /// ones (4, 16, 36, 64) have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
+    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
+    /// the sample next to the centre to the right and below.
+    pub fn samples(mut self, samples: u32) -> Self {
+        self.samples = samples;
+        self
+    }
+
+    /// How a pixel's samples are weighed: [`Filter::Box`] unless something else is asked for.
+    pub fn filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
         self
     }
 
@@ -189,7 +222,7 @@ impl Renderer {
     /// Renders a pair; `progress` is called after every band of rows, and may stop the frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Limit`] for a picture that the adapter can't bind,
+    /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't, [`Error::Limit`] for a picture that the adapter can't bind,
     /// [`Error::Cancelled`] if `progress` breaks, [`Error::ForeignScene`] for a scene that another
     /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
@@ -216,7 +249,7 @@ impl Renderer {
     ) -> Result<Statistics, Error> {
         let eyes = Eyes::pair(&camera.pose()?);
         let mut go_on = |_| ControlFlow::Continue(());
-        Ok(self.frame(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?.pair_statistics())
+        Ok(self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?.pair_statistics())
     }
 
     /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
@@ -250,7 +283,7 @@ impl Renderer {
         on_rows: &mut OnRows<'_>,
     ) -> Result<Views, Error> {
         let eyes = rig.eyes()?;
-        let done = self.frame(scene, &eyes, options, true, progress, on_rows).await?;
+        let done = self.sampled(scene, &eyes, options, true, progress, on_rows).await?;
         let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
         Ok(Views::of(done, nothing))
     }
@@ -268,7 +301,7 @@ impl Renderer {
             views.iter_mut().zip(rows.views).for_each(|(view, rows)| view.append(rows));
             Ok(())
         };
-        let done = self.frame(scene, eyes, options, true, progress, &mut keep).await?;
+        let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
         Ok((done, views))
     }
 }

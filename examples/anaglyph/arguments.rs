@@ -4,7 +4,7 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Gpu, Limits, Method, Scene, Sky, SkyMap, StereoCamera,
+    Filter, Gpu, Limits, Method, Options, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -34,6 +34,12 @@ pub(crate) struct Arguments {
     /// adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
+    /// Samples a pixel, which smooth edges: 1, 4, 9, 16, 25, 36, 49 or 64
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    samples: u32,
+    /// How they are weighed: box, tent or gauss
+    #[arg(long, value_name = "KIND", default_value_t)]
+    filter: Filter,
     /// Count BVH nodes and primitive tests (slower)
     #[arg(long)]
     pub(crate) count: bool,
@@ -145,6 +151,11 @@ impl Arguments {
 
     fn builtin(&self) -> Result<Option<Builtin>, stereotrace::Error> {
         self.builtin_name().map(str::parse).transpose()
+    }
+
+    /// What to render with, by the method asked for or another one.
+    pub(crate) fn options(&self, method: Method) -> Options {
+        Options::new(method).samples(self.samples).filter(self.filter)
     }
 
     fn limits(&self) -> Limits {

@@ -31,7 +31,7 @@ use std::{
 };
 
 use stereotrace::{
-    BvhBuild, Gpu, Method, Options, Progress, Renderer, Scene, StereoCamera, StereoPair,
+    BvhBuild, Gpu, Method, Progress, Renderer, Scene, StereoCamera, StereoPair,
     metrics::compare,
     output::{Batch, anaglyph, packed},
     scene::builtin::spheres_turned,
@@ -130,7 +130,7 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     }
 
     let begin = Instant::now();
-    let mut options = Options::new(arguments.method);
+    let mut options = arguments.options(arguments.method);
     options.count = arguments.count;
     options.cost_map = arguments.dump;
     let mut line = ProgressLine::new();
@@ -144,7 +144,7 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
 
     let difference = match arguments.compare {
         true => {
-            let naive = renderer.render(&uploaded, &camera, &Options::new(Method::Naive))?;
+            let naive = renderer.render(&uploaded, &camera, &arguments.options(Method::Naive))?;
             Some(compare(&pair.right, &naive.right, &pair.pose)?)
         }
         false => None,
@@ -173,7 +173,7 @@ fn film(
         let uploaded = renderer.upload_with(&scene, BvhBuild::Fast)?;
         build += begin.elapsed();
         let begin = Instant::now();
-        let pair = renderer.render(&uploaded, camera, &Options::new(arguments.method))?;
+        let pair = renderer.render(&uploaded, camera, &arguments.options(arguments.method))?;
         render += begin.elapsed();
         add_pictures(&mut batch, arguments, &pair, &format!("_{frame:04}"))?;
     }

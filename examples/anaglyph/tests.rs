@@ -60,6 +60,17 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
 }
 
 #[test]
+fn samples_are_those_that_are_asked_for() {
+    let folder = Folder::new("samples");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| printed(&[&["builtin:hall", "--out", &out], arguments].concat());
+    let text = run(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
+    // 16x12 pixels of 9 rays each.
+    assert!(text.contains("left          1728 ") && text.contains("100.00% of the right eye identical"), "{text}");
+    assert_eq!(run(&["--samples", "5"]), "invalid samples: 5 a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+}
+
+#[test]
 fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let folder = Folder::new(STEERING);
     let scene = format!("scene{STEERING}.obj");

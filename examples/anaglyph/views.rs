@@ -3,7 +3,7 @@
 use std::{error::Error, fmt::Write, ops::ControlFlow, time::Instant};
 
 use stereotrace::{
-    Method, Options, Renderer, Rig, StereoCamera, UploadedScene, Views,
+    Method, Renderer, Rig, StereoCamera, UploadedScene, Views,
     metrics::compare,
     output::{Batch, quilt, quilt_name},
 };
@@ -25,7 +25,7 @@ pub(crate) fn run(
     }
     let rig = Rig::row(camera, eyes as usize);
     let begin = Instant::now();
-    let mut options = Options::new(arguments.method);
+    let mut options = arguments.options(arguments.method);
     options.count = arguments.count;
     let mut line = ProgressLine::new();
     let mut progress = |progress| {
@@ -60,7 +60,7 @@ pub(crate) fn run(
         writeln!(text, "each other view costs {:.3} of a traced one, by counters", views.other_views())?;
     }
     if arguments.compare {
-        let naive = renderer.render_views(scene, &rig, &Options::new(Method::Naive))?;
+        let naive = renderer.render_views(scene, &rig, &arguments.options(Method::Naive))?;
         text += &compared(&views, &naive)?;
     }
     Ok(text)

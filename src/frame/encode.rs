@@ -181,8 +181,12 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
         let what = options.method.to_string();
         return Err(Error::Encoding { what, reason: "a part of it is the host's" });
     }
-    let read_back =
-        [(options.linear, "linear colour"), (options.cost_map, "a map of costs"), (options.count, "counting")];
+    let read_back = [
+        (options.samples != 1, "a pixel of several samples"),
+        (options.linear, "linear colour"),
+        (options.cost_map, "a map of costs"),
+        (options.count, "counting"),
+    ];
     if let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) {
         return Err(Error::Encoding { what: what.into(), reason: "it is there for what is read back only" });
     }

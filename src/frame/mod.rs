@@ -8,6 +8,7 @@ mod in_steps;
 pub(crate) mod plan;
 mod read;
 mod rows;
+mod samples;
 mod tally;
 pub(crate) mod targets;
 #[cfg(test)]

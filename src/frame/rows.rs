@@ -92,6 +92,28 @@ impl ViewRows {
         self.source.try_reserve_exact(pixels)
     }
 
+    /// Takes off all but so many from the top.
+    pub(crate) fn split_off(&mut self, rows: u32) -> Self {
+        fn below<T>(list: &mut Vec<T>, place: usize) -> Vec<T> {
+            list.split_off(place.min(list.len()))
+        }
+        let place = rows as usize * self.view.width as usize;
+        let view = &mut self.view;
+        let below_it = View {
+            width: view.width,
+            height: view.height - rows,
+            rgba8: below(&mut view.rgba8, place),
+            linear: below(&mut view.linear, place),
+            depth: below(&mut view.depth, place),
+            primitive: below(&mut view.primitive, place),
+            object: below(&mut view.object, place),
+            cost: below(&mut view.cost, place),
+        };
+        view.height = rows;
+        let (source, shadow_source) = (below(&mut self.source, place), below(&mut self.shadow_source, place));
+        Self { view: below_it, source, shadow_source }
+    }
+
     /// Puts others below these.
     pub(crate) fn append(&mut self, mut rows: Self) {
         // Bands that are traced have no shadow bits: where others have, theirs were traced.

@@ -101,7 +101,7 @@ fn rows<T>(pixels: &[T], width: u32) -> impl Iterator<Item = &[T]> {
 }
 
 /// A linear value, clipped to 0 to 1, as an sRGB byte (IEC 61966-2-1).
-fn encode(linear: f32) -> u8 {
+pub(crate) fn encode(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     to_byte(encoded)

@@ -1,0 +1,140 @@
+//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
+//! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
+
+use std::{collections::VecDeque, ops::ControlFlow};
+
+use super::{Done, OnRows, Rows, ViewRows, targets::MOST_BYTES};
+use crate::{
+    Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene, message::counted, rig::Eyes,
+    samples,
+};
+
+impl Renderer {
+    /// All bands of a frame of as many samples a pixel as are asked for: as [`Renderer::frame`], which it is of one sample.
+    pub(crate) async fn sampled(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        pictures: bool,
+        progress: &mut OnProgress<'_>,
+        on_rows: &mut OnRows<'_>,
+    ) -> Result<Done, Error> {
+        let side = samples::side_of(options.samples)?;
+        if side == 1 {
+            return self.frame(scene, eyes, options, pictures, progress, on_rows).await;
+        }
+        let finer = eyes.with_samples(side)?;
+        let asks_centre = side % 2 == 0 && options.g_buffer != GBuffer::None;
+        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // a pixel, of both frames
+        let mut centres = VecDeque::new();
+        let mut centre = None;
+        if asks_centre {
+            check_centres(eyes, options, pictures)?;
+            let mut keep = |rows: Rows| {
+                centres.push_back(Vec::from_iter(rows.views.into_iter().map(without_color)));
+                Ok(())
+            };
+            let mut progress = part_of(progress, 0.0, rays.0, rays);
+            // With linear colour, which nobody asks for, its kernels are those of the other frame.
+            let options = Options { linear: true, ..options.clone() };
+            centre = Some(self.frame(scene, eyes, &options, pictures, &mut progress, &mut keep).await?);
+        }
+        let centres = asks_centre.then_some(centres);
+        let mut gather = samples::Gather::new(eyes.pose.size, side, options.filter, options.linear, centres);
+        let mut add = |rows: Rows| gather.add(&rows).map_or(Ok(()), &mut *on_rows);
+        let mut progress = part_of(progress, rays.0, rays.1, rays);
+        let g_buffer = if asks_centre { GBuffer::None } else { options.g_buffer };
+        let finer_options = Options { linear: true, g_buffer, ..options.clone() };
+        let done = self.frame(scene, &finer, &finer_options, pictures, &mut progress, &mut add).await;
+        let done = done.map_err(|error| of_samples(error, options.samples))?;
+        Ok(done.with(centre, eyes))
+    }
+}
+
+/// What shows a frame's progress as that of both: so many of the rays of a pixel, behind others.
+fn part_of(
+    progress: &mut OnProgress<'_>,
+    before: f32,
+    rays: f32,
+    all: (f32, f32),
+) -> impl FnMut(Progress) -> ControlFlow<()> {
+    move |Progress { pass, done }| progress(Progress { pass, done: (before + rays * done) / (all.0 + all.1) })
+}
+
+/// What a pixel's centre is asked for.
+fn without_color(mut rows: ViewRows) -> ViewRows {
+    (rows.view.rgba8, rows.view.linear) = (Vec::new(), Vec::new());
+    rows
+}
+
+/// # Errors
+/// [`Error::Limit`] if what pixels' centres show does not fit memory.
+fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
+    let ([width, height], views) = (eyes.pose.size, eyes.sources.len());
+    // Depth, two ids, sources and a cost.
+    let needed = (u64::from(width) * u64::from(height)).saturating_mul(18 * views as u64);
+    if needed <= MOST_BYTES || !pictures {
+        return Ok(());
+    }
+    Err(Error::Limit {
+        what: format!(
+            "depth and ids of {} of {width}x{height} with {} samples a pixel",
+            counted(views, "view", "views"),
+            options.samples
+        ),
+        needed: format!("{} MiB", needed >> 20),
+        limit: "memory for whole pictures",
+        allowed: format!("{} MiB", MOST_BYTES >> 20),
+        remedy: "take 9, 25 or 49 samples, or colours alone (GBuffer::None)",
+    })
+}
+
+/// An error of the larger picture, whose size nobody gave.
+fn of_samples(error: Error, samples: u32) -> Error {
+    match error {
+        Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
+            what: format!("{samples} samples a pixel: {what}"),
+            needed,
+            limit,
+            allowed,
+            remedy: "take fewer samples or pixels",
+        },
+        error => error,
+    }
+}
+
+impl Done {
+    /// Of the eyes that were asked for, with what the frame of pixels' centres cost.
+    fn with(mut self, centre: Option<Self>, eyes: &Eyes) -> Self {
+        self.eyes = eyes.clone();
+        let Some(centre) = centre else { return self };
+        for (tally, other) in self.tallies.iter_mut().zip(&centre.tallies) {
+            let (rays, others) = (&mut tally.work.rays, &other.work.rays);
+            rays.primary += others.primary;
+            rays.verification += others.verification;
+            rays.shadow += others.shadow;
+            tally.work.nodes += other.work.nodes;
+            tally.work.primitive_tests += other.work.primitive_tests;
+            tally.reused += other.reused;
+            tally.bad += other.bad;
+            tally.missed += other.missed;
+            tally.lost_candidates += other.lost_candidates;
+        }
+        self.in_steps |= centre.in_steps;
+        self.times = self.times.zip(centre.times).map(|(times, others)| sum(times, &others));
+        self.intermediate_bytes = self.intermediate_bytes.max(centre.intermediate_bytes);
+        self
+    }
+}
+
+/// By name.
+fn sum(mut times: PassTimes, others: &PassTimes) -> PassTimes {
+    for &(name, time) in &others.passes {
+        match times.passes.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += time,
+            None => times.passes.push((name, time)),
+        }
+    }
+    times
+}

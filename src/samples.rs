@@ -1,0 +1,175 @@
+//! Samples of a pixel, and the filters that weigh them (docs/DESIGN.md, section 3).
+
+mod gather;
+
+use std::{fmt, str::FromStr};
+
+pub(crate) use self::gather::Gather;
+use crate::{Error, camera, rig::Eyes};
+
+/// Samples of a pixel stand on a grid of so many rows and columns at most.
+const MAX_SIDE: u32 = 8;
+
+/// How a pixel's samples are weighed, by their distance from its centre: by `w(x) w(y)`, x and y in pixels, the weights of a pixel divided
+/// by their sum. Colours are weighed in linear light. Samples beyond the picture's borders are not there, and the others weigh the more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Filter {
+    /// `w(x) = 1` where `|x| < 0.5`: the mean of the pixel's own samples.
+    #[default]
+    Box,
+    /// `w(x) = 1 - |x|` where `|x| < 1`.
+    Tent,
+    /// `w(x) = exp(-x² / 2σ²) - exp(-1.5² / 2σ²)` where `|x| < 1.5`, with `σ = 0.5`: a bell that ends without a step.
+    Gauss,
+}
+
+impl Filter {
+    /// Every filter, the default first.
+    pub const ALL: &'static [Self] = &[Self::Box, Self::Tent, Self::Gauss];
+
+    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Tent => "tent",
+            Self::Gauss => "gauss",
+        }
+    }
+
+    /// How far from a pixel's centre it reaches, in pixels.
+    pub fn radius(self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent => 1.0,
+            Self::Gauss => 1.5,
+        }
+    }
+
+    /// `w(x)`, of a distance within its radius.
+    fn weight(self, x: f64) -> f64 {
+        match self {
+            Self::Box => 1.0,
+            Self::Tent => 1.0 - x.abs(),
+            Self::Gauss => (-2.0 * x * x).exp() - (-2.0 * self.radius() * self.radius()).exp(),
+        }
+    }
+}
+
+impl fmt::Display for Filter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Filter {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().copied().find(|filter| filter.name() == name);
+        found.ok_or_else(|| Error::unknown_name("filter", name, Self::ALL))
+    }
+}
+
+/// The side of the grid that so many samples of a pixel stand on.
+///
+/// # Errors
+/// [`Error::Samples`] for a number that no grid has.
+pub(crate) fn side_of(samples: u32) -> Result<u32, Error> {
+    let side = (1..=MAX_SIDE).find(|side| side * side == samples);
+    side.ok_or_else(|| Error::Samples { samples, reason: "take 1, 4, 9, 16, 25, 36, 49 or 64".into() })
+}
+
+impl Eyes {
+    /// The same eyes before the same screen with a pixel for each sample, on a grid of that side in a pixel.
+    ///
+    /// # Errors
+    /// [`Error::Samples`] where these are more than directions in f32 tell apart.
+    pub(crate) fn with_samples(&self, side: u32) -> Result<Self, Error> {
+        let mut pose = self.pose;
+        pose.size = pose.size.map(|pixels| pixels * side);
+        pose.interaxial_px *= side as f32;
+        let fault = |reason| Err(Error::Samples { samples: side * side, reason });
+        let ([width, height], [across, down]) = (self.pose.size, pose.size);
+        if across.max(down) > camera::MAX_SIDE {
+            return fault(format!(
+                "of {width}x{height} pixels they are a grid of {across}x{down}, whose sides must be at most 131072 (2^17): take \
+                 fewer samples or pixels"
+            ));
+        }
+        let aside = self.offsets.iter().fold(0.0_f32, |most, offset| most.max(offset.abs()));
+        let angle = camera::least_pixel_angle(&pose, 2.0 * f64::from(aside) * f64::from(pose.interaxial));
+        if angle < f64::from(camera::MIN_PIXEL_ANGLE) {
+            return fault(format!(
+                "those of {width}x{height} pixels are {angle:.1e} radians apart in the picture's corners, and must be at least \
+                 3.8e-6 (2^-18): take fewer samples or pixels"
+            ));
+        }
+        Ok(Self { pose, ..self.clone() })
+    }
+}
+
+/// The samples in a row or a column that make a pixel, and their weights, which add to 1.
+#[derive(Clone, Debug, PartialEq)]
+struct Window {
+    first: u32,
+    weights: Vec<f64>,
+}
+
+impl Window {
+    /// Of a pixel of so many, each with so many samples.
+    fn new(filter: Filter, side: u32, pixel: u32, pixels: u32) -> Self {
+        let side = f64::from(side);
+        // In samples, like the sample s, which stands at s + 0.5. All these are whole or halves, so nothing rounds.
+        let (centre, reach) = ((f64::from(pixel) + 0.5) * side, filter.radius() * side);
+        let first = ((centre - reach - 0.5).floor() + 1.0).max(0.0);
+        let end = (centre + reach - 0.5).ceil().min(f64::from(pixels) * side);
+        let (first, end) = (first as u32, end as u32);
+        let mut weights: Vec<f64> =
+            (first..end).map(|sample| filter.weight((f64::from(sample) + 0.5 - centre) / side)).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        Self { first, weights }
+    }
+
+    /// Behind the last one.
+    fn end(&self) -> u32 {
+        self.first + self.weights.len() as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_centred_and_whole() {
+        for (filter, own) in [(Filter::Box, 1), (Filter::Tent, 2), (Filter::Gauss, 3)] {
+            for side in 1..=MAX_SIDE {
+                let Window { first, weights } = Window::new(filter, side, 5, 11);
+                // A tent's outermost samples weigh nothing where they stand a pixel away.
+                let none = u32::from(filter == Filter::Tent && side % 2 == 1);
+                assert_eq!(weights.len() as u32, own * side - none, "{filter} {side}");
+                let mean: f64 = (first..).zip(&weights).map(|(s, weight)| (f64::from(s) + 0.5) * weight).sum();
+                assert!((mean / f64::from(side) - 5.5).abs() < 1e-12, "{filter} {side}: {mean}");
+                for pixel in 0..11 {
+                    let window = Window::new(filter, side, pixel, 11);
+                    assert!((window.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                    assert!(window.end() <= 11 * side && window.weights.iter().all(|weight| *weight > 0.0));
+                    assert!(window.first <= pixel * side && window.end() >= (pixel + 1) * side);
+                }
+            }
+        }
+        assert_eq!(Window::new(Filter::Tent, 2, 0, 3).weights, [0.75, 0.75, 0.25].map(|weight: f64| weight / 1.75));
+    }
+
+    #[test]
+    fn what_is_no_grid_is_refused_by_name() {
+        for samples in [0, 2, 5, 65, 81, u32::MAX] {
+            let message = side_of(samples).unwrap_err().to_string();
+            let expected = format!("invalid samples: {samples} a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+            assert_eq!(message, expected);
+        }
+        assert_eq!([1, 4, 9, 16, 25, 36, 49, 64].map(|samples| side_of(samples).unwrap()), [1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+}

@@ -1,0 +1,196 @@
+//! Rows of samples in, rows of pixels out.
+
+use std::collections::VecDeque;
+
+use super::{Filter, Window};
+use crate::{
+    View,
+    frame::{Rows, ViewRows},
+    output,
+};
+
+/// Filters a picture's samples as they come, row after row: it holds no more of them than the rows of pixels that a row of samples is
+/// part of, three at most.
+pub(crate) struct Gather {
+    side: u32,
+    /// Of the picture, in pixels.
+    size: [u32; 2],
+    filter: Filter,
+    /// Whether linear colour is wanted, too.
+    linear: bool,
+    columns: Vec<Window>,
+    /// A row of samples, filtered along the row.
+    across: Vec<[f64; 3]>,
+    /// From the first row that is not done to the last one that has a sample.
+    begun: VecDeque<Begun>,
+    /// What each view shows in the centres of pixels that are not handed on yet, from the first row on.
+    centres: VecDeque<Vec<ViewRows>>,
+    /// Whether that is taken from the samples; else it was there before.
+    from_samples: bool,
+    /// The first row that is not done.
+    first: u32,
+}
+
+/// A row of pixels at work.
+struct Begun {
+    window: Window,
+    /// Of each view.
+    views: Vec<Sums>,
+}
+
+/// What a row of a view has so far.
+#[derive(Clone)]
+struct Sums {
+    colors: Vec<[f64; 3]>,
+    costs: Vec<u32>,
+}
+
+impl Gather {
+    /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
+    /// samples do that stand there, or to the right of there and below.
+    pub(crate) fn new(
+        size: [u32; 2],
+        side: u32,
+        filter: Filter,
+        linear: bool,
+        centres: Option<VecDeque<Vec<ViewRows>>>,
+    ) -> Self {
+        Self {
+            side,
+            size,
+            filter,
+            linear,
+            columns: (0..size[0]).map(|column| Window::new(filter, side, column, size[0])).collect(),
+            across: vec![[0.0; 3]; size[0] as usize],
+            begun: VecDeque::new(),
+            from_samples: centres.is_none(),
+            centres: centres.unwrap_or_default(),
+            first: 0,
+        }
+    }
+
+    /// Takes the next rows of samples; gives the rows of pixels that are done by them, if any are.
+    pub(crate) fn add(&mut self, samples: &Rows) -> Option<Rows> {
+        if self.from_samples {
+            let picked = samples.views.iter().map(|view| self.picked(samples.first, view)).collect();
+            self.centres.push_back(picked);
+        }
+        let mut done: Vec<Begun> = Vec::new();
+        for row in 0..samples.views[0].view.height {
+            let sample = samples.first + row;
+            self.begin(sample, samples.views.len());
+            for (view, samples) in samples.views.iter().enumerate() {
+                self.add_row(sample, view, &samples.view, row);
+            }
+            // One after the other; several at the picture's last row of samples.
+            while self.begun.front().is_some_and(|begun| begun.window.end() == sample + 1) {
+                done.extend(self.begun.pop_front());
+                self.first += 1;
+            }
+        }
+        (!done.is_empty()).then(|| self.hand_on(done))
+    }
+
+    /// Begins the rows of pixels whose first samples stand in this row.
+    fn begin(&mut self, sample: u32, views: usize) {
+        let [width, height] = self.size;
+        for row in self.first + self.begun.len() as u32..height {
+            let window = Window::new(self.filter, self.side, row, height);
+            if window.first > sample {
+                return;
+            }
+            let sums = Sums { colors: vec![[0.0; 3]; width as usize], costs: Vec::new() };
+            self.begun.push_back(Begun { window, views: vec![sums; views] });
+        }
+    }
+
+    /// Adds a row of samples of a view to the rows of pixels that it is part of.
+    fn add_row(&mut self, sample: u32, view: usize, samples: &View, row: u32) {
+        let width = samples.width as usize;
+        let begin = row as usize * width;
+        let colors = &samples.linear[begin..begin + width];
+        for (sum, window) in self.across.iter_mut().zip(&self.columns) {
+            *sum = [0.0; 3];
+            for (color, weight) in colors[window.first as usize..].iter().zip(&window.weights) {
+                (0..3).for_each(|channel| sum[channel] += weight * f64::from(color[channel]));
+            }
+        }
+        for begun in &mut self.begun {
+            // All that are begun have this row: they go when their last one was added.
+            let weight = begun.window.weights[(sample - begun.window.first) as usize];
+            for (color, sum) in begun.views[view].colors.iter_mut().zip(&self.across) {
+                (0..3).for_each(|channel| color[channel] += weight * sum[channel]);
+            }
+        }
+        if !samples.cost.is_empty() {
+            let costs = samples.cost[begin..begin + width].chunks_exact(self.side as usize);
+            let own = &mut self.begun[(sample / self.side - self.first) as usize].views[view].costs;
+            own.resize(self.size[0] as usize, 0);
+            own.iter_mut().zip(costs).for_each(|(sum, costs)| *sum += costs.iter().sum::<u32>());
+        }
+    }
+
+    /// What samples in the centres of pixels show, or beside there, of all but colour and cost.
+    fn picked(&self, first: u32, samples: &ViewRows) -> ViewRows {
+        let (side, middle) = (self.side, self.side / 2);
+        let mut picked = ViewRows::new(self.size[0]);
+        let mut places = Vec::new();
+        for row in (0..samples.view.height).filter(|row| (first + row) % side == middle) {
+            picked.view.height += 1;
+            let columns = (0..self.size[0]).map(|column| column * side + middle);
+            places.extend(columns.map(|column| row as usize * samples.view.width as usize + column as usize));
+        }
+        picked.view.depth = at(&places, &samples.view.depth);
+        picked.view.primitive = at(&places, &samples.view.primitive);
+        picked.view.object = at(&places, &samples.view.object);
+        picked.source = at(&places, &samples.source);
+        picked.shadow_source = at(&places, &samples.shadow_source);
+        picked
+    }
+
+    fn hand_on(&mut self, done: Vec<Begun>) -> Rows {
+        let rows = done.len() as u32;
+        let mut views = self.next_centres(rows, done[0].views.len());
+        let centre_costs: Vec<_> = views.iter_mut().map(|rows| std::mem::take(&mut rows.view.cost)).collect();
+        for sums in done.into_iter().map(|begun| begun.views) {
+            for (view, sums) in views.iter_mut().map(|rows| &mut rows.view).zip(sums) {
+                let linear = sums.colors.iter().map(|color| color.map(|value| value as f32));
+                view.rgba8.extend(linear.clone().map(|color| {
+                    let [red, green, blue] = color.map(output::encode);
+                    [red, green, blue, 255]
+                }));
+                if self.linear {
+                    view.linear.extend(linear.map(|[red, green, blue]| [red, green, blue, 1.0]));
+                }
+                view.cost.extend(sums.costs);
+            }
+        }
+        for (view, costs) in views.iter_mut().zip(centre_costs) {
+            view.view.cost.iter_mut().zip(costs).for_each(|(sum, cost)| *sum += cost);
+        }
+        Rows { first: self.first - rows, views }
+    }
+
+    /// What so many views show in the centres of the next rows of pixels, without colour.
+    fn next_centres(&mut self, rows: u32, views: usize) -> Vec<ViewRows> {
+        let mut taken: Vec<_> = (0..views).map(|_| ViewRows::new(self.size[0])).collect();
+        let mut missing = rows;
+        while missing > 0 {
+            let mut next = self.centres.pop_front().expect("a pixel's centre is among its samples");
+            let height = next[0].view.height;
+            if height > missing {
+                let below = next.iter_mut().map(|rows| rows.split_off(missing)).collect();
+                self.centres.push_front(below);
+            }
+            missing -= height.min(missing);
+            taken.iter_mut().zip(next).for_each(|(taken, next)| taken.append(next));
+        }
+        taken
+    }
+}
+
+/// Those that stand at these places of a list, or none of an empty one.
+fn at<T: Copy>(places: &[usize], list: &[T]) -> Vec<T> {
+    let places = if list.is_empty() { &[] } else { places };
+    places.iter().map(|&place| list[place]).collect()
+}
