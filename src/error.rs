@@ -122,6 +122,15 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// An option that nothing can be rendered with.
+    #[non_exhaustive]
+    #[error("invalid options: {option}: {reason}")]
+    Options {
+        /// Which one.
+        option: &'static str,
+        /// What is wrong with its value.
+        reason: String,
+    },
     /// A name that is none of those known.
     #[non_exhaustive]
     #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]

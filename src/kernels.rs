@@ -94,7 +94,7 @@ impl std::fmt::Debug for Kernel {
 impl Kernel {
     /// Pixels of a thread's block in x and in y.
     pub(crate) fn block(&self, with: &Variant) -> u32 {
-        if !self.touches.geometry() { 1 } else { with.traversal.rays.block() }
+        if !self.touches.geometry() { 1 } else { with.of_kernel(self).traversal.rays.block() }
     }
 
     /// Linear colour that it uses, where somebody wants it, and where that is bound in group 1.

@@ -129,7 +129,9 @@ pub use gpu::{Adapter, Gpu};
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
-pub use renderer::{GBuffer, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async};
+pub use renderer::{
+    GBuffer, MAX_BOUNCES, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async,
+};
 pub use rig::{Rig, RigView, Views};
 pub use scene::builtin::Builtin;
 pub use scene::{

@@ -67,12 +67,14 @@ pub struct Rays {
     pub verification: u64,
     /// Any-hit rays towards lights.
     pub shadow: u64,
+    /// Closest-hit rays that mirrors, glass and veils send on.
+    pub secondary: u64,
 }
 
 impl Rays {
     /// All kinds together.
     pub fn total(&self) -> u64 {
-        self.primary + self.verification + self.shadow
+        self.primary + self.verification + self.shadow + self.secondary
     }
 }
 

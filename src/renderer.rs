@@ -26,9 +26,15 @@ pub struct Options {
     pub cost_map: bool,
     /// What is kept of each pixel besides its colour.
     pub g_buffer: GBuffer,
+    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to [`MAX_BOUNCES`]. What would be seen
+    /// after more is black. 5 where nothing is said.
+    pub bounces: u32,
     /// Keep linear colour too, as [`View::linear`](crate::View::linear).
     pub linear: bool,
 }
+
+/// The most that [`Options::bounces`] may be.
+pub const MAX_BOUNCES: u32 = 8;
 
 /// What is kept of each pixel besides its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -46,7 +52,7 @@ pub enum GBuffer {
 impl Options {
     /// The given method, nothing counted.
     pub fn new(method: Method) -> Self {
-        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, linear: false }
+        Self { method, count: false, cost_map: false, g_buffer: GBuffer::Ids, bounces: 5, linear: false }
     }
 
     /// How the right view is made.
@@ -67,10 +73,26 @@ impl Options {
         self
     }
 
+    /// Surfaces that a ray may come from, one behind the other, 0 to [`MAX_BOUNCES`].
+    pub fn bounces(mut self, bounces: u32) -> Self {
+        self.bounces = bounces;
+        self
+    }
+
     /// Whether [`View::linear`](crate::View::linear) is kept too.
     pub fn linear(mut self, linear: bool) -> Self {
         self.linear = linear;
         self
+    }
+
+    /// # Errors
+    /// [`Error::Options`] for a value out of its range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if self.bounces <= MAX_BOUNCES {
+            return Ok(());
+        }
+        let reason = format!("{}; there can be 0 to {MAX_BOUNCES}", self.bounces);
+        Err(Error::Options { option: "bounces", reason })
     }
 
     /// What is kept of each pixel besides its colour.

@@ -52,7 +52,8 @@ pub(crate) struct ShadingTable<'a> {
 
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
-        Self { scene, each: material_texels(scene.materials().iter().any(Material::shines)) }
+        let more = |material: &Material| material.shines() || material.sends_rays();
+        Self { scene, each: material_texels(scene.materials().iter().any(more)) }
     }
 
     /// Texels before the sky's pixels.
@@ -118,9 +119,20 @@ fn sky_pixels(scene: &Scene) -> &[Vec3] {
 /// A material's texels (materials.wgsl).
 fn material_of(material: &Material) -> [Texel; 4] {
     let texture = material.texture.map_or(0, |texture| texture.0 + 1);
-    // A mirror's specular colour is what it reflects, not a highlight's.
-    let specular = if material.finish == Finish::Matte { material.specular } else { Vec3::ZERO };
-    [texel(material.albedo, texture), texel(specular, material.exponent.to_bits()), texel(material.emission, 0), [0; 4]]
+    let (kind, fresnel, transmission, index) = match material.finish {
+        Finish::Matte => (0, false, Vec3::ZERO, 1.0),
+        Finish::Mirror { fresnel } => (1, fresnel, Vec3::ZERO, 1.0),
+        Finish::Glass { index, transmission, fresnel } => (2, fresnel, transmission, index),
+    };
+    // How much glass hides its transmission says.
+    let opacity = if kind == 2 { 1.0 } else { material.opacity };
+    let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
+    [
+        texel(material.albedo, texture | finish << 24),
+        texel(material.specular, material.exponent.to_bits()),
+        texel(material.emission, opacity.to_bits()),
+        texel(transmission, f32::to_bits(index)),
+    ]
 }
 
 fn head_of(texture: &Texture, at: u32) -> Texel {

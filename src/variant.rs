@@ -11,7 +11,10 @@ use crate::{
         Kernel, Touches,
     },
     large::LARGE,
-    steps::resolve::{RESOLVE_TRUSTED, TAKE_OVER},
+    steps::{
+        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
+        resolve::{RESOLVE_TRUSTED, TAKE_OVER},
+    },
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
     wgsl::{self, Choice},
 };
@@ -62,9 +65,9 @@ impl TexelPlaces {
     }
 }
 
-/// Texels of a material in the shading table.
-pub(crate) fn material_texels(shine: bool) -> usize {
-    if shine { 4 } else { 1 }
+/// Texels of a material in the shading table; `more` where some material shines or sends rays on.
+pub(crate) fn material_texels(more: bool) -> usize {
+    if more { 4 } else { 1 }
 }
 
 /// How a sky is made.
@@ -102,6 +105,8 @@ pub(crate) struct Variant {
     pub(crate) textures: bool,
     /// Some material has highlights or gives off light.
     pub(crate) shine: bool,
+    /// Some surface sends rays on: a mirror, glass or a veil.
+    pub(crate) mirrors: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     pub(crate) sky: SkyKind,
@@ -137,6 +142,7 @@ impl Variant {
         colors: false,
         textures: false,
         shine: false,
+        mirrors: false,
         lights: false,
         shadows: Shadows::None,
         sky: SkyKind::Constant,
@@ -168,6 +174,7 @@ impl Variant {
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
+            mirrors: scene.materials().iter().any(Material::sends_rays),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),
@@ -189,6 +196,15 @@ impl Variant {
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
             Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
+            // One ray a lane, which starts anywhere; and where none is cast, a pixel a lane.
+            Touches::Shading if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) => Self {
+                traversal: self.traversal.rays(RaysPerLane::One),
+                close: true,
+                samples: false,
+                second: false,
+                bits: ShadowReuse::Rays,
+                ..self
+            },
             Touches::Shading => self,
             Touches::RayList => Self { bits: ShadowReuse::Rays, ..self.unlit() },
         }
@@ -204,6 +220,7 @@ impl Variant {
         Self {
             textures: false,
             shine: false,
+            mirrors: false,
             lights: false,
             shadows: Shadows::None,
             sky: SkyKind::Constant,
@@ -225,7 +242,7 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 20] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 21] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -259,6 +276,11 @@ impl Kernel {
             "shade_listed" => "taken_or_traced",
             _ => "traced",
         };
+        let mirrors = match self.name {
+            _ if !with.mirrors => "none",
+            "trace_mirrored" => "followed",
+            _ => "listed",
+        };
         let bits = match with.bits {
             ShadowReuse::Rays => "none",
             ShadowReuse::Two => "two",
@@ -278,6 +300,7 @@ impl Kernel {
             ("colors", if with.colors { "some" } else { "none" }),
             ("textures", if with.textures { "some" } else { "none" }),
             ("shine", if with.shine { "some" } else { "none" }),
+            ("mirrors", mirrors),
             ("sky", sky),
             ("lights", if with.lights { "some" } else { "none" }),
             ("shadows", shadows),
@@ -296,7 +319,7 @@ impl Kernel {
         let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
         let bits = self.samples(with) == Some(Write);
         let TexelPlaces { uv, colors, count } = with.texel_places();
-        let (shine, material_texels) = (with.shine, material_texels(with.shine));
+        let (shine, material_texels) = (with.shine, material_texels(with.shine || with.mirrors));
         format!(
             "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
              const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\

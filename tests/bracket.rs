@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{ball, gpu_with_limits, is_exact, random_stage, render, renderer};
+use common::{ball, gpu_with_limits, is_exact, random::Random, random_ellipsoid, random_stage, render, renderer};
 use stereotrace::{
     Boxes, Fetch, MISS, Material, Mesh, Method, Options, PixelSource, PointLight, Pose, RaysPerLane, Renderer, Rig,
     Scene, ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
@@ -179,8 +179,12 @@ fn tiles_are_bounded_and_pixels_finished_as_in_plain_rust() {
 #[test]
 fn shadow_bits_are_taken_where_plain_rust_takes_them() {
     let exact = is_exact(&renderer());
-    for (seed, e_px) in [(0, 6.0), (1, 6.0), (2, 25.0), (3, 25.0)] {
-        let (scene, camera) = (random_stage(seed), camera().interaxial_pixels(e_px));
+    for (seed, e_px, ellipsoids) in [(0, 6.0, 0), (1, 6.0, 0), (2, 25.0, 0), (3, 25.0, 0), (4, 6.0, 12)] {
+        let (mut scene, camera) = (random_stage(seed), camera().interaxial_pixels(e_px));
+        let mut random = Random::new(seed);
+        for index in 0..ellipsoids {
+            scene.add_ellipsoid(random_ellipsoid(&mut random, index % 2 == 1, 0.6)).unwrap();
+        }
         let frame = Frame::new(&camera.pose().unwrap());
         let left = trace_left(&scene, &frame, Eye::Left);
         for (reuse, method) in BITS {

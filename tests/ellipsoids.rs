@@ -157,6 +157,7 @@ fn scenes() -> Vec<(String, Scene, StereoCamera)> {
         scene
     };
     scenes.push(("discs".into(), extreme(Vec3::new(0.5, 0.0005, 0.5), 60, 1.0), camera()));
+    scenes.push(("leaves".into(), extreme(Vec3::new(0.9, 0.0001, 0.9), 40, 1.0), camera()));
     scenes.push(("needles".into(), extreme(Vec3::new(0.002, 0.002, 1.0), 200, 1.0), camera()));
     scenes.push(("grains".into(), extreme(Vec3::new(0.012, 0.006, 0.01), 3000, 1.0), camera()));
     scenes.push(("about the eyes".into(), extreme(Vec3::new(6.0, 0.8, 3.0), 12, 3.0), camera()));
@@ -272,35 +273,64 @@ fn flat_and_thin_ones_are_met_where_they_are_from_near_and_far() {
     }
 }
 
-/// Everything the eye sees, a light at the eye lights: a dark pixel is shadow acne.
+/// How many of the pixels that show an ellipsoid all around are dark, in the light of one lamp: shadow acne where it stands beside the eye.
+fn dark(one: Ellipsoid, camera: &StereoCamera, lamp: Vec3) -> (usize, usize) {
+    let mut scene = Scene::new();
+    scene.add_ellipsoid(one).unwrap();
+    scene.ambient = Some(Vec3::ZERO);
+    scene.lights = vec![PointLight::new(lamp, Vec3::ONE)];
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let camera = camera.size(160, 120).interaxial(0.0);
+    let view = renderer.render(&uploaded, &camera, &Options::new(Method::Ideal)).unwrap().left;
+    let inner = (1..119).flat_map(|row| (1..159).map(move |column| row * 160 + column));
+    let seen = inner.filter(|&at| [at, at - 1, at + 1, at - 160, at + 160].iter().all(|&at| view.primitive[at] == 0));
+    seen.fold((0, 0), |(dark, seen), at| (dark + usize::from(view.rgba8[at][0] == 0), seen + 1))
+}
+
 #[test]
 fn no_ellipsoid_shadows_what_faces_the_light() {
     for (scale, offset) in [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1e-3, 1.0)] {
         for radii in [Vec3::new(1.0, 0.3, 0.6), Vec3::new(1.0, 0.001, 1.0), Vec3::new(0.15, 0.15, 1.0)] {
             let center = Vec3::splat(offset);
             let turn = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 0.7));
-            let mut scene = Scene::new();
-            scene
-                .add_ellipsoid(Ellipsoid::new(center, turn * Mat3::from_diagonal(radii * scale), MaterialId(0)))
-                .unwrap();
-            scene.ambient = Some(Vec3::ZERO);
-            let camera =
-                StereoCamera::look_at(center + Vec3::new(1.0, 2.0, 4.0) * scale, center).size(160, 120).interaxial(0.0);
-            scene.lights = vec![PointLight::new(camera.pose().unwrap().eye, Vec3::ONE)];
-            let mut renderer = renderer();
-            let uploaded = renderer.upload(&scene).unwrap();
-            let view = renderer.render(&uploaded, &camera, &Options::new(Method::Ideal)).unwrap().left;
-            let inner = (1..119).flat_map(|row| (1..159).map(move |column| row * 160 + column));
-            let seen =
-                inner.filter(|&at| [at, at - 1, at + 1, at - 160, at + 160].iter().all(|&at| view.primitive[at] == 0));
-            let (dark, seen) =
-                seen.fold((0, 0), |(dark, seen), at| (dark + usize::from(view.rgba8[at][0] == 0), seen + 1));
+            let one = Ellipsoid::new(center, turn * Mat3::from_diagonal(radii * scale), MaterialId(0));
+            let camera = StereoCamera::look_at(center + Vec3::new(1.0, 2.0, 4.0) * scale, center);
+            let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye);
             assert!(
                 seen > 100 && dark == 0,
                 "{radii} at {scale} and {offset}: {dark} of {seen} pixels shadow themselves"
             );
         }
     }
+}
+
+/// The world's origin is on the surface, half way from a flat disc's middle to its rim: all that is known of the point is in products that cancel.
+#[test]
+fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
+    let mut faults = Vec::new();
+    for aspect in [30.0, 1000.0, 0.99 * MAX_ASPECT] {
+        for (index, radius) in [1.0, 1.0, 1e5, 1e6].into_iter().enumerate() {
+            let turn = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.3, 0.8).normalize(), 0.7 + index as f32));
+            let axes = turn * Mat3::from_diagonal(Vec3::new(radius, radius / aspect, radius));
+            let point = Vec3::new(0.4, 0.3_f32.sqrt(), 0.54_f32.sqrt());
+            let one = Ellipsoid::new(-(axes * point), axes, MaterialId(0));
+            let normal = (axes.inverse().transpose() * point).normalize();
+            // In lengths of its thickness, which is where f32 begins to be enough for spheres, and in its radius.
+            for height in [0.3, 1.0, 3.0, 10.0].map(|lengths| lengths / aspect).into_iter().chain([0.03, 0.1, 0.3]) {
+                let eye = normal * (height * radius);
+                let camera = StereoCamera::look_at(eye, Vec3::ZERO).up(axes.x_axis).vertical_fov_degrees(30.0);
+                for lamp in [1.0, 10.0] {
+                    let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye * lamp);
+                    assert!(seen > 1000, "{seen}");
+                    if dark > 0 {
+                        faults.push(format!("{aspect} to 1, {radius} from {height}, lamp {lamp}: {dark} of {seen}"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "pixels that shadow themselves: {faults:#?}");
 }
 
 #[test]

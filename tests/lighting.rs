@@ -4,7 +4,7 @@ mod common;
 
 use common::renderer;
 use stereotrace::{
-    Error, Material, MaterialId, Mesh, Method, PointLight, Scene, Sky, Sphere, StereoCamera,
+    Ellipsoid, Error, Material, MaterialId, Mesh, Method, PointLight, Scene, Sky, Sphere, StereoCamera,
     cpu::intersect::closest_hit, glam::Vec3, scene::builtin::Builtin,
 };
 
@@ -77,7 +77,7 @@ fn lights_by_rule_keep_the_ambient_light_that_was_given() {
     }
 }
 
-/// Nothing is between the eye and a light, nor is a light in a sphere.
+/// Nothing is between the eye and a light, nor is a light in a sphere or an ellipsoid.
 fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
     let eye = camera.pose().unwrap().eye;
     for (index, light) in scene.lights.iter().enumerate() {
@@ -86,6 +86,8 @@ fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
         assert!(way == 1.0, "{case}: light {index} at {at} is {way} of its way behind something");
         let inside = |sphere: &Sphere| at.as_dvec3().distance(sphere.center.as_dvec3()) < f64::from(sphere.radius);
         assert!(!scene.spheres().iter().any(inside), "{case}: light {index} at {at} is in a sphere");
+        let within = |one: &Ellipsoid| (one.axes.inverse() * (at - one.center)).length() < 1.0;
+        assert!(!scene.ellipsoids().iter().any(within), "{case}: light {index} at {at} is in an ellipsoid");
         assert!(at.distance(eye) > 0.01, "{case}: light {index} is in the eye");
     }
 }
@@ -103,6 +105,14 @@ fn lights_stand_in_the_eyes_surroundings_and_not_in_the_ground() {
             scene.add_sphere(object).unwrap();
             scene.place_lights(7, &camera).unwrap();
             assert_seen(&scene, &camera, &format!("ground sphere of {radius} under {eye}"));
+        }
+        for [width, height] in [[100.0, 50.0], [1000.0, 20.0], [1e4, 1e3], [20.0, 1000.0]] {
+            let mut scene = Scene::new();
+            let radii = Vec3::new(width, height, width);
+            scene.add_ellipsoid(Ellipsoid::aligned(Vec3::NEG_Y * height, radii, MaterialId(0))).unwrap();
+            scene.add_sphere(object).unwrap();
+            scene.place_lights(7, &camera).unwrap();
+            assert_seen(&scene, &camera, &format!("ground ellipsoid of {radii} under {eye}"));
         }
         for half in [200.0, 1e4, 1e6] {
             let mut scene = ground(half);

@@ -76,6 +76,7 @@ struct Surface {
     reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a ball
     outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
     radius: f32,               // of a ball
+    from_outside: bool,        // the ray comes from the side on which its corners run counterclockwise, or from outside a ball
 }
 
 // Lowest bit of a component: of a sphere or an ellipsoid.

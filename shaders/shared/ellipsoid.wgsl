@@ -60,17 +60,21 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
     return Found((inside >= F(0.0)) & !close, t, close);
 }
 
-// Of the products of the matrix and an offset, what their sum must be over, or the rounding of t shows.
-const CANCELLED: f32 = 1.0 / 16.0;
+// Of what cancels in the matrix's products, how far the origin must be from the sphere, or their rounding shows in t.
+const CANCELLED: f32 = 0.25;
 
-// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in sphere.wgsl, or because products
-// cancel. These do where a tilted flat ellipsoid is nearer than its centre.
+// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in sphere.wgsl, or for what cancels in
+// the matrix's products. That is much beside a tilted flat ellipsoid whose centre is far; where the centre is farther than any of
+// the surface's size, t is as long, and it does not matter.
 fn is_close_ellipsoid(primitive: Primitive, from_origin: vec3f, to_center: vec3f) -> bool {
     let radius = primitive.reach;
     let distance = abs(dot(to_center, to_center) - radius * radius);
     let way = abs(from_origin);
-    let most = max(dot(abs(primitive.b), way), max(dot(abs(primitive.c), way), dot(abs(primitive.d), way)));
-    return distance < 0.5 * radius * radius || distance < radius * (most * CANCELLED);
+    let products = vec3f(dot(abs(primitive.b), way), dot(abs(primitive.c), way), dot(abs(primitive.d), way));
+    let cancelled = products - abs(to_center);
+    let far = max(cancelled.x, max(cancelled.y, cancelled.z)) * CANCELLED;
+    let beside = dot(from_origin, from_origin) < 4.0 * radius * radius;
+    return distance < 0.5 * radius * radius || (distance < (2.0 * radius + far) * far && beside);
 }
 
 fn to_sphere_two(primitive: Primitive, v: Two3) -> Two3 {
@@ -109,8 +113,9 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     // Normals go back by the matrix transposed.
     let outwards = to_sphere(primitive, largest_one(from_center));
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
+    let outside = dot(across, direction) < 0.0;
     let normal = towards_viewer(normalize(largest_one(across)), direction);
-    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal));
+    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal), outside);
 }
 
 // Of the sphere whose surface the map stretches by as much everywhere as the ellipsoid's where its normal is this one: an area grows by the

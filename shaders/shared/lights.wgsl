@@ -1,12 +1,5 @@
 // Omnidirectional point lights (DESIGN, section 3); who sees them is for visibility.wgsl to say.
 
-// What lights send to points: to a white dull surface there, and on to the eye as highlights.
-struct Light {
-    diffuse: F3,
-    shine: F3,
-}
-
-//! if lights is some
 // A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
 // the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
 // measurement.
@@ -16,6 +9,13 @@ const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 // computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
+// What lights send to points: to a white dull surface there, and on to the eye as highlights.
+struct Light {
+    diffuse: F3,
+    shine: F3,
+}
+
+//! if lights is some
 // From a light to the points that a lane's rays hit.
 struct ShadowRay {
     light: vec3f,
@@ -51,7 +51,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
         let direction = times3(from_light, 1.0 / distance);
         let cosine = -dot3(surfaces.shading_normal, direction);
         // Behind the triangle itself there is no light, whatever a smooth normal says.
-        let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & surfaces.there;
+        let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & is_lit_here(surfaces);
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));
             if is_put_off(faces) { break; }

@@ -1,10 +1,13 @@
 // What a surface is made of: its texels of the shading table, behind the lights'.
 
-// Texels of a material: albedo, and one more than its texture's number; then specular colour and Phong's exponent; then what it gives
-// off, and its finish; then what it lets through, and its index of refraction. Where all are dull and untextured, the first alone.
+// Texels of a material: albedo, and one more than its texture's number with its finish above that; then specular colour and Phong's
+// exponent; then what it gives off, and its opacity; then what it lets through, and its index of refraction. Where all are dull, the
+// first alone.
 const MATERIAL_ALBEDO: u32 = 0u;
 const MATERIAL_SPECULAR: u32 = 1u;
 const MATERIAL_EMISSION: u32 = 2u;
+const MATERIAL_TRANSMISSION: u32 = 3u;
+const MATERIAL_TEXTURE: u32 = 0x00ffffffu;
 
 fn material_texel(material: u32, texel: u32) -> vec4u {
     return table_texel(LIGHTS + 2u * table_texel(AMBIENT).w + MATERIAL_TEXELS * material + texel);
@@ -38,4 +41,65 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let cosine = dot3(mirrored, to_eye) / sqrt(dot3(to_eye, to_eye));
     // pow of 0 is left open where the exponent is 0 too.
     return times3(surfaces.specular, select(F(0.0), pow(max(cosine, F(1e-30)), surfaces.exponent), cosine > F(0.0)));
+}
+
+//! if mirrors is none
+fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    return surfaces;
+}
+
+//! if mirrors is listed
+fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    var sending = surfaces;
+    sending.sends = with_ray_u(surfaces.sends, ray, select(0u, 1u, sends_rays(material)));
+    return sending;
+}
+
+//! if mirrors is followed
+fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    return surfaces;
+}
+
+//! if mirrors is none or followed
+// Whether a kernel asks for surfaces' lights.
+fn is_lit_here(surfaces: Surfaces) -> B {
+    return surfaces.there;
+}
+
+//! if mirrors is listed
+// trace_mirrored asks for those of mirrors and the like.
+fn is_lit_here(surfaces: Surfaces) -> B {
+    return surfaces.there & (surfaces.sends == U(0u));
+}
+
+//! if mirrors is listed or followed
+// Whether rays go on from it, by reflection or through it.
+fn sends_rays(material: u32) -> bool {
+    return material_texel(material, MATERIAL_ALBEDO).w > MATERIAL_TEXTURE;
+}
+
+const MIRROR: u32 = 1u;
+const GLASS: u32 = 2u;
+
+// What a surface does with a ray that meets it.
+struct Finish {
+    kind: u32,            // 0: nothing but what its opacity says
+    fresnel: bool,
+    opacity: f32,         // share of what is behind it that it hides
+    reflected: vec3f,
+    transmission: vec3f,
+    index: f32,           // of refraction
+}
+
+fn finish_of(material: u32) -> Finish {
+    let word = material_texel(material, MATERIAL_ALBEDO).w >> 24u;
+    let through = material_texel(material, MATERIAL_TRANSMISSION);
+    return Finish(
+        word & 3u,
+        (word & 4u) != 0u,
+        bitcast<f32>(material_texel(material, MATERIAL_EMISSION).w),
+        bitcast<vec3f>(material_texel(material, MATERIAL_SPECULAR).xyz),
+        bitcast<vec3f>(through.xyz),
+        bitcast<f32>(through.w),
+    );
 }

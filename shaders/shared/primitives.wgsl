@@ -77,5 +77,5 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
 
 //! if primitives is none
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
-    return Surface(vec3f(0.0), vec3f(0.0), 0u, 0u, 0.0, vec3f(0.0), 0.0);
+    return Surface(vec3f(0.0), vec3f(0.0), 0u, 0u, 0.0, vec3f(0.0), 0.0, true);
 }

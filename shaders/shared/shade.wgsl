@@ -57,6 +57,7 @@ struct Surfaces {
     specular: F3,
     exponent: F,
     emission: F3,
+    sends: U,               // 1 of mirrors and the like, which are shaded later
 }
 
 // Primary rays from an eye, shaded; those that are not wanted see the sky.
@@ -66,13 +67,18 @@ fn trace_pixels(rays: Rays, wanted: B) -> Samples {
 }
 
 fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
-    let light = direct_light(surfaces, rays.origin);
-    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), light.diffuse));
-    if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
-    color = select3(sky(rays.direction), color, surfaces.there);
+    let color = radiance(rays, hits, surfaces);
     let depth = select(F(FAR), hits.t, surfaces.there);
     let slots = select(U(MISS), hits.slot, surfaces.there);
     return Samples(in_range(color), depth, slots, surfaces.component, light_bits());
+}
+
+// What comes along rays from what they hit, in linear colour, as bright as it may be.
+fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
+    let light = direct_light(surfaces, rays.origin);
+    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), light.diffuse));
+    if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
+    return select3(sky(rays.direction), color, surfaces.there);
 }
 
 // Normals and albedos are fetched here, once a hit.
@@ -91,6 +97,7 @@ fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
             let albedo = bitcast<vec3f>(material_texel(surface.material, MATERIAL_ALBEDO).xyz);
             found.albedo = with_ray3(found.albedo, ray, albedo * texture_factor(rays, hits, surface, ray));
             found = with_shine(found, ray, surface.material);
+            found = with_sends(found, ray, surface.material);
         }
         ray += 1u;
         if ray >= RAYS { break; }

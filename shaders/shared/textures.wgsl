@@ -1,5 +1,8 @@
 // Textures: pictures with their mip levels, and checkerboards, in the shading table behind the sky's pixels.
 
+// How far the rays came before they began: what mirrors and glass sent on.
+var<private> travelled_before: F;
+
 //! if textures is none
 fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     return vec3f(1.0);
@@ -25,7 +28,7 @@ struct Lookup {
 
 // What textures and vertex colours multiply the albedo by where a ray hits.
 fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w;
+    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
     let painted = vertex_color(rays, hits, surface, ray);
     if texture == 0u { return painted; }
     return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
@@ -134,7 +137,7 @@ fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
-    let across = of_ray(hits.t, ray) * length(frame.step_x);
+    let across = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
     // Directions are of length 1 along the view axis: the longer one is, the more the pixel is aslant to it too.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }

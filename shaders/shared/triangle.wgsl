@@ -109,7 +109,9 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
-    return Surface(geometric, shading_normal(slot, of_ray3(weights, ray), geometric), last.w & MATERIAL, second.w, reach_of(last.w), vec3f(0.0), 0.0);
+    let shading = shading_normal(slot, of_ray3(weights, ray), geometric);
+    let outside = dot(scaled, of_ray3(rays.direction, ray)) < 0.0;
+    return Surface(geometric, shading, last.w & MATERIAL, second.w, reach_of(last.w), vec3f(0.0), 0.0, outside);
 }
 
 fn triangle_corners(slot: u32) -> array<vec3f, 3> {

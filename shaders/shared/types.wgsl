@@ -35,7 +35,8 @@ struct Frame {
     cost_of_listed: f32,
     second_parallax_px: f32,     // parallax_px and same_parallax from the source on the target's other side, where there is one
     second_same_parallax: f32,
-    zeros: vec2u,
+    bounces: u32,                // surfaces that a ray may come from, one behind the other
+    zero: u32,
 }
 
 // Threads of a workgroup in x and in y.
@@ -83,7 +84,7 @@ fn pixel_index(pixel: vec2u) -> u32 {
 }
 
 // Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 11u;
+const COUNTERS: u32 = 12u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
 const PRIMITIVES_TESTED: u32 = 2u;
@@ -95,6 +96,7 @@ const FARTHEST_DEPTH: u32 = 7u;
 const CUT_SHORT: u32 = 8u;
 const GAP_PIXELS: u32 = 9u;
 const CHOSEN: u32 = 10u;
+const SENT_RAYS: u32 = 11u;
 
 // Adds what this thread did to its row's counters of the view.
 fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {

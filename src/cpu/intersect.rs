@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// `CANCELLED` of ellipsoid.wgsl.
-const CANCELLED: f32 = 1.0 / 16.0;
+const CANCELLED: f32 = 0.25;
 /// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
@@ -77,14 +77,15 @@ fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
     (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
 }
 
-/// Whether t must be computed twice as exactly: near the surface, as of a sphere, and where the products of the map cancel, as at a tilted
-/// flat ellipsoid far from its centre.
+/// Whether t must be computed twice as exactly: for the sphere's size, or for what cancels in the map's products.
 pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
-    let to_center = center - origin;
-    let mapped = mapped(map, to_center);
-    let [x, y, z] = map.rows.map(|row| row.abs().dot(to_center.abs()));
-    let distance = (mapped.dot(mapped) - map.radius * map.radius).abs();
-    is_close_to_centered(mapped, map.radius) || distance < map.radius * (x.max(y.max(z)) * CANCELLED)
+    let from_origin = center - origin;
+    let to_center = mapped(map, from_origin);
+    let distance = (to_center.dot(to_center) - map.radius * map.radius).abs();
+    let products = Vec3::from(map.rows.map(|row| row.abs().dot(from_origin.abs())));
+    let far = (products - to_center.abs()).max_element() * CANCELLED;
+    let beside = from_origin.dot(from_origin) < 4.0 * map.radius * map.radius;
+    is_close_to_centered(to_center, map.radius) || (distance < (2.0 * map.radius + far) * far && beside)
 }
 
 fn mapped(map: &ToSphere, v: Vec3) -> Vec3 {

@@ -91,6 +91,7 @@ impl Renderer {
         mut into: Option<&mut wgpu::CommandEncoder>,
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
+        options.check()?;
         let eyes = rig.eyes()?;
         let (.., plan) = self.planned(scene, &eyes, options);
         check(&self.gpu, options, &plan, &eyes)?;
@@ -99,7 +100,7 @@ impl Renderer {
         used.places.insert((Target::Unfinished, 0));
         let targets = self.targets(self.shape(scene, &eyes, options, &plan), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = super::driver(self, scene, &eyes, variant, &targets, &mut go_on);
+        let mut driver = super::driver(self, scene, &eyes, variant, &targets, options.bounces, &mut go_on);
         driver.timestamps = None; // nobody reads them
         driver.upload_tables(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;

@@ -5,7 +5,7 @@ use crate::{
     Error, RaysPerLane,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    steps::trace::TRACE_IN_STEPS,
+    steps::{mirrors, trace::TRACE_IN_STEPS},
     variant::Shadows,
 };
 
@@ -34,6 +34,17 @@ impl Driver<'_> {
         gpu.checked(clear).await?;
         for view in 0..self.eyes.sources.len() {
             self.view_in_steps(band, view, rows, steps).await?;
+        }
+        if self.variant.mirrors {
+            self.set_rows(band);
+            let follow = || {
+                self.upload_frames();
+                let mut encoder = self.encoder();
+                (0..self.frames.len()).for_each(|view| self.encode_all(&mut encoder, &mirrors::of(view)));
+                gpu.queue.submit([encoder.finish()]);
+                Ok(())
+            };
+            gpu.checked(follow).await?;
         }
         self.variant = usual;
         Ok(())
@@ -93,8 +104,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BvhBuild, GBuffer, Gpu, Method, Options, PointLight, Progress, Ray, Renderer, Scene, StereoCamera, StereoPair,
-        Traversal,
+        BvhBuild, Finish, GBuffer, Gpu, Material, Method, Options, PointLight, Progress, Ray, Renderer, Scene, Sphere,
+        StereoCamera, StereoPair, Traversal,
         glam::Vec3,
         random::Random,
         scene::builtin::Builtin,
@@ -116,7 +127,12 @@ mod tests {
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
         let (hall, near) = (Builtin::Hall, Builtin::Near);
+        let mut with_glass = near.scene();
+        let glass = Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true };
+        let glass = with_glass.add_material(Material::new(Vec3::ZERO).specular(Vec3::ONE).finish(glass));
+        with_glass.add_sphere(Sphere::new(Vec3::new(0.0, 1.0, 0.0), 0.8, glass)).unwrap();
         vec![
+            ("near with glass", with_glass, near.camera(37, 23)),
             ("hall", hall.scene(), hall.camera(37, 23)),
             ("near", near.scene(), near.camera(37, 23)),
             ("near by far lights", by_far_lights, near.camera(37, 23)),

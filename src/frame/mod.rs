@@ -115,6 +115,7 @@ impl Renderer {
         on_rows: &'a mut OnRows<'a>,
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
+        options.check()?;
         let (method, early, plan) = self.planned(scene, eyes, options);
         let variant = self.variant(scene, eyes, options, &plan);
         let used = plan.uses(&variant);
@@ -136,7 +137,7 @@ impl Renderer {
             times: PassTimes::default(),
             in_steps: 0,
             on_rows,
-            driver: driver(self, scene, eyes, variant, &targets, progress),
+            driver: driver(self, scene, eyes, variant, &targets, options.bounces, progress),
         };
         frame.run().await?;
         let done = frame.done(method, early, &used);
@@ -149,7 +150,7 @@ impl Renderer {
     fn planned(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
-        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources);
+        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources, scene.variant.mirrors);
         (method, early, plan)
     }
 
@@ -187,6 +188,7 @@ fn driver<'a>(
     eyes: &'a Eyes,
     variant: Variant,
     targets: &'a Targets,
+    bounces: u32,
     progress: &'a mut OnProgress<'a>,
 ) -> Driver<'a> {
     if let Some(timestamps) = &mut renderer.timestamps {
@@ -198,6 +200,7 @@ fn driver<'a>(
         cost_of_search: search,
         cost_of_shadow: shadow,
         cost_of_listed: listed,
+        bounces,
         ..eyes.frame(view)
     };
     Driver {

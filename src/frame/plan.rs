@@ -7,7 +7,7 @@ use super::{
 use crate::{
     BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
     kernels::{Kernel, Touches},
-    steps::{bracket, host, reproject, resolve, trace},
+    steps::{bracket, host, mirrors, reproject, resolve, trace},
     variant::Variant,
 };
 
@@ -121,8 +121,8 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method for views with these sources.
-    pub(crate) fn of(method: Method, sources: &[usize]) -> Self {
+    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on.
+    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool) -> Self {
         let (bits, samples) = match method {
             Method::Auto => (ShadowReuse::Two, true),
             Method::Bracket(shadows) => (shadows, true),
@@ -140,10 +140,15 @@ impl Plan {
             method,
             Method::Atomic(Check::Edges) | Method::Buffer(_, Check::Edges) | Method::Bracket(ShadowReuse::Block)
         );
-        let traced: Vec<_> = views(sources).filter(|&view| sources[view] == view).flat_map(trace::source).collect();
+        let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
+        let traced = views(sources).filter(|&view| sources[view] == view);
+        let traced = traced.flat_map(|view| [trace::source(view), behind(view)].concat()).collect();
         let mut stages = vec![Stage::Steps(traced)];
         for (view, source) in targets(sources) {
             stages.extend(target(method, view, source));
+            if method != Method::Ideal {
+                stages.push(Stage::Steps(behind(view)));
+            }
         }
         let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
         Self { stages: joined(stages), bits, samples, reaches, made, sources: sources.to_vec() }

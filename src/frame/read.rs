@@ -147,6 +147,8 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) shadow_rays: u64,
+    /// By mirrors and the like.
+    pub(crate) sent_rays: u64,
     pub(crate) nodes: u64,
     pub(crate) primitive_tests: u64,
     pub(crate) bad: u64,
@@ -164,6 +166,7 @@ impl Counts {
         let sum = |word| counters.iter().skip(word).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum();
         Self {
             shadow_rays: sum(layout::SHADOW_RAYS),
+            sent_rays: sum(layout::SENT_RAYS),
             nodes: sum(layout::NODES_VISITED),
             primitive_tests: sum(layout::PRIMITIVES_TESTED),
             bad: sum(layout::BAD_PIXELS),

@@ -35,6 +35,7 @@ impl Tally {
         self.work.rays.primary += primary;
         self.work.rays.verification += verification;
         self.work.rays.shadow += counts.shadow_rays;
+        self.work.rays.secondary += counts.sent_rays;
         self.work.nodes += counts.nodes;
         self.work.primitive_tests += counts.primitive_tests;
         self.reused += reused;

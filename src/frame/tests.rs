@@ -96,7 +96,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, by which the source is traced.
-        let mut plan = Plan::of(method, &eyes.sources);
+        let mut plan = Plan::of(method, &eyes.sources, false);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let variant = renderer.variant(&scene, eyes, &Options::default(), &plan);
@@ -106,7 +106,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         let source: Vec<_> = depths.iter().map(|&depth| layout::Pixel { depth, ..Default::default() }).collect();
         renderer.gpu.queue.write_buffer(targets.get(Target::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = driver(&mut renderer, &scene, eyes, variant, &targets, &mut go_on);
+        let mut driver = driver(&mut renderer, &scene, eyes, variant, &targets, 5, &mut go_on);
         driver.begin(&plan).await?;
         let commands = driver.band(&plan, &bands.get(0)).await?;
         renderer.gpu.queue.submit([commands.finish()]);

@@ -13,6 +13,7 @@ use crate::{
             BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
+        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         show::{SHOW_COLOR, SHOW_DEPTH},
@@ -23,7 +24,9 @@ use crate::{
     wgsl::{self, Condition, SHARED},
 };
 
-const ALL: [&Kernel; 27] = [
+const ALL: [&Kernel; 29] = [
+    &LIST_MIRRORS,
+    &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
     &CLOSEST_HITS_IN_STEPS,
     &ANY_HITS_IN_STEPS,
@@ -107,6 +110,7 @@ fn variants() -> Vec<Variant> {
             colors: [3, 5].contains(&surfaces),
             textures: ![0, 4].contains(&surfaces),
             shine: surfaces > 3,
+            mirrors: surfaces % 2 == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
@@ -127,9 +131,12 @@ fn variants() -> Vec<Variant> {
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, and a scene without primitives has no tiles to bound.
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, and a scene without primitives has no tiles to bound.
 fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
+    if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
+        all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
+    }
     if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED]
         .iter()
         .any(|known| known.name == kernel.name)
@@ -166,8 +173,9 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
     assert!(modules.len() > 100, "{}", modules.len());
     for (kernel, with, text) in modules {
         let module = parse(kernel, &with);
-        let info =
-            Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32).validate(&module).unwrap_or_else(|error| {
+        let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
+            .validate(&module)
+            .unwrap_or_else(|error| {
                 let place = place(&text, error.location(&text));
                 panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
             });
@@ -410,7 +418,8 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             cost_of_listed,
             second_parallax_px,
             second_same_parallax,
-            zeros,
+            bounces,
+            zero,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });

@@ -54,6 +54,8 @@ pub enum Builtin {
     Random100,
     /// The same of 125.
     Random125,
+    /// The same, a tenth of them mirrors and a tenth of glass.
+    Random125Both,
     /// The same of a thousand.
     Random1000,
 }
@@ -70,6 +72,7 @@ impl Builtin {
         Self::Random20,
         Self::Random100,
         Self::Random125,
+        Self::Random125Both,
         Self::Random1000,
     ];
 
@@ -85,6 +88,7 @@ impl Builtin {
             Self::Random20 => "random-20",
             Self::Random100 => "random-100",
             Self::Random125 => "random-125",
+            Self::Random125Both => "random-125-both",
             Self::Random1000 => "random-1000",
         }
     }
@@ -101,6 +105,7 @@ impl Builtin {
             Self::Random20 => RandomObjects::new(20, SEED).sphere_share(0.4).scene(),
             Self::Random100 => RandomObjects::new(100, SEED).scene(),
             Self::Random125 => RandomObjects::new(125, SEED).scene(),
+            Self::Random125Both => RandomObjects::new(125, SEED).shares(0.1, 0.1).scene(),
             Self::Random1000 => RandomObjects::new(1000, SEED).scene(),
         }
     }
@@ -114,7 +119,9 @@ impl Builtin {
             Self::Hall => hall::camera(),
             Self::Near => stage::near_camera(),
             Self::Fence | Self::Hidden | Self::Grazing => stage::camera(),
-            Self::Random20 | Self::Random100 | Self::Random125 | Self::Random1000 => random::camera(),
+            Self::Random20 | Self::Random100 | Self::Random125 | Self::Random125Both | Self::Random1000 => {
+                random::camera()
+            }
         };
         camera.size(width, height).interaxial_pixels(INTERAXIAL_SHARE * width as f32)
     }

@@ -62,8 +62,6 @@ pub struct Material {
     pub emission: Vec3,
     /// What it does with light beside scattering it. MTL's `illum`.
     pub finish: Finish,
-    /// Its albedo stands in for reflections, which pictures don't show yet: goes with obj/mtl/unrendered.rs.
-    pub(super) stands_in: bool,
 }
 
 impl Material {
@@ -82,7 +80,6 @@ impl Material {
             exponent: Self::DEFAULT_EXPONENT,
             emission: Vec3::ZERO,
             finish: Finish::Matte,
-            stands_in: false,
         }
     }
 
@@ -136,14 +133,18 @@ impl Material {
 
     /// Whether it has highlights or gives off light.
     pub(crate) fn shines(&self) -> bool {
-        self.emission != Vec3::ZERO || (self.finish == Finish::Matte && self.specular != Vec3::ZERO)
+        self.emission != Vec3::ZERO || self.specular != Vec3::ZERO
+    }
+
+    /// Whether rays go on from it: a mirror, glass, or a veil that hides only a share of what is behind it.
+    pub(crate) fn sends_rays(&self) -> bool {
+        self.finish != Finish::Matte || self.opacity < 1.0
     }
 
     /// The most that a mirror or glass sends back of the light of each channel: what it scatters, and the larger of what it
     /// reflects and what it lets through.
     pub(super) fn most_returned(&self) -> Option<Vec3> {
         match self.finish {
-            _ if self.stands_in => None,
             Finish::Matte => None,
             Finish::Mirror { .. } => Some(self.albedo + self.specular),
             Finish::Glass { transmission, .. } => Some(self.albedo + self.specular.max(transmission)),

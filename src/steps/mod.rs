@@ -4,6 +4,7 @@
 pub(crate) mod bracket;
 pub(crate) mod edges;
 pub(crate) mod host;
+pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
 pub(crate) mod show;

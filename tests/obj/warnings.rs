@@ -40,17 +40,14 @@ fn names_in_messages_steer_no_terminal_and_are_cut() {
 fn what_is_left_out_is_said_once_a_file() {
     let folder = Folder::new("left_out");
     let material = "Ka 1 1 1\nKs 0.5 0.5 0.5\nNs 10\nNi 1.5\nKe 1 0 0\nmap_Kd a.png\nbump b.png\nillum 2\nd 0.5\nfoo\n";
-    folder.write("m.mtl", format!("newmtl a\nKd 1 1 1\n{material}newmtl b\nKd 0.5 0 0\nillum 5\n{material}"));
+    folder.write("m.mtl", format!("newmtl a\nKd 1 1 1\n{material}newmtl b\nKd 0.5 0 0\nmap_d c.png\n{material}"));
     folder
         .scene(format!("mtllib m.mtl\n{SIX}vt 0 0\ns 1\nl 1 2\nl 2 3\np 1\nf 1 2\nf 1 2 3\nf 1 1 2\ncurv 1 2\nbar\n"));
     let mut warnings = folder.warnings();
     warnings.sort();
     let expected = [
-        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; 2 emissions (Ke) from line 7 on; \
-         2 highlights (Ks) from line 4 on; 2 indices of refraction (Ni) from line 6 on; \
-         reflections and refractions (illum 3 and above) on line 15; 2 textures (map_Kd, map_d) from line 8 on; \
-         2 textures of other kinds than map_Kd and map_d from line 9 on; \
-         2 transparencies (d, Tr, Tf) from line 11 on; 2 unknown statements from line 12 on",
+        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; cut-outs (map_d) on line 15; \
+         2 textures of other kinds than map_Kd and map_d from line 9 on; 2 unknown statements from line 12 on",
         "scene.obj: left out: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; \
          points (p) on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; \
          unknown statements on line 17",

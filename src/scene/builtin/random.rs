@@ -3,7 +3,7 @@
 use glam::{Mat3, Quat, Vec3};
 
 use super::{lamp, paint};
-use crate::{Ellipsoid, MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera, random::Random};
+use crate::{Ellipsoid, Finish, MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera, random::Random};
 
 /// Half the sides of the box that objects fill, and its centre; the floor is below it, and the camera before it.
 const HALF_BOX: Vec3 = Vec3::new(4.5, 2.6, 3.5);
@@ -34,8 +34,8 @@ pub struct RandomObjects {
     pub seed: u32,
     /// The share of spheres, 0 to 1: exactly so many, rounded. The rest are ellipsoids.
     pub sphere_share: f32,
-    /// The shares of objects whose materials are named `reflective` and `refractive`, 0 to 1 together; the rest are `diffuse`. By their names
-    /// ([`Material::name`](crate::Material)) they are to be given what makes them so.
+    /// The shares of objects that mirror and of those that are of glass, 0 to 1 together; the rest are diffuse. Their materials are named
+    /// `reflective`, `refractive` and `diffuse`.
     pub reflective_share: f32,
     /// See `reflective_share`.
     pub refractive_share: f32,
@@ -74,8 +74,23 @@ impl RandomObjects {
         let mut scene = Scene::new();
         scene.sky = Sky::Gradient { nadir: Vec3::new(0.45, 0.45, 0.42), zenith: Vec3::new(0.16, 0.28, 0.52) };
         add_floor(&mut scene);
-        let materials =
-            ["reflective", "refractive", "diffuse"].map(|kind| PALETTE.map(|color| paint(&mut scene, kind, color)));
+        let glass = Finish::Glass { index: 1.5, transmission: Vec3::splat(0.95), fresnel: true };
+        let kinds = [
+            ("reflective", Finish::Mirror { fresnel: false }, 0.7),
+            ("refractive", glass, 0.95),
+            ("diffuse", Finish::Matte, 0.0),
+        ];
+        let materials = kinds.map(|(kind, finish, specular)| {
+            PALETTE.map(|color| {
+                let id = paint(&mut scene, kind, color);
+                let material = &mut scene.materials[id.0 as usize];
+                if finish != Finish::Matte {
+                    material.albedo *= if specular < 0.9 { 0.3 } else { 0.05 };
+                }
+                (material.specular, material.finish) = (Vec3::splat(specular), finish);
+                id
+            })
+        });
         // The hash of the seed: neighbouring seeds would otherwise share all numbers but one.
         let mut random = Random(crate::random::pcg(self.seed));
         let spheres = (self.sphere_share.clamp(0.0, 1.0) * self.count as f32).round() as usize;

@@ -7,7 +7,6 @@ mod files;
 #[path = "mtl/no_files.rs"]
 mod files;
 mod maps;
-mod unrendered;
 
 use std::{
     collections::{HashMap, HashSet},

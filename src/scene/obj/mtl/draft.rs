@@ -7,7 +7,6 @@ use glam::Vec3;
 use super::{
     super::{GREY, without_comment},
     maps::{Map, Placement, parse_map},
-    unrendered,
 };
 use crate::{
     Finish, Material,
@@ -90,9 +89,6 @@ impl Draft {
                 *transmission *= scale;
             }
             bounds.crossed = true;
-        }
-        if let Some(model) = self.illumination {
-            unrendered::stand_in_for_reflection(&mut material, self.specular, (model, self.line), warnings);
         }
         (material, bounds.crossed)
     }
@@ -182,7 +178,9 @@ pub(super) fn read_statement(
     warnings: &mut Warnings,
 ) {
     let numbers = without_comment(rest).trim();
-    unrendered::note(keyword, numbers, line, warnings);
+    if keyword == "map_d" {
+        warnings.left_out("cut-outs (map_d)", line);
+    }
     let is_value =
         matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" | "map_d");
     match draft {

@@ -10,6 +10,7 @@ pub(super) struct Map {
     pub(super) line: usize,
     /// The file's name as it stands there.
     pub(super) name: String,
+    #[cfg_attr(not(feature = "textures"), allow(dead_code, reason = "textures are not read"))]
     pub(super) clamp: bool,
     pub(super) placement: Placement,
 }

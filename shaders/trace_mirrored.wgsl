@@ -1,0 +1,138 @@
+// Pixels that show mirrors, glass or veils: shaded from their first hits, which stand in the view, and from what is seen along the
+// rays that these send on. Each eye's rays are its own.
+//
+// launch  one thread per entry of the list, dispatched indirectly
+// reads   lists      TO_TRACE
+// updates view       [height * width]      color
+// adds    counters   [height * COUNTERS]
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> lists: Lists;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+
+// A ray that a surface sent on and that has yet to be traced.
+struct Pending {
+    origin: vec3f,
+    direction: vec3f,
+    weight: vec3f,      // by which what it sees is multiplied
+    travelled: f32,     // depth of the first hit, and the way from there on
+    depth: u32,         // surfaces that it comes from
+}
+
+// A ray sends two on at most, of which one is followed at once: so no more wait than surfaces are met one behind the other, and one.
+const MOST_PENDING: u32 = 9u;
+var<private> pending: array<Pending, MOST_PENDING>;
+var<private> waiting: u32;
+
+// What is fainter than this changes no 8-bit picture.
+const FAINT: f32 = 1.0 / 4096.0;
+
+fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
+    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.bounces || waiting >= MOST_PENDING { return; }
+    pending[waiting] = Pending(origin, direction, weight, travelled, depth);
+    waiting += 1u;
+}
+
+// Sends on what a surface reflects and lets through.
+fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Surfaces) {
+    let direction = normalize(ray.direction);
+    let behind = offset_from(surfaces, ray.origin, -1.0);
+    let travelled = ray.travelled + t;
+    send(behind, direction, ray.weight * (1.0 - finish.opacity), travelled, ray.depth + 1u);
+    let weight = ray.weight * finish.opacity;
+    let normal = surface.shading_normal;
+    let cosine = clamp(-dot(normal, direction), 0.0, 1.0);
+    let mirrored = direction + normal * (2.0 * cosine);
+    if finish.kind == GLASS {
+        // Snell's law, with the index of the side that the ray comes from over that of the other one.
+        let eta = select(finish.index, 1.0 / finish.index, surface.from_outside);
+        let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+        let inner = sqrt(max(squared, 0.0));
+        var reflected = finish.reflected;
+        var passed = 1.0 - reflected;
+        if finish.fresnel {
+            let back = fresnel(cosine, inner, eta);
+            reflected = finish.reflected * back;
+            passed = vec3f(1.0 - back);
+        }
+        if squared <= 0.0 {
+            reflected = vec3f(1.0);
+        } else {
+            let bent = normalize(direction * eta + normal * (eta * cosine - inner));
+            send(behind, bent, weight * finish.transmission * passed, travelled, ray.depth + 1u);
+        }
+        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
+    } else if finish.kind == MIRROR {
+        // Schlick's approximation, from the share that is reflected straight on.
+        let grazing = pow(1.0 - cosine, 5.0);
+        let reflected = select(finish.reflected, mix(finish.reflected, vec3f(1.0), grazing), finish.fresnel);
+        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
+    }
+}
+
+fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
+    // Where a smooth normal would send it below the surface, along it.
+    let geometric = of_ray3(surfaces.geometric_normal, 0u);
+    let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
+    send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
+}
+
+// Share of unpolarised light that glass reflects: Fresnel's equations for the cosines on both sides.
+fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
+    let across = (eta * cosine - inner) / (eta * cosine + inner);
+    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
+    return 0.5 * (across * across + along_plane * along_plane);
+}
+
+// Where a ray begins that leaves a hit point: off the surface, on the side it goes to, by what shadow rays end before it.
+fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
+    let point = of_ray3(surfaces.point, 0u);
+    let place = abs(point) * OFFSET_BY_PLACE + abs(point - origin) * OFFSET_BY_DISTANCE;
+    let offset = max(max(place.x, place.y), place.z) + of_ray(surfaces.reach, 0u) * OFFSET_BY_REACH;
+    return point + of_ray3(surfaces.geometric_normal, 0u) * (side * offset);
+}
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
+    let listed = listed_pixels(TO_TRACE, id.x);
+    if !any_ray(listed.wanted) { return; }
+    let first = pixel_of_ray(listed.pixels, 0u);
+    let primary = pixel_directions(frame.target_corner, listed.pixels);
+    // The first ray's direction is as long as depths want it, all others are unit.
+    var ray = Pending(frame.target_eye, of_ray3(primary, 0u), vec3f(1.0), 0.0, 0u);
+    var hits = target_hits(listed.pixels, listed.wanted);
+    // What another view's sample hit is met anew by this pixel's own ray, where it is: else what is sent on would begin beside it.
+    let primitive = primitive_at(hits.slot);
+    let own = Rays(ray.origin, primary);
+    if COUNT { primitives_tested += 1u; }
+    let met = intersect(primitive, own, scales_of(own), F(0.0));
+    hits.t = select(hits.t, met.t, met.hit & (met.t >= F(0.0)));
+    var color = vec3f(0.0);
+    var sent_rays = 0u;
+    loop {
+        let rays = Rays(ray.origin, all3(ray.direction));
+        travelled_before = F(ray.travelled);
+        let surfaces = surfaces_at(rays, hits);
+        let seen = ray.weight * of_ray3(radiance(rays, hits, surfaces), 0u);
+        if hits.primitive == U(MISS) {
+            color += seen;
+        } else {
+            let surface = surface_at(rays, hits, 0u);
+            let finish = finish_of(surface.material);
+            color += seen * finish.opacity;
+            send_on(ray, of_ray(hits.t, 0u), finish, surface, surfaces);
+        }
+        if waiting == 0u { break; }
+        waiting -= 1u;
+        ray = pending[waiting];
+        hits = closest_hit(Rays(ray.origin, all3(ray.direction)), F(0.0), F(FAR));
+        sent_rays += 1u;
+        if cut_short { break; }
+    }
+    cut_short |= waiting > 0u;
+    keep_colors(listed.pixels, listed.wanted, in_range(all3(color)));
+    count_pixel(first);
+    count_view(first.y, shadow_rays, nodes_visited, primitives_tested);
+    atomicAdd(&counters[first.y * COUNTERS + SENT_RAYS], sent_rays);
+}
