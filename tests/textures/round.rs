@@ -93,7 +93,7 @@ fn an_ellipsoid_s_picture_goes_with_its_axes() {
 #[test]
 fn seams_and_poles_show_nothing_but_the_texture() {
     let pixels: Vec<[u8; 4]> =
-        (0..512 * 256).map(|index: u32| [if index % 3 == 0 { 124 } else { 188 }, 0, 255, 255]).collect();
+        (0..512 * 256).map(|index: u32| [if index.is_multiple_of(3) { 124 } else { 188 }, 0, 255, 255]).collect();
     for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
         let texture = Texture::image(512, 256, pixels.clone()).unwrap().wrap(wrap);
         let mut scene = Scene::new();
