@@ -9,8 +9,9 @@ mod common;
 use std::{error::Error, time::Instant};
 
 use stereotrace::{
-    BvhBuild, GBuffer, Gpu, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sky, Sphere, StereoCamera,
-    UploadedScene, glam::Vec3,
+    BvhBuild, GBuffer, Gpu, Material, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sky, Sphere,
+    StereoCamera, Texture, UploadedScene,
+    glam::{Vec3, Vec3Swizzles},
 };
 
 use crate::common::{
@@ -65,6 +66,40 @@ fn terrain(smooth: u32) -> Scene {
     scene
 }
 
+/// The terrain with texture coordinates, of which the first `count` triangles have a material of their own.
+fn with_material(count: usize, texture: Option<Texture>, change: impl Fn(Material) -> Material) -> Scene {
+    let plain = terrain(0);
+    let mut scene = Scene::new();
+    let mut material = change(Material::new(plain.materials()[0].albedo));
+    let textured = texture.is_some();
+    if let Some(texture) = texture {
+        material = material.texture(scene.add_texture(texture));
+    }
+    let material = scene.add_material(material);
+    let corners = plain.triangles().iter().flat_map(|triangle| triangle.corners).collect();
+    let triangles: Vec<[u32; 3]> = (0..plain.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let materials = (0..triangles.len()).map(|t| if t < count { material } else { MaterialId(0) }).collect();
+    let uv = plain.triangles().iter().map(|triangle| triangle.corners.map(|corner| corner.xz() * 0.125 + 0.5));
+    let uv = if textured { uv.collect() } else { Vec::new() };
+    scene.add_mesh(&Mesh::new(corners, triangles).materials(materials).uv(uv)).expect("a terrain of finite points");
+    scene
+}
+
+/// A picture of 1024x1024 pixels without order.
+fn picture() -> Texture {
+    let byte = |index: u32| (index.wrapping_mul(747_796_405) >> 22) as u8;
+    let pixels = (0..1 << 20).map(|index| [byte(index), byte(index + 1), byte(index + 2), 255]).collect();
+    Texture::image(1024, 1024, pixels).expect("as many pixels as it has")
+}
+
+fn board() -> Texture {
+    Texture::checkerboard(Vec3::splat(0.9), Vec3::splat(0.1), 64).expect("colours within 0 to 1")
+}
+
+fn shiny(material: Material) -> Material {
+    material.specular(Vec3::splat(0.3)).exponent(20.0)
+}
+
 fn with_spheres(mut scene: Scene, count: u32, height: f32) -> Scene {
     for i in 0..count {
         let center = Vec3::new((i % 10) as f32 * 0.7 - 3.2, height, (i / 10) as f32 * 0.7 - 3.2);
@@ -89,11 +124,50 @@ fn with_sky(mut scene: Scene) -> Scene {
 }
 
 /// Each feature with its states, the first of which is off.
-fn states([width, height]: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
-    // A third of the picture is sky; downwards there is none.
-    let ahead = StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height);
+fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
+    geometry_and_light(size).into_iter().chain(surfaces(size)).collect()
+}
+
+/// A third of the picture is sky.
+fn ahead([width, height]: [u32; 2]) -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.0, 1.6, 5.0), Vec3::new(0.0, 0.4, 0.0)).size(width, height)
+}
+
+fn plain() -> Options {
+    Options::new(Method::Naive).g_buffer(GBuffer::None)
+}
+
+/// What surfaces show beside one colour.
+fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
+    const ALL: usize = usize::MAX;
+    let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
+    let textured = |count, texture| with_material(count, Some(texture), |material| material);
+    let lit = |count| with_lights(with_material(count, None, shiny), 4.0, false);
+    [
+        (
+            "textures",
+            vec![
+                plainly("off", terrain(0)),
+                plainly("unused: on one triangle", textured(1, picture())),
+                plainly("on: a picture of 1024x1024 on all", textured(ALL, picture())),
+                plainly("on: a checkerboard on all", textured(ALL, board())),
+            ],
+        ),
+        (
+            "highlights",
+            vec![
+                plainly("off: 5 lights without shadows", with_lights(terrain(0), 4.0, false)),
+                plainly("unused: on one triangle", lit(1)),
+                plainly("on: on all", lit(ALL)),
+            ],
+        ),
+    ]
+}
+
+fn geometry_and_light(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
+    let ([width, height], ahead, plain) = (size, ahead(size), plain());
+    // Downwards there is no sky.
     let down = StereoCamera::look_at(Vec3::new(0.0, 3.0, 0.1), Vec3::ZERO).size(width, height);
-    let plain = Options::new(Method::Naive).g_buffer(GBuffer::None);
     let plainly = |name, scene| of(name, scene, &ahead, &plain);
     let keeping = |name, kept| of(name, terrain(0), &ahead, &plain.clone().g_buffer(kept));
     [

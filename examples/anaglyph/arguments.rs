@@ -4,7 +4,7 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Filter, Gpu, Limits, Method, Options, Scene, Sky, SkyMap, StereoCamera,
+    Filter, Gpu, Limits, Method, MissingTextures, ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -79,17 +79,30 @@ pub(crate) struct Arguments {
     /// Place N lights around the eyes [default: 5 for an OBJ file, a built-in scene's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
+    /// Where an OBJ file has no normals, edges are smooth that turn by less than DEG degrees, or none: off
+    #[arg(long, value_name = "DEG|off", default_value = "30", value_parser = crease_angle, allow_hyphen_values = true)]
+    crease_angle: CreaseAngle,
+    /// What becomes of an OBJ file's textures that can't be read: error, or warn and go on without them
+    #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
+    missing_textures: MissingTextures,
 
-    /// Largest OBJ, JSON or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    /// Largest OBJ, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
     /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.4, which is 4096x2048]
     #[arg(long, value_name = "MILLIONS")]
     max_sky: Option<u32>,
+    /// Largest texture, and largest sum of an OBJ file's, in millions of pixels [default: 67.1, which is 8192x8192]
+    #[arg(long, value_name = "MILLIONS")]
+    max_texture: Option<u32>,
 
     #[command(flatten)]
     camera: CameraArguments,
 }
+
+/// Of what has no normals; none: it is flat.
+#[derive(Clone, Copy, Debug)]
+struct CreaseAngle(Option<f32>);
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
@@ -159,13 +172,16 @@ impl Arguments {
     }
 
     fn limits(&self) -> Limits {
-        let mut limits = Limits::default().option_names("--max-file", "--max-sky");
+        let mut limits = Limits::default().option_names("--max-file", "--max-sky").texture_option_name("--max-texture");
         if let Some(mebibytes) = self.max_file {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);
         }
         if let Some(millions) = self.max_sky {
             limits = limits.sky_pixels(1_000_000 * u64::from(millions));
+        }
+        if let Some(millions) = self.max_texture {
+            limits = limits.texture_pixels(1_000_000 * u64::from(millions));
         }
         limits
     }
@@ -194,7 +210,11 @@ impl Arguments {
             let names = Vec::from_iter(names).join(", ");
             return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", crate::shown(&self.scene)).into());
         }
-        Ok(Scene::from_obj_within(&self.scene, &self.limits())?)
+        let options = ObjOptions::default()
+            .limits(self.limits())
+            .missing_textures(self.missing_textures)
+            .crease_angle(self.crease_angle.0);
+        Ok(Scene::from_obj_with(&self.scene, &options)?)
     }
 
     /// The camera of the file of cameras, of the built-in scene, or one that fits the object, with those parts
@@ -285,6 +305,23 @@ fn point(text: &str) -> Result<Vec3, String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
     numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+}
+
+fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
+    let degrees = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    match (text, degrees) {
+        ("off", _) => Ok(CreaseAngle(None)),
+        (_, Some(degrees)) => Ok(CreaseAngle(Some(degrees))),
+        _ => Err("it must be 0 to 180, or off".into()),
+    }
+}
+
+fn missing_textures(text: &str) -> Result<MissingTextures, String> {
+    match text {
+        "error" => Ok(MissingTextures::Error),
+        "warn" => Ok(MissingTextures::Warn),
+        _ => Err("it must be error or warn".into()),
+    }
 }
 
 fn above_zero(text: &str) -> Result<f32, String> {

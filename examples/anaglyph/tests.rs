@@ -5,6 +5,7 @@
 mod folder;
 
 use clap::Parser;
+use stereotrace::output::Picture;
 
 use self::folder::Folder;
 use crate::{arguments::Arguments, error_line, run};
@@ -68,6 +69,45 @@ fn samples_are_those_that_are_asked_for() {
     // 16x12 pixels of 9 rays each.
     assert!(text.contains("left          1728 ") && text.contains("100.00% of the right eye identical"), "{text}");
     assert_eq!(run(&["--samples", "5"]), "invalid samples: 5 a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+}
+
+#[test]
+fn textures_that_are_missing_or_too_large_are_errors_or_warnings_as_asked() {
+    let folder = Folder::new("textures");
+    folder.write("one.mtl", "newmtl red\nmap_Kd gone.png\n");
+    let obj = "mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
+    let scene = folder.write("one.obj", obj).to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| printed(&[&[&scene, "--out", &out], arguments].concat());
+    for arguments in [&[][..], &["--missing-textures", "error"]] {
+        let message = run(arguments);
+        assert!(message.contains("one.mtl:2: ") && message.contains("gone.png"), "{message}");
+    }
+    assert!(run(&["--missing-textures", "warn"]).contains("\nscene      one: 1 triangle"));
+    let picture = Picture::new(1024, 1024, vec![[255; 4]; 1 << 20]);
+    picture.save_png(folder.file("gone.png")).unwrap();
+    let message = run(&["--max-texture", "1"]);
+    assert!(message.contains("1024x1024") && message.contains("--max-texture"), "{message}");
+    assert!(run(&["--max-texture", "2"]).contains("\nscene      one: 1 triangle"));
+}
+
+#[test]
+fn edges_are_smooth_up_to_the_crease_angle_unless_it_is_off() {
+    let folder = Folder::new("crease");
+    // Two triangles that meet at 45 degrees.
+    let obj = "v 0 -1 0\nv 0 1 0\nv -1 0 0\nv 0.7071 0 -0.7071\nf 1 2 3\nf 2 1 4\n";
+    let scene = folder.write("roof.obj", obj).to_str().unwrap().to_owned();
+    let read = |arguments: &[&str]| {
+        let arguments = Arguments::try_parse_from([&["anaglyph", &scene], arguments].concat()).unwrap();
+        arguments.scene().unwrap().has_normals()
+    };
+    let found = [&[][..], &["--crease-angle", "50"], &["--crease-angle", "40"], &["--crease-angle", "off"]].map(read);
+    assert_eq!(found, [false, true, false, false]);
+    for wrong in ["-1", "181", "NaN", "on"] {
+        let message = Arguments::try_parse_from(["anaglyph", "--crease-angle", wrong]).unwrap_err().to_string();
+        assert!(message.contains("it must be 0 to 180, or off"), "{message}");
+    }
+    assert!(Arguments::try_parse_from(["anaglyph", "--missing-textures", "skip"]).is_err());
 }
 
 #[test]

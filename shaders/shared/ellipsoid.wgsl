@@ -115,7 +115,15 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
     let outside = dot(across, direction) < 0.0;
     let normal = towards_viewer(normalize(largest_one(across)), direction);
-    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), primitive.reach, outside);
+    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal), outside);
+}
+
+// Of the sphere whose surface the map stretches by as much everywhere as the ellipsoid's where its normal is this one: an area grows by the
+// determinant times the length of the normal under the map's inverse transposed.
+fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
+    let lengths = vec3f(length(primitive.b), length(primitive.c), length(primitive.d));
+    let grown = lengths.x * lengths.y * lengths.z * length(to_sphere(primitive, normal) / (lengths * lengths));
+    return primitive.reach * inverseSqrt(grown);
 }
 
 // An ellipsoid that is nearer to the plane of the eyes than this share of its distance and size has its projection bounded by nothing: the bounds

@@ -15,6 +15,7 @@ const TEXTURES: u32 = SKY_NADIR;
 // A texture's head: its kind in the lowest four bits of x and its wrap above them. A picture has z levels, from the largest on, from the
 // texel y on: first texel, width and height each. A checkerboard has z squares a side; its colours are the texels y and y + 1.
 const CHECKERBOARD: u32 = 1u;
+const WRAP_REPEAT: u32 = 0u;
 const WRAP_MIRROR: u32 = 1u;
 const WRAP_CLAMP: u32 = 2u;
 
@@ -22,6 +23,7 @@ const WRAP_CLAMP: u32 = 2u;
 struct Lookup {
     uv: vec2f,
     width: f32,    // of the ray's footprint, in units of uv
+    round: bool,   // on a ball: closed around, and its poles are ends whatever the texture's wrap
 }
 
 // What textures and vertex colours multiply the albedo by where a ray hits.
@@ -34,15 +36,17 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
 
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     let head = table_texel(head_at);
-    let wrap = head.x >> 4u;
+    let wrap = select(vec2u(head.x >> 4u), vec2u(WRAP_REPEAT, WRAP_CLAMP), at.round);
     if (head.x & 15u) == CHECKERBOARD {
         let first = bitcast<vec3f>(table_texel(head.y).xyz);
         let other = bitcast<vec3f>(table_texel(head.y + 1u).xyz);
-        return mix(first, other, checkered(at, f32(head.z), wrap));
+        return mix(first, other, checkered(at, i32(head.z), wrap));
     }
-    let largest = table_texel(head.y);
-    let widest = f32(max(largest.y, largest.z));
-    let level = clamp(log2(max(at.width * widest, 1e-9)), 0.0, f32(head.z - 1u));
+    let largest = vec2f(table_texel(head.y).yz);
+    // By areas, as the footprint is a square. The level whose pixels are as large comes nearest to the mean of 64 rays a pixel: half a level
+    // to either side is farther off or flickers more between the eyes (tests/textures/filter.rs).
+    let pixels = at.width * sqrt(largest.x * largest.y);
+    let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
     let finer = u32(level);
     let color = level_color(head.y + finer, at.uv, wrap);
     let share = level - f32(finer);
@@ -50,30 +54,61 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     return mix(color, level_color(head.y + finer + 1u, at.uv, wrap), share);
 }
 
-// The other colour's share in a box of the footprint's width, exactly: the integral of a square wave (Quilez 2016, "Filterable
-// procedurals").
-fn checkered(at: Lookup, squares: f32, wrap: u32) -> f32 {
-    let uv = select(at.uv, clamp(at.uv, vec2f(0.0), vec2f(1.0 - 1e-6)), wrap == WRAP_CLAMP);
-    let place = select(uv, vec2f(mirrored_unit(uv.x), mirrored_unit(uv.y)), wrap == WRAP_MIRROR) * squares;
-    let width = clamp(at.width * squares, 1e-4, 64.0);
-    let a = abs(fract((place - 0.5 * width) * 0.5) - 0.5);
-    let b = abs(fract((place + 0.5 * width) * 0.5) - 0.5);
-    let wave = 2.0 * (a - b) / width;
-    return 0.5 + 0.5 * wave.x * wave.y;
+// The other colour's share in a square of the footprint's size, exactly.
+fn checkered(at: Lookup, squares: i32, wrap: vec2u) -> f32 {
+    let width = min(at.width * f32(squares), 64.0);
+    let place = vec2f(near_unit(at.uv.x, wrap.x), near_unit(at.uv.y, wrap.y)) * f32(squares);
+    return 0.5 - 0.5 * wave_mean(place.x, width, squares, wrap.x) * wave_mean(place.y, width, squares, wrap.y);
 }
 
-// There and back again between 0 and 1.
-fn mirrored_unit(x: f32) -> f32 {
+// A texture coordinate as near to 0 as shows the same, since f32 is fine there.
+fn near_unit(x: f32, wrap: u32) -> f32 {
+    return select(x - 2.0 * floor(0.5 * x), clamp(x, -64.0, 65.0), wrap == WRAP_CLAMP);
+}
+
+// The mean around a place of what is 1 in a row's first square, -1 in its second and so on, as the row is wrapped.
+fn wave_mean(place: f32, width: f32, squares: i32, wrap: u32) -> f32 {
+    // A difference of sums would leave nothing of a small width. That holds one edge at most.
+    if width < 1.0 {
+        let edge = floor(place + 0.5);
+        let before = clamp((edge - place) / max(width, 1e-6) + 0.5, 0.0, 1.0);
+        return mix(wave(i32(edge), squares, wrap), wave(i32(edge) - 1, squares, wrap), before);
+    }
+    return (wave_sum(place + 0.5 * width, squares, wrap) - wave_sum(place - 0.5 * width, squares, wrap)) / width;
+}
+
+fn wave(square: i32, squares: i32, wrap: u32) -> f32 {
+    return f32(1 - 2 * (wrapped(square, squares, wrap) & 1));
+}
+
+// The wave's integral from 0 on.
+fn wave_sum(x: f32, squares: i32, wrap: u32) -> f32 {
+    let all = f32(squares);
+    let odd = f32(squares & 1);
+    if wrap == WRAP_CLAMP {
+        return zigzag(clamp(x, 0.0, all)) + min(x, 0.0) + max(x - all, 0.0) * (2.0 * odd - 1.0);
+    }
+    if wrap == WRAP_MIRROR {
+        let turns = floor(0.5 * x / all);
+        let y = x - 2.0 * all * turns;
+        let there = zigzag(min(y, 2.0 * all - y));
+        return 2.0 * odd * turns + select(there, 2.0 * odd - there, y > all);
+    }
+    let turns = floor(x / all);
+    return odd * turns + zigzag(x - all * turns);
+}
+
+// Up from 0 to 1 and down again.
+fn zigzag(x: f32) -> f32 {
     return 1.0 - abs(fract(0.5 * x) * 2.0 - 1.0);
 }
 
 // Bilinear, between the centres of a level's pixels.
-fn level_color(level: u32, uv: vec2f, wrap: u32) -> vec3f {
+fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     let texel = table_texel(level);
     let size = vec2i(texel.yz);
-    // Kept near 0, where f32 is fine; the first row is at the top.
-    let kept = select(uv - 2.0 * floor(0.5 * uv), clamp(uv, vec2f(-1.0), vec2f(2.0)), wrap == WRAP_CLAMP);
-    let place = vec2f(kept.x, 1.0 - kept.y) * vec2f(size) - 0.5;
+    // The first row is at the top.
+    let place = vec2f(near_unit(uv.x, wrap.x), 1.0 - near_unit(uv.y, wrap.y)) * vec2f(size) - 0.5;
     let corner = vec2i(floor(place));
     let share = place - floor(place);
     let top = mix(level_pixel(texel.x, corner, size, wrap), level_pixel(texel.x, corner + vec2i(1, 0), size, wrap), share.x);
@@ -83,8 +118,8 @@ fn level_color(level: u32, uv: vec2f, wrap: u32) -> vec3f {
 }
 
 // Two a texel, each four halves: linear red, green and blue, and alpha.
-fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: u32) -> vec3f {
-    let index = u32(wrapped(at.y, size.y, wrap) * size.x + wrapped(at.x, size.x, wrap));
+fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
+    let index = u32(wrapped(at.y, size.y, wrap.y) * size.x + wrapped(at.x, size.x, wrap.x));
     let two = table_texel(first + index / 2u);
     let words = select(two.xy, two.zw, (index & 1u) == 1u);
     return vec3f(unpack2x16float(words.x), unpack2x16float(words.y).x);
@@ -93,18 +128,18 @@ fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: u32) -> vec3f {
 fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
     if wrap == WRAP_CLAMP { return clamp(at, 0, size - 1); }
     // Above 0, since a remainder has its dividend's sign.
-    let turn = (at + 16 * size) % (2 * size);
+    let turn = (at + 2 * size) % (2 * size);
     return select(turn % size, min(turn, 2 * size - 1 - turn), wrap == WRAP_MIRROR);
 }
 
-// Texture coordinates where a ray hits. A ball's go round it from -z as a sky's columns do, v from its lowest point to its highest. The
-// footprint is a square as large as the pixel's shadow on the surface, so its side is that of the mean of both directions.
+// Texture coordinates where a ray hits. The footprint is a square as large as the pixel's shadow on the surface, so its side is that of the
+// mean of both directions.
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
     let across = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
-    let slant = max(abs(dot(surface.geometric_normal, direction)) / length(direction), 0.01);
-    let side = across / sqrt(slant);
+    // Directions are of length 1 along the view axis: the longer one is, the more the pixel is aslant to it too.
+    let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }
     let corners = triangle_corners(slot);
     let weights = corner_weights(rays, corners, ray);
@@ -115,14 +150,17 @@ fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let longest = largest_one(cross(largest_one(corners[1] - corners[0]), largest_one(corners[2] - corners[0])));
     let normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
     let area = max(dot(normal, longest) / length(longest), 1e-30);
-    return Lookup(uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z, side * sqrt(uv_area / area));
+    return Lookup(uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z, side * sqrt(uv_area / area), false);
 }
 
+// Seen from outside, a texture's middle is at +z, its right at +x and its top at +y.
 fn ball_lookup(outward: vec3f, radius: f32, side: f32) -> Lookup {
-    let upright = max(abs(outward.x), abs(outward.z)) < 1e-7;
-    let turn = select(atan2(outward.x, -outward.z) / 6.2831853, 0.0, upright);
+    let from_axis = length(outward.xz);
+    let turn = select(atan2(outward.x, outward.z) / 6.2831853, 0.0, from_axis < 1e-7);
     let uv = vec2f(turn + 0.5, 1.0 - acos(clamp(outward.y, -1.0, 1.0)) / 3.14159265);
-    return Lookup(uv, side / (3.14159265 * max(radius, 1e-30)));
+    // Towards the poles a texture is narrower. It is twice as long around as it is high.
+    let area = 19.7392088 * max(from_axis, 0.01);
+    return Lookup(uv, side / (max(radius, 1e-30) * sqrt(area)), true);
 }
 
 //! if uv is none
@@ -132,8 +170,9 @@ fn triangle_uv(slot: u32) -> array<vec2f, 3> {
 
 //! if uv is some
 fn triangle_uv(slot: u32) -> array<vec2f, 3> {
-    let first = bitcast<vec4f>(primitive_texel(slot, UV_TEXEL));
-    let second = bitcast<vec2f>(primitive_texel(slot, UV_TEXEL + 1u).xy);
+    // Larger ones show no other place, but their products may not be numbers.
+    let first = clamp(bitcast<vec4f>(primitive_texel(slot, UV_TEXEL)), vec4f(-1e15), vec4f(1e15));
+    let second = clamp(bitcast<vec2f>(primitive_texel(slot, UV_TEXEL + 1u).xy), vec2f(-1e15), vec2f(1e15));
     return array<vec2f, 3>(first.xy, first.zw, second);
 }
 

@@ -122,11 +122,13 @@ fn triangle_corners(slot: u32) -> array<vec3f, 3> {
     );
 }
 
-// Of the corners where a ray hits, together 1.
+// Of the corners where a ray hits, none below 0 and together 1.
 fn corner_weights(rays: Rays, corners: array<vec3f, 3>, ray: u32) -> vec3f {
     let origin = rays.origin;
     let weights = triangle_weights(rays.direction, corners[0] - origin, corners[1] - origin, corners[2] - origin);
-    let one = of_ray3(weights, ray);
+    let any_sign = of_ray3(weights, ray);
+    // Of a triangle that is tiny for its distance they are all rounding.
+    let one = max(select(any_sign, -any_sign, any_sign.x + any_sign.y + any_sign.z < 0.0), vec3f(0.0));
     let sum = one.x + one.y + one.z;
     return select(one / sum, vec3f(1.0, 0.0, 0.0), sum == 0.0);
 }

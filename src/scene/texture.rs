@@ -62,7 +62,9 @@ impl std::fmt::Debug for TextureKind {
 }
 
 /// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as OBJ has it: the
-/// centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Cloning shares the pixels.
+/// centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Spheres and ellipsoids have it around them, to be
+/// read from outside: its middle at +z, its right half at +x, its top at +y, of an ellipsoid these are
+/// its semi-axes, and where two of a turned one are equally long, any two at right angles are. Cloning shares the pixels.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Texture, Wrap, glam::Vec3};
