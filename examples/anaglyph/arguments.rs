@@ -4,7 +4,7 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Filter, Gpu, Limits, Method, MissingTextures, ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera,
+    Filter, Gpu, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -40,6 +40,9 @@ pub(crate) struct Arguments {
     /// How they are weighed: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
+    /// Surfaces that a ray may come from, one behind the other, by reflection or refraction: 0 to 8
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES)))]
+    bounces: u32,
     /// Count BVH nodes and primitive tests (slower)
     #[arg(long)]
     pub(crate) count: bool,
@@ -168,7 +171,7 @@ impl Arguments {
 
     /// What to render with, by the method asked for or another one.
     pub(crate) fn options(&self, method: Method) -> Options {
-        Options::new(method).samples(self.samples).filter(self.filter)
+        Options::new(method).samples(self.samples).filter(self.filter).bounces(self.bounces)
     }
 
     fn limits(&self) -> Limits {
