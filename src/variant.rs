@@ -164,17 +164,19 @@ impl Variant {
 
     /// The same where all that is known of the tree is this.
     pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
+        let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
+        let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();
         Self {
             traversal,
-            triangles: scene.triangles().iter().any(|triangle| !triangle.is_degenerate()),
-            spheres: !scene.spheres().is_empty() || !scene.ellipsoids().is_empty(),
+            triangles,
+            spheres: balls,
             ellipsoids: !scene.ellipsoids().is_empty(),
             normals: scene.has_normals(),
             uv: !scene.uv().is_empty(),
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
-            mirrors: scene.materials().iter().any(Material::sends_rays),
+            mirrors: (triangles || balls) && scene.materials().iter().any(Material::sends_rays),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             sky: SkyKind::of(&scene.sky),

@@ -300,6 +300,10 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
         let [found, ..] = pair.right.linear[100];
         assert!((found - expected).abs() < 1e-5, "{bounces}: {found} for {expected}");
     }
+    // Without a surface to show it.
+    let mut nothing = Scene::new();
+    nothing.add_material(Material::new(Vec3::ONE).finish(glass(1.5, true)));
+    assert_eq!(render(&nothing, &camera, Options::default()).statistics.right.rays.secondary, 0);
     let mut renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(&scene).unwrap();
     let options = Options::default().bounces(MAX_BOUNCES + 1);

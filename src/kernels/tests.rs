@@ -135,6 +135,7 @@ fn variants() -> Vec<Variant> {
 fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
+        all.retain(|with| with.triangles || with.spheres);
         all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
     }
     if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED]
