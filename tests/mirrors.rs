@@ -302,7 +302,7 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     }
     // Without a surface to show it.
     let mut nothing = Scene::new();
-    nothing.add_material(Material::new(Vec3::ONE).finish(glass(1.5, true)));
+    nothing.add_material(Material::new(Vec3::ZERO).finish(glass(1.5, true)));
     assert_eq!(render(&nothing, &camera, Options::default()).statistics.right.rays.secondary, 0);
     let mut renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(&scene).unwrap();

@@ -111,6 +111,6 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     scene.sky = stereotrace::Sky::Map(stereotrace::SkyMap::procedural(512).unwrap());
     assert_eq!(small.upload(&scene).unwrap().info().traversal.fetch, Fetch::Texture);
     let message = tiny.upload(&scene).unwrap_err().to_string();
-    assert!(message.starts_with("the scene's table of lights, materials and sky needs 131"), "{message}");
-    assert!(message.ends_with("enough for 65536; use a smaller sky"), "{message}");
+    assert!(message.starts_with("the scene's table of lights, materials, sky and textures needs 131"), "{message}");
+    assert!(message.ends_with("enough for 65536; use smaller or fewer pictures"), "{message}");
 }
