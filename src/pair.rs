@@ -78,6 +78,16 @@ impl Rays {
     }
 }
 
+impl std::ops::AddAssign for Rays {
+    fn add_assign(&mut self, other: Self) {
+        let Self { primary, verification, shadow, secondary } = other;
+        self.primary += primary;
+        self.verification += verification;
+        self.shadow += shadow;
+        self.secondary += secondary;
+    }
+}
+
 /// What one view cost, in counts that no machine changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -88,6 +98,15 @@ pub struct Work {
     pub nodes: u64,
     /// Primitives tested; 0 unless counting was asked for.
     pub primitive_tests: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        let Self { rays, nodes, primitive_tests } = other;
+        self.rays += rays;
+        self.nodes += nodes;
+        self.primitive_tests += primitive_tests;
+    }
 }
 
 impl Work {

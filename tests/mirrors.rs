@@ -4,8 +4,8 @@ mod common;
 
 use common::gpu;
 use stereotrace::{
-    Finish, MAX_BOUNCES, Material, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sky, Sphere, StereoCamera,
-    StereoPair, Traversal,
+    Finish, GBuffer, MAX_BOUNCES, Material, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sky, Sphere,
+    StereoCamera, StereoPair, Traversal,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
 };
@@ -309,4 +309,20 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     let options = Options::default().bounces(MAX_BOUNCES + 1);
     let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
     assert_eq!(message, "invalid options: bounces: 9; there can be 0 to 8");
+}
+
+#[test]
+fn rays_that_mirrors_and_glass_send_on_are_summed_too() {
+    let mut renderer = Renderer::new(gpu());
+    let uploaded = renderer.upload(&Builtin::Random125Both.scene()).unwrap();
+    let camera = Builtin::Random125Both.camera(41, 30);
+    let mut rays = |samples, g_buffer| {
+        let options = Options::new(Method::BRACKET).samples(samples).g_buffer(g_buffer);
+        renderer.render(&uploaded, &camera, &options).unwrap().statistics.right.rays
+    };
+    // Of an even grid a picture of one sample is rendered besides, for what pixels' centres show.
+    let (both, grid, centres) = (rays(4, GBuffer::Ids), rays(4, GBuffer::None), rays(1, GBuffer::Ids));
+    assert!(centres.secondary > 0);
+    assert_eq!(both.secondary, grid.secondary + centres.secondary);
+    assert_eq!(both.total(), grid.total() + centres.total());
 }

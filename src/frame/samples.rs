@@ -110,12 +110,7 @@ impl Done {
         self.eyes = eyes.clone();
         let Some(centre) = centre else { return self };
         for (tally, other) in self.tallies.iter_mut().zip(&centre.tallies) {
-            let (rays, others) = (&mut tally.work.rays, &other.work.rays);
-            rays.primary += others.primary;
-            rays.verification += others.verification;
-            rays.shadow += others.shadow;
-            tally.work.nodes += other.work.nodes;
-            tally.work.primitive_tests += other.work.primitive_tests;
+            tally.work += other.work;
             tally.reused += other.reused;
             tally.bad += other.bad;
             tally.missed += other.missed;

@@ -1,7 +1,7 @@
 //! What a frame's views cost, band by band, and how they came about.
 
 use super::{bands::Band, plan::Made, read::Counts};
-use crate::{Choice, Gpu, Method, Pose, ShadowReuse, Work, auto::CostModel};
+use crate::{Choice, Gpu, Method, Pose, Rays, ShadowReuse, Work, auto::CostModel};
 
 /// Of one view.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,12 +32,8 @@ impl Tally {
             }
             Made::Bracketed => (counts.bad + counts.missed, 0, landed - counts.bad),
         };
-        self.work.rays.primary += primary;
-        self.work.rays.verification += verification;
-        self.work.rays.shadow += counts.shadow_rays;
-        self.work.rays.secondary += counts.sent_rays;
-        self.work.nodes += counts.nodes;
-        self.work.primitive_tests += counts.primitive_tests;
+        let rays = Rays { primary, verification, shadow: counts.shadow_rays, secondary: counts.sent_rays };
+        self.work += Work { rays, nodes: counts.nodes, primitive_tests: counts.primitive_tests };
         self.reused += reused;
         self.bad += counts.bad;
         self.missed += counts.missed;
