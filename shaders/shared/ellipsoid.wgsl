@@ -88,19 +88,7 @@ fn to_sphere_two(primitive: Primitive, v: Two3) -> Two3 {
 fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
     let to_center = to_sphere_two(primitive, difference3(primitive.a, origin));
     let way = to_sphere_two(primitive, Two3(direction, vec3f(0.0)));
-    let radius = Two(primitive.reach, 0.0);
-    let squared = product_two(radius, radius);
-    let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
-    let middle = dot_two3(to_center, way);
-    let length_squared = dot_two3(way, way);
-    let less = product_two(length_squared, outside);
-    let root = sum_two(product_two(middle, middle), Two(-less.hi, -less.lo)).hi;
-    let both = middle.hi + select(-1.0, 1.0, middle.hi >= 0.0) * sqrt(max(root, 0.0));
-    let larger_root = both / length_squared.hi;
-    let other_root = select(outside.hi / both, 0.0, both == 0.0);
-    let near = min(larger_root, other_root);
-    let t = select(max(larger_root, other_root), near, near >= t_min);
-    return select(-1.0, t, root >= 0.0);
+    return sphere_root(to_center, way, Two(primitive.reach, 0.0), t_min);
 }
 
 fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {

@@ -2,6 +2,23 @@
 // Gems, chapter 7): the distance of the centre from the line is taken of the line's nearest point, so that small
 // spheres far away lose no digits.
 
+// The nearest t of at least t_min at which a line meets a sphere, or -1: the quadratic equation in sums of two f32, its smaller root as a
+// quotient, so that nothing cancels.
+fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
+    let squared = product_two(radius, radius);
+    let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
+    let middle = dot_two3(to_center, way);
+    let length_squared = dot_two3(way, way);
+    let less = product_two(length_squared, outside);
+    let root = sum_two(product_two(middle, middle), Two(-less.hi, -less.lo)).hi;
+    let both = middle.hi + select(-1.0, 1.0, middle.hi >= 0.0) * sqrt(max(root, 0.0));
+    let larger_root = both / length_squared.hi;
+    let other_root = select(outside.hi / both, 0.0, both == 0.0);
+    let near = min(larger_root, other_root);
+    let t = select(max(larger_root, other_root), near, near >= t_min);
+    return select(-1.0, t, root >= 0.0);
+}
+
 //! if texels is corners or spheres
 // The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result is doubtful.
 fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
@@ -17,24 +34,11 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
     return Found((inside >= F(0.0)) & !close, t, close);
 }
 
-// One ray's t at a sphere that was doubtful, or -1 where it misses: the quadratic equation in sums of two f32, its smaller root as a
-// quotient, so that nothing cancels.
+// One ray's t at a sphere that was doubtful, or -1 where it misses.
 fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
     let to_center = difference3(primitive.a, origin);
     let way = Two3(direction, vec3f(0.0));
-    let radius = Two(primitive.b.x, 0.0);
-    let squared = product_two(radius, radius);
-    let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
-    let middle = dot_two3(to_center, way);
-    let length_squared = dot_two3(way, way);
-    let less = product_two(length_squared, outside);
-    let root = sum_two(product_two(middle, middle), Two(-less.hi, -less.lo)).hi;
-    let both = middle.hi + select(-1.0, 1.0, middle.hi >= 0.0) * sqrt(max(root, 0.0));
-    let larger_root = both / length_squared.hi;
-    let other_root = select(outside.hi / both, 0.0, both == 0.0);
-    let near = min(larger_root, other_root);
-    let t = select(max(larger_root, other_root), near, near >= t_min);
-    return select(-1.0, t, root >= 0.0);
+    return sphere_root(to_center, way, Two(primitive.b.x, 0.0), t_min);
 }
 
 fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
