@@ -9,7 +9,7 @@ mod common;
 use std::{error::Error, time::Instant};
 
 use stereotrace::{
-    BvhBuild, GBuffer, Gpu, Material, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sky, Sphere,
+    BvhBuild, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options, Renderer, Scene, Sky, Sphere,
     StereoCamera, Texture, UploadedScene,
     glam::{Vec3, Vec3Swizzles},
 };
@@ -113,7 +113,7 @@ fn with_lights(mut scene: Scene, height: f32, shadows: bool) -> Scene {
     scene.shadows = shadows;
     for i in 0..5 {
         let position = Vec3::new(2.0 * i as f32 - 4.0, height, 3.0 - i as f32);
-        scene.lights.push(PointLight::new(position, Vec3::splat(0.3)));
+        scene.lights.push(Light::point(position, Vec3::splat(0.3)));
     }
     scene
 }

@@ -18,9 +18,10 @@ fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, listed.pixels));
     let found = target_hits(listed.pixels, listed.wanted);
     let surfaces = surfaces_at(rays, found);
+    throw_dice(listed.pixels, 0u);
     ask_source(listed.pixels, found, surfaces);
     keep_colors(listed.pixels, listed.wanted, shade(rays, found, surfaces).color);
     let first = pixel_of_ray(listed.pixels, 0u);
     count_pixel(first);
-    count_view(first.y, shadow_rays, nodes_visited, primitives_tested);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
 }

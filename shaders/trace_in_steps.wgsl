@@ -39,5 +39,5 @@ fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
     end_step();
     let first = pixel_of_ray(pixels, 0u);
     count_pixel(first);
-    count_view(first.y, shadow_rays - to_count_again, nodes_visited, primitives_tested);
+    count_view(first.y, rays_asked() - to_count_again, nodes_visited, primitives_tested);
 }

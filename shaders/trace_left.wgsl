@@ -18,5 +18,5 @@ fn trace_left(@builtin(global_invocation_id) id: vec3u) {
     keep_view(pixels, wanted, samples);
     let first = pixel_of_ray(pixels, 0u);
     count_pixel(first);
-    count_view(first.y, shadow_rays, nodes_visited, primitives_tested);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
 }

@@ -113,6 +113,7 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     loop {
         let rays = Rays(ray.origin, all3(ray.direction));
         travelled_before = F(ray.travelled);
+        throw_dice(listed.pixels, sent_rays);
         let surfaces = surfaces_at(rays, hits);
         let seen = ray.weight * of_ray3(radiance(rays, hits, surfaces), 0u);
         if hits.primitive == U(MISS) {
@@ -133,6 +134,6 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     cut_short |= waiting > 0u;
     keep_colors(listed.pixels, listed.wanted, in_range(all3(color)));
     count_pixel(first);
-    count_view(first.y, shadow_rays, nodes_visited, primitives_tested);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
     atomicAdd(&counters[first.y * COUNTERS + SENT_RAYS], sent_rays);
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::{Map, Value};
 
-use crate::{Error, Limits, PointLight, Scene, StereoCamera, input};
+use crate::{Error, Light, Limits, Scene, StereoCamera, input};
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
@@ -97,7 +97,7 @@ impl Scene {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
             let read = fields.and_then(|fields| {
                 let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
-                Ok(PointLight::new(position, intensity))
+                Ok(Light::point(position, intensity))
             });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
@@ -208,7 +208,7 @@ mod tests {
         let lamp = r#""lights": [{ "position": [1, 2, 3], "intensity": [0.5, 0.25, 0] }]"#;
         let (read, scene) = light("lights", &format!(r#""ambient": [0.1, 0.2, 0.3], {lamp}"#));
         assert!(read.unwrap());
-        let expected = PointLight::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.5, 0.25, 0.0));
+        let expected = Light::point(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.5, 0.25, 0.0));
         assert_eq!((scene.ambient, scene.lights), (Some(Vec3::new(0.1, 0.2, 0.3)), vec![expected]));
         let (read, scene) = light("no_ambient", lamp);
         assert!(read.unwrap());

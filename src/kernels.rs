@@ -112,8 +112,8 @@ impl Kernel {
     /// How a kernel uses the texture of a source's samples, at `SAMPLES_BINDING` of group 1.
     pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
-            "trace_left" if with.samples => Some(Write),
-            "shade_tiles" | "shade_listed" => Some(Read),
+            "trace_left" | "shade_hits" if with.samples => Some(Write),
+            "shade_tiles" | "shade_listed" | "trace_soft_asked" => Some(Read),
             _ => None,
         }
     }

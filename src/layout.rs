@@ -32,6 +32,14 @@ pub(crate) struct Frame {
     pub(crate) second_parallax_px: f32,
     pub(crate) second_same_parallax: f32,
     pub(crate) bounces: u32,
+    pub(crate) words_read: u32,
+    pub(crate) soft_light: u32,
+    pub(crate) soft_slot: u32,
+    pub(crate) soft_first: u32,
+    pub(crate) soft_sources: u32,
+    pub(crate) seed: u32,
+    pub(crate) occlusion_radius: f32,
+    pub(crate) share_tolerance: f32,
     pub(crate) zero: u32,
 }
 
@@ -102,3 +110,5 @@ pub(crate) const BRACKET_CHOSEN: u32 = 1;
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
+/// A packed pixel's colour; marks stand in place of alpha (`shaders/pack.wgsl`).
+pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;

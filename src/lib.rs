@@ -101,6 +101,7 @@ mod layout;
 mod message;
 pub mod method;
 pub mod metrics;
+mod options;
 pub mod output;
 pub mod pair;
 mod random;
@@ -129,15 +130,14 @@ pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
+pub use options::{AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
-pub use renderer::{
-    GBuffer, MAX_BOUNCES, OnProgress, Options, Progress, Renderer, render_stereo_async, render_views_async,
-};
+pub use renderer::{OnProgress, Progress, Renderer, render_stereo_async, render_views_async};
 pub use rig::{Rig, RigView, Views};
 pub use samples::Filter;
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Ellipsoid, Finish, Material, MaterialId, Mesh, PointLight, Scene, Sky, SkyMap, Sphere, Texture, TextureId,
+    Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Scene, Sky, SkyMap, Sphere, Texture, TextureId,
     TextureKind, Triangle, Wrap,
 };
 #[cfg(feature = "obj")]

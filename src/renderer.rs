@@ -5,7 +5,7 @@ use std::{ops::ControlFlow, sync::Once};
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use crate::blocking::render_stereo;
 use crate::{
-    BvhBuild, Error, Filter, Gpu, Method, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
+    BvhBuild, Error, Gpu, Options, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
     frame::{self, Done, OnRows, Rows, ViewRows},
     gpu::Timestamps,
     kernels::Kernels,
@@ -13,134 +13,6 @@ use crate::{
     rig::Eyes,
     traversal::Traversal,
 };
-
-/// What to render with.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Options {
-    /// How the right view is made.
-    pub method: Method,
-    /// Count BVH nodes and primitive tests (slower).
-    pub count: bool,
-    /// Keep what each pixel cost, as [`View::cost`](crate::View::cost); counts too.
-    pub cost_map: bool,
-    /// What is kept of each pixel besides its colour.
-    pub g_buffer: GBuffer,
-    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to [`MAX_BOUNCES`]. What would be seen
-    /// after more is black. 5 where nothing is said.
-    pub bounces: u32,
-    /// Keep linear colour too, as [`View::linear`](crate::View::linear).
-    pub linear: bool,
-    /// Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64.
-    pub samples: u32,
-    /// How they are weighed.
-    pub filter: Filter,
-}
-
-/// The most that [`Options::bounces`] may be.
-pub const MAX_BOUNCES: u32 = 8;
-
-/// What is kept of each pixel besides its colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum GBuffer {
-    /// Depth and the ids of primitive and object.
-    #[default]
-    Ids,
-    /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
-    Depth,
-    /// Nothing: [`View::depth`](crate::View::depth) stays empty too.
-    None,
-}
-
-impl Options {
-    /// The given method, nothing counted.
-    pub fn new(method: Method) -> Self {
-        Self {
-            method,
-            count: false,
-            cost_map: false,
-            g_buffer: GBuffer::Ids,
-            bounces: 5,
-            linear: false,
-            samples: 1,
-            filter: Filter::Box,
-        }
-    }
-
-    /// How the right view is made.
-    pub fn method(mut self, method: Method) -> Self {
-        self.method = method;
-        self
-    }
-
-    /// Whether BVH nodes and primitive tests are counted (slower).
-    pub fn count(mut self, count: bool) -> Self {
-        self.count = count;
-        self
-    }
-
-    /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
-    pub fn cost_map(mut self, cost_map: bool) -> Self {
-        self.cost_map = cost_map;
-        self
-    }
-
-    /// Surfaces that a ray may come from, one behind the other, 0 to [`MAX_BOUNCES`].
-    pub fn bounces(mut self, bounces: u32) -> Self {
-        self.bounces = bounces;
-        self
-    }
-
-    /// Whether [`View::linear`](crate::View::linear) is kept too.
-    pub fn linear(mut self, linear: bool) -> Self {
-        self.linear = linear;
-        self
-    }
-
-    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
-    /// middles of the cells of a square grid, the same in all views, and are clamped to 0 to 1 and weighed by [`Options::filter`] in linear
-    /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
-    ///
-    /// [`View::cost`](crate::View::cost), [`Statistics`] and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
-    /// are not filtered, and are those of one ray through the pixel's centre. Of odd grids (9, 25, 49) that is the sample in the middle. Even
-    /// ones (4, 16, 36, 64) have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
-    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
-    /// the sample next to the centre to the right and below.
-    pub fn samples(mut self, samples: u32) -> Self {
-        self.samples = samples;
-        self
-    }
-
-    /// How a pixel's samples are weighed: [`Filter::Box`] unless something else is asked for.
-    pub fn filter(mut self, filter: Filter) -> Self {
-        self.filter = filter;
-        self
-    }
-
-    /// # Errors
-    /// [`Error::Options`] for a value out of its range.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        if self.bounces <= MAX_BOUNCES {
-            return Ok(());
-        }
-        let reason = format!("{}; there can be 0 to {MAX_BOUNCES}", self.bounces);
-        Err(Error::Options { option: "bounces", reason })
-    }
-
-    /// What is kept of each pixel besides its colour.
-    pub fn g_buffer(mut self, g_buffer: GBuffer) -> Self {
-        self.g_buffer = g_buffer;
-        self
-    }
-}
-
-impl Default for Options {
-    /// [`Method::Auto`], nothing counted.
-    fn default() -> Self {
-        Self::new(Method::Auto)
-    }
-}
 
 /// How far a frame is.
 #[derive(Clone, Copy, Debug, PartialEq)]

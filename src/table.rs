@@ -6,8 +6,10 @@ use glam::{Vec3, Vec4};
 use half::f16;
 
 use crate::{
-    Finish, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap, bvh::Texel, pair::linear_of,
-    variant::material_texels,
+    Finish, Light, LightShape, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap,
+    bvh::Texel,
+    pair::linear_of,
+    variant::{light_texels, material_texels},
 };
 
 /// Texels before the lights.
@@ -48,17 +50,20 @@ pub(crate) struct ShadingTable<'a> {
     scene: &'a Scene,
     /// Texels of a material.
     each: usize,
+    /// Texels of a light.
+    each_light: usize,
 }
 
 impl<'a> ShadingTable<'a> {
     pub(crate) fn of(scene: &'a Scene) -> Self {
         let more = |material: &Material| material.shines() || material.sends_rays();
-        Self { scene, each: material_texels(scene.materials().iter().any(more)) }
+        let each = material_texels(scene.materials().iter().any(more));
+        Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()) }
     }
 
     /// Texels before the sky's pixels.
     pub(crate) fn before_pictures(&self) -> usize {
-        HEAD + 2 * self.scene.lights.len() + self.each * self.scene.materials().len()
+        HEAD + self.each_light * self.scene.lights.len() + self.each * self.scene.materials().len()
     }
 
     fn before_textures(&self) -> usize {
@@ -85,8 +90,8 @@ impl<'a> ShadingTable<'a> {
         };
         nadir[3] = self.before_textures() as u32;
         let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
-        let lights = scene.lights.iter().flat_map(|light| [light.position, light.intensity]).map(plain);
-        let each = self.each;
+        let (each, each_light) = (self.each, self.each_light);
+        let lights = scene.lights.iter().flat_map(move |light| light_of(light).into_iter().take(each_light));
         let materials = scene.materials().iter().flat_map(move |material| material_of(material).into_iter().take(each));
         let sky = sky_pixels(scene).iter().copied().map(plain);
         let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
@@ -114,6 +119,20 @@ fn texel(vector: Vec3, word: u32) -> Texel {
 /// The pixels of a sky that is a picture.
 fn sky_pixels(scene: &Scene) -> &[Vec3] {
     if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
+}
+
+/// A light's texels (soft.wgsl).
+fn light_of(light: &Light) -> [Texel; 4] {
+    let (kind, place, size, sides) = match light.shape {
+        LightShape::Point => (0, light.position, 0.0, [Vec3::ZERO; 2]),
+        LightShape::Sphere { radius } => (1, light.position, radius, [Vec3::ZERO; 2]),
+        LightShape::Rectangle { half_width, half_height } => (2, light.position, 1.0, [half_width, half_height]),
+        LightShape::Directional { radius } => {
+            (3, light.position.as_dvec3().normalize_or_zero().as_vec3(), radius.tan(), [Vec3::ZERO; 2])
+        }
+    };
+    let [width, height] = sides.map(|side| texel(side, 0));
+    [texel(place, kind), texel(light.intensity, f32::to_bits(size)), width, height]
 }
 
 /// A material's texels (materials.wgsl).

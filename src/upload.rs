@@ -9,7 +9,7 @@ use glam::Vec3;
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Pose, Renderer, Scene,
+    BvhBuild, Choice, Error, Method, Options, Pose, Renderer, Scene,
     auto::CostModel,
     bvh::{self, PackedBvh, Texel, TreeShape},
     geometry::GeometryTexels,
@@ -17,6 +17,7 @@ use crate::{
     kernels::Kernels,
     large::LargePrimitives,
     message::counted,
+    steps::soft::SoftLights,
     table::{Pictures, ShadingTable},
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
@@ -37,7 +38,9 @@ pub struct UploadedScene {
     pub(crate) objects: Vec<u32>,
     /// The scene's id of each primitive, in the BVH's order.
     pub(crate) ids: Vec<u32>,
+    /// Positions of those that are points.
     pub(crate) lights: Vec<Vec3>,
+    pub(crate) soft: SoftLights,
     pub(crate) large: LargePrimitives,
     /// What is kept of the tree for a refit.
     shape: TreeShape,
@@ -105,10 +108,14 @@ impl UploadedScene {
     }
 
     /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
-    pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose) -> Option<Choice> {
+    pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
         let lights = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() };
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
-        let best = CostModel::of(gpu).choose(pose, (lights as u64).saturating_mul(pixels), 0);
+        let best = CostModel::of(gpu).choose(
+            pose,
+            (lights as u64 + u64::from(self.soft.rays(options))).saturating_mul(pixels),
+            0,
+        );
         (best.method == Method::Naive).then_some(best)
     }
 
@@ -155,6 +162,7 @@ impl Renderer {
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
             uploaded.lights = positions(scene);
+            uploaded.soft = SoftLights::of(scene);
             (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, Pictures::of(scene));
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
@@ -210,6 +218,7 @@ impl Renderer {
             variant: Variant::of(scene, traversal, &packed),
             objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
             lights: positions(scene),
+            soft: SoftLights::of(scene),
             large: LargePrimitives::of(scene),
             shape,
             gpu: gpu.clone(),
@@ -273,7 +282,7 @@ fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(Packed
 }
 
 fn positions(scene: &Scene) -> Vec<Vec3> {
-    scene.lights.iter().map(|light| light.position).collect()
+    scene.lights.iter().filter(|light| !light.is_soft()).map(|light| light.position).collect()
 }
 
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.

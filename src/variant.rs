@@ -33,12 +33,13 @@ impl Shadows {
     const FAR_LIGHT: f32 = 64.0;
 
     fn of(scene: &Scene) -> Self {
+        let points = || scene.lights.iter().filter(|light| !light.is_soft());
         let far = |(low, high): (glam::Vec3, glam::Vec3)| {
             let reach = Self::FAR_LIGHT * (high - low).max_element();
-            scene.lights.iter().any(|light| light.position.clamp(low, high).distance(light.position) > reach)
+            points().any(|light| light.position.clamp(low, high).distance(light.position) > reach)
         };
         match scene.bounds() {
-            _ if !scene.shadows => Self::None,
+            _ if !scene.shadows || points().next().is_none() => Self::None,
             Some(bounds) if far(bounds) => Self::FromSurface,
             _ => Self::FromLight,
         }
@@ -88,6 +89,26 @@ impl SkyKind {
     }
 }
 
+/// Texels of a light in the shading table; `soft` where some light is not a point.
+pub(crate) fn light_texels(soft: bool) -> usize {
+    if soft { 4 } else { 2 }
+}
+
+/// What a kernel does about lights that are not points, and ambient light that surroundings keep off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SoftRole {
+    /// There is none.
+    None,
+    /// Others add it.
+    Skipped,
+    /// It adds what masks say.
+    Masked,
+    /// It makes the masks.
+    Asked,
+    /// It traces its own rays.
+    Followed,
+}
+
 /// What a pipeline is specialised to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
@@ -109,6 +130,15 @@ pub(crate) struct Variant {
     pub(crate) mirrors: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
+    /// Some lights are not points.
+    pub(crate) soft_lights: bool,
+    /// Whether those cast shadows.
+    pub(crate) casts: bool,
+    /// Rays to each of them, and into the surroundings; 0 for no such light.
+    pub(crate) shadow_rays: u32,
+    pub(crate) occlusion_rays: u32,
+    /// Views take over shares of them, besides bits.
+    pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
     /// Boxes are widened each by its own distance, for scenes far larger than their detail.
     pub(crate) world_boxes: bool,
@@ -145,6 +175,11 @@ impl Variant {
         mirrors: false,
         lights: false,
         shadows: Shadows::None,
+        soft_lights: false,
+        casts: true,
+        shadow_rays: 0,
+        occlusion_rays: 0,
+        shares: false,
         sky: SkyKind::Constant,
         world_boxes: false,
         close: false,
@@ -179,6 +214,11 @@ impl Variant {
             mirrors: (triangles || balls) && scene.materials().iter().any(Material::sends_rays),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
+            soft_lights: scene.soft_lights().next().is_some(),
+            casts: scene.shadows,
+            shadow_rays: 0,
+            occlusion_rays: 0,
+            shares: false,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
             close: false,
@@ -205,6 +245,7 @@ impl Variant {
                 samples: false,
                 second: false,
                 bits: ShadowReuse::Rays,
+                shares: false,
                 ..self
             },
             Touches::Shading => self,
@@ -225,11 +266,32 @@ impl Variant {
             mirrors: false,
             lights: false,
             shadows: Shadows::None,
+            soft_lights: false,
+            casts: true,
+            shadow_rays: 0,
+            occlusion_rays: 0,
+            shares: false,
             sky: SkyKind::Constant,
             samples: false,
             second: false,
             linear: false,
             ..self
+        }
+    }
+
+    /// Whether there is light that is asked for by more than a ray.
+    pub(crate) fn is_soft(&self) -> bool {
+        (self.soft_lights || self.occlusion_rays > 0) && (self.triangles || self.spheres)
+    }
+
+    pub(crate) fn soft_role(&self, kernel: &Kernel) -> SoftRole {
+        match kernel.name {
+            _ if !self.is_soft() || kernel.touches != Touches::Shading => SoftRole::None,
+            "trace_soft" | "trace_soft_listed" | "trace_soft_asked" => SoftRole::Asked,
+            "trace_mirrored" => SoftRole::Followed,
+            "shade_hits" | "shade_tiles" | "shade_listed" | "shade_traced" => SoftRole::Masked,
+            "trace_left" | "trace_in_steps" => SoftRole::Skipped,
+            _ => SoftRole::None,
         }
     }
 
@@ -244,7 +306,7 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 21] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 22] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -268,20 +330,27 @@ impl Kernel {
             SkyKind::Map => "map",
         };
         let shadows = match with.shadows {
-            _ if primitives == "none" || !with.lights => "none",
+            _ if primitives == "none" || !with.lights => "none", // points among them
             Shadows::None => "none",
             Shadows::FromLight => "from_light",
             Shadows::FromSurface => "from_surface",
         };
         let visibility = match self.name {
             "shade_tiles" => "taken",
-            "shade_listed" => "taken_or_traced",
+            "shade_listed" | "trace_soft_asked" => "taken_or_traced",
             _ => "traced",
         };
         let mirrors = match self.name {
             _ if !with.mirrors => "none",
             "trace_mirrored" => "followed",
             _ => "listed",
+        };
+        let soft = match with.soft_role(self) {
+            SoftRole::None => "none",
+            SoftRole::Skipped => "skipped",
+            SoftRole::Masked => "masked",
+            SoftRole::Asked => "asked",
+            SoftRole::Followed => "followed",
         };
         let bits = match with.bits {
             ShadowReuse::Rays => "none",
@@ -304,8 +373,9 @@ impl Kernel {
             ("shine", if with.shine { "some" } else { "none" }),
             ("mirrors", mirrors),
             ("sky", sky),
-            ("lights", if with.lights { "some" } else { "none" }),
+            ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("shadows", shadows),
+            ("soft", soft),
             ("visibility", visibility),
             ("bits", bits),
             ("samples", samples),
@@ -318,14 +388,21 @@ impl Kernel {
     /// The text that the driver gets.
     pub(crate) fn text(&self, with: &Variant) -> String {
         // Six samples are told apart by their normals, two have room for an occluder.
-        let (stack, occluders, close) = (with.stack_size, with.bits == ShadowReuse::Two, with.close);
+        let (stack, shares, close) = (with.stack_size, with.shares && with.is_soft(), with.close);
+        let occluders = with.bits == ShadowReuse::Two && !shares;
         let bits = self.samples(with) == Some(Write);
         let TexelPlaces { uv, colors, count } = with.texel_places();
         let (shine, material_texels) = (with.shine, material_texels(with.shine || with.mirrors));
+        let (light_texels, casts) = (light_texels(with.soft_lights), with.casts);
+        // What mirrors show needs less.
+        let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
+        let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
         format!(
             "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
              const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
              const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
+             const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\
+             const LIGHT_RAYS: u32 = {shadow_rays}u;\nconst OCCLUSION_RAYS: u32 = {occlusion_rays}u;\n\
              const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{}",
             wgsl::text(self.main, &self.choices(with))
         )

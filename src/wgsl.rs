@@ -67,6 +67,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "shade",
     "shadows",
     "sky",
+    "soft",
     "sphere",
     "textures",
     "tiles",

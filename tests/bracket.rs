@@ -4,8 +4,8 @@ mod common;
 
 use common::{ball, gpu_with_limits, is_exact, random::Random, random_ellipsoid, random_stage, render, renderer};
 use stereotrace::{
-    Boxes, Fetch, MISS, Material, Mesh, Method, Options, PixelSource, PointLight, Pose, RaysPerLane, Renderer, Rig,
-    Scene, ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
+    Boxes, Fetch, Light, MISS, Material, Mesh, Method, Options, PixelSource, Pose, RaysPerLane, Renderer, Rig, Scene,
+    ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
     cpu::{Eye, Frame, bracket, trace_left::trace_left},
     glam::Vec3,
     metrics::compare,
@@ -244,7 +244,7 @@ fn more_lights_than_bits_are_kept_for_are_traced() {
         .map(|index| {
             let around = 0.3 * index as f32;
             let position = Vec3::new(4.0 * around.cos(), 3.0, 4.0 * around.sin());
-            PointLight::new(position, Vec3::splat(0.05))
+            Light::point(position, Vec3::splat(0.05))
         })
         .collect();
     let naive = render(&scene, &camera, Method::Naive);
@@ -274,7 +274,7 @@ fn a_block_that_more_primitives_touch_than_its_list_holds_is_traced() {
 fn dense_ball(rings: u32) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_mesh(&ball(Vec3::ZERO, 1.0, rings)).unwrap();
-    scene.lights.push(PointLight::new(Vec3::new(3.0, 4.0, 2.0), Vec3::ONE));
+    scene.lights.push(Light::point(Vec3::new(3.0, 4.0, 2.0), Vec3::ONE));
     let camera = camera().size(64, 48);
     let mut renderer = renderer();
     let exact = is_exact(&renderer);

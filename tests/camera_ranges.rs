@@ -4,7 +4,7 @@ mod common;
 
 use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    MISS, MaterialId, Mesh, Method, Options, PointLight, Renderer, Scene, Sphere, StereoCamera, StereoPair,
+    Light, MISS, MaterialId, Mesh, Method, Options, Renderer, Scene, Sphere, StereoCamera, StereoPair,
     camera::{MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
     glam::Vec3,
     scene::{MAX_COORDINATE, MIN_EXTENT},
@@ -136,7 +136,7 @@ fn scaled(seed: u32, radius: f32, target: Vec3, scale: f32) -> Scene {
     for sphere in source.spheres() {
         scene.add_sphere(Sphere::new(sphere.center * scale, sphere.radius * scale, sphere.material)).unwrap();
     }
-    scene.lights.push(PointLight::new(Vec3::new(1.0, 3.0, 2.0) * scale, Vec3::splat(0.5)));
+    scene.lights.push(Light::point(Vec3::new(1.0, 3.0, 2.0) * scale, Vec3::splat(0.5)));
     scene
 }
 

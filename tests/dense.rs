@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use common::{random::Random, renderer};
 use stereotrace::{
-    MISS, Mesh, Method, Options, PointLight, Scene, StereoCamera, StereoPair, View,
+    Light, MISS, Mesh, Method, Options, Scene, StereoCamera, StereoPair, View,
     cpu::{Eye, Frame},
     glam::Vec3,
 };
@@ -141,7 +141,7 @@ fn a_thousand_lights_are_rendered() {
     let mut random = Random::new(8);
     scene.ambient = Some(Vec3::splat(0.1));
     scene.lights =
-        (0..1000).map(|_| PointLight::new(random.point(3.0) + 4.0 * Vec3::Y, Vec3::splat(0.9 / 1000.0))).collect();
+        (0..1000).map(|_| Light::point(random.point(3.0) + 4.0 * Vec3::Y, Vec3::splat(0.9 / 1000.0))).collect();
     let pairs =
         render(&scene, &camera, &[Method::Naive, Method::BRACKET_RAYS]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(wrong(&scene, &pairs[0], 3), [0, 0]);

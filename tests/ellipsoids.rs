@@ -5,7 +5,7 @@ mod truth;
 
 use common::{RandomScene, is_exact, random::Random, random_ellipsoid, renderer};
 use stereotrace::{
-    BvhBuild, Ellipsoid, Material, MaterialId, Mesh, Method, Options, PointLight, Ray, Renderer, Scene, Sky, Sphere,
+    BvhBuild, Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, Ray, Renderer, Scene, Sky, Sphere,
     StereoCamera, Traversal, Update, View,
     cpu::{Eye, Frame},
     glam::{Affine3A, DVec3, Mat3, Quat, Vec3},
@@ -84,7 +84,7 @@ fn stage(ellipsoids: &[Ellipsoid]) -> Scene {
     scene.ambient = Some(Vec3::splat(0.1));
     scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
     scene.lights = [Vec3::new(2.0, 5.0, 3.0), Vec3::new(-4.0, 3.0, 1.0)]
-        .map(|position| PointLight::new(position, Vec3::splat(0.4)))
+        .map(|position| Light::point(position, Vec3::splat(0.4)))
         .to_vec();
     scene
 }
@@ -278,7 +278,7 @@ fn dark(one: Ellipsoid, camera: &StereoCamera, lamp: Vec3) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_ellipsoid(one).unwrap();
     scene.ambient = Some(Vec3::ZERO);
-    scene.lights = vec![PointLight::new(lamp, Vec3::ONE)];
+    scene.lights = vec![Light::point(lamp, Vec3::ONE)];
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let camera = camera.size(160, 120).interaxial(0.0);

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use common::{ball, gpu, render};
 use stereotrace::{
-    Mesh, Method, PointLight, Renderer, Scene, StereoCamera, View,
+    Light, Mesh, Method, Renderer, Scene, StereoCamera, View,
     glam::{Quat, Vec3},
 };
 
@@ -46,7 +46,7 @@ fn still_life(by: Vec3) -> Scene {
     scene.add_mesh(&ball(by + Vec3::new(0.1, 0.1, -0.25), 0.1, 24)).unwrap();
     scene.ambient = Some(Vec3::splat(0.15));
     for at in [[0.6, 0.9, 0.5], [-0.5, 0.8, 0.6], [0.1, 1.2, -0.3]] {
-        scene.lights.push(PointLight::new(by + Vec3::from_array(at), Vec3::splat(0.3)));
+        scene.lights.push(Light::point(by + Vec3::from_array(at), Vec3::splat(0.3)));
     }
     scene
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{ball, random::Random, render, renderer};
 use stereotrace::{
-    Material, MaterialId, Mesh, Method, Options, PointLight, Scene, Sky, Sphere, StereoCamera, StereoPair,
+    Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, StereoPair,
     glam::{DVec3, Vec3},
     scene::builtin::Builtin,
 };
@@ -83,7 +83,7 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
     scene.add_mesh(&floor).unwrap();
     scene.ambient = Some(Vec3::splat(0.1));
     scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
-    scene.lights = vec![PointLight::new(light, Vec3::splat(0.9))];
+    scene.lights = vec![Light::point(light, Vec3::splat(0.9))];
     let camera = StereoCamera::look_at(Vec3::new(0.5, 2.0, 6.0), Vec3::new(0.0, 0.7, 0.0))
         .size(160, 120)
         .vertical_fov_degrees(45.0)
@@ -199,7 +199,7 @@ fn acne(scene: &Scene, camera: &StereoCamera) -> (usize, usize) {
     let mut scene = scene.clone();
     scene.ambient = Some(Vec3::ZERO);
     let position = camera.pose().unwrap().eye;
-    scene.lights = vec![PointLight::new(position, Vec3::ONE)];
+    scene.lights = vec![Light::point(position, Vec3::ONE)];
     let camera = camera.interaxial(0.0);
     let pair = render(&scene, &camera, Method::Ideal);
     let view = &pair.left;
@@ -249,7 +249,7 @@ fn shadows_reach_to_their_casters_at_every_scale_and_place() {
         let wall = vec![place(0.0, 0.0, -9.0), place(0.0, 0.5, -9.0), place(0.0, 0.5, 9.0), place(0.0, 0.0, 9.0)];
         scene.add_mesh(&Mesh::new(wall, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         scene.ambient = Some(Vec3::ZERO);
-        scene.lights = vec![PointLight::new(place(-5.0 * away, 10.0 * away, 0.0), Vec3::ONE)];
+        scene.lights = vec![Light::point(place(-5.0 * away, 10.0 * away, 0.0), Vec3::ONE)];
         let camera = StereoCamera::look_at(place(0.1, 4.0, 0.0), place(0.1, 0.0, 0.0))
             .up(Vec3::Z)
             .size(64, 64)
@@ -277,7 +277,7 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
             if position.abs().max_element() > 1e8 {
                 continue; // refused
             }
-            scene.lights = vec![PointLight::new(position, Vec3::ONE)];
+            scene.lights = vec![Light::point(position, Vec3::ONE)];
             let pair = render(&scene, &camera, Method::Ideal);
             let frame = stereotrace::cpu::Frame::new(&pair.pose);
             let mut lit = 0;

@@ -5,7 +5,7 @@ mod truth;
 
 use common::{random::Random, renderer};
 use stereotrace::{
-    Ellipsoid, Material, MaterialId, Mesh, Method, Options, PixelSource, PointLight, Scene, Sky, Sphere, StereoCamera,
+    Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, PixelSource, Scene, Sky, Sphere, StereoCamera,
     StereoPair, View,
     cpu::{Eye, Frame},
     glam::{Mat3, Quat, Vec3},
@@ -77,7 +77,7 @@ impl Ground {
         scene.ambient = Some(Vec3::splat(0.15));
         scene.sky = Sky::Constant(Vec3::new(0.2, 0.4, 0.9));
         let lamps = [Vec3::new(-4.0, 6.0, 3.0), Vec3::new(3.5, 4.0, -2.0), Vec3::new(1.0, 9.0, 5.0)];
-        scene.lights = lamps.map(|lamp| PointLight::new(self.turn() * lamp, Vec3::new(0.32, 0.28, 0.26))).to_vec();
+        scene.lights = lamps.map(|lamp| Light::point(self.turn() * lamp, Vec3::new(0.32, 0.28, 0.26))).to_vec();
         scene
     }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::renderer;
 use stereotrace::{
-    Ellipsoid, Error, Material, MaterialId, Mesh, Method, PointLight, Scene, Sky, Sphere, StereoCamera,
+    Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Scene, Sky, Sphere, StereoCamera,
     cpu::intersect::closest_hit, glam::Vec3, scene::builtin::Builtin,
 };
 
@@ -19,7 +19,7 @@ fn negative_light_and_reflectance_are_refused_by_name() {
             format!("invalid scene: {element}: {reason} is [0.5, -0.1, 0.5]; it must be finite and not negative");
         assert_eq!(error.to_string(), expected);
     };
-    let light = PointLight::new(Vec3::splat(-1.0), negative);
+    let light = Light::point(Vec3::splat(-1.0), negative);
     refused("ambient", "it", &|scene| scene.ambient = Some(negative));
     refused("light 0", "intensity", &|scene| scene.lights.push(light));
     refused("material 1 'tar'", "albedo", &|scene| {
@@ -30,7 +30,7 @@ fn negative_light_and_reflectance_are_refused_by_name() {
     refused("sky", "zenith", &|scene| scene.sky = Sky::Gradient { nadir: Vec3::ONE, zenith: negative });
     let mut scene = Scene::new();
     scene.ambient = Some(Vec3::NEG_ONE * 0.0); // no less than nothing
-    scene.lights.push(PointLight::new(light.position, Vec3::ONE));
+    scene.lights.push(Light::point(light.position, Vec3::ONE));
     assert!(renderer().upload(&scene).is_ok());
 }
 
@@ -49,7 +49,7 @@ fn ambient_light_makes_room_for_lights_unless_it_was_given() {
     let shade = |ambient: Option<f32>, light: Option<f32>| {
         let mut scene = ground(10.0);
         scene.ambient = ambient.map(Vec3::splat);
-        let overhead = |light| PointLight::new(Vec3::Y * 1e6, Vec3::splat(light));
+        let overhead = |light| Light::point(Vec3::Y * 1e6, Vec3::splat(light));
         scene.lights.extend(light.map(overhead));
         common::render(&scene, &camera, Method::Naive).left.linear[40][0]
     };

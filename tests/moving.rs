@@ -4,7 +4,7 @@ mod common;
 
 use common::{ball, gpu, renderer};
 use stereotrace::{
-    Boxes, BvhBuild, Error, Fetch, Gpu, Material, MaterialId, Mesh, Method, Options, PointLight, RaysPerLane, Renderer,
+    Boxes, BvhBuild, Error, Fetch, Gpu, Light, Material, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer,
     Scene, Sky, SkyMap, Sphere, StereoCamera, Traversal, Update,
     glam::{Affine3A, Quat, Vec3},
 };
@@ -78,7 +78,7 @@ const CHANGES: &[Change] = &[
         scene.transform_object(FLAT, &about(Vec3::new(0.0, 9.0, 0.0), Affine3A::from_scale(Vec3::ZERO))).unwrap();
     }),
     ("lights, sky and materials change", |scene| {
-        scene.lights.push(PointLight::new(Vec3::new(-2.0, 3.0, 1.0), Vec3::splat(0.3)));
+        scene.lights.push(Light::point(Vec3::new(-2.0, 3.0, 1.0), Vec3::splat(0.3)));
         scene.lights[0].position.x += 1.0;
         scene.sky = Sky::Gradient { nadir: Vec3::splat(0.1), zenith: Vec3::new(0.2, 0.4, 0.8) };
         scene.set_material(MaterialId(1), Material::new(Vec3::new(0.1, 0.7, 0.2))).unwrap();

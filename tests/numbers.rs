@@ -6,7 +6,7 @@ use std::{f32::consts::PI, num::NonZeroU32, panic::catch_unwind};
 
 use common::renderer;
 use stereotrace::{
-    BufferDepth, Check, Error, MISS, MaterialId, Mesh, Method, Options, PointLight, Ray, Scene, SkyMap, Sphere,
+    BufferDepth, Check, Error, Light, MISS, MaterialId, Mesh, Method, Options, Ray, Scene, SkyMap, Sphere,
     StereoCamera,
     camera::MAX_SIDE,
     glam::Vec3,
@@ -132,7 +132,7 @@ fn more_lights_than_a_scene_can_have_are_refused() {
         assert!(message.contains(&format!("lights: {count} of them; it can have at most 1048576")), "{message}");
     }
     assert_eq!(scene.lights.len(), 5, "a refused number changes nothing");
-    scene.lights = vec![PointLight::new(Vec3::Y, Vec3::ZERO); MAX_LIGHTS + 1];
+    scene.lights = vec![Light::point(Vec3::Y, Vec3::ZERO); MAX_LIGHTS + 1];
     assert!(renderer().upload(&scene).unwrap_err().to_string().contains("1048577 of them"));
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use common::{ball, random::Random, renderer};
 use stereotrace::{
-    FAR, MISS, Mesh, Method, Options, PointLight, Ray, Scene, StereoCamera,
+    FAR, Light, MISS, Mesh, Method, Options, Ray, Scene, StereoCamera,
     cpu::{Eye, Frame, intersect::closest_hit},
     glam::Vec3,
     wgpu,
@@ -84,7 +84,7 @@ fn lights_without_number_light_what_their_sum_does() {
     scene.add_mesh(&ball(Vec3::ZERO, 0.5, 12)).unwrap();
     scene.ambient = Some(Vec3::splat(0.1));
     let camera = StereoCamera::look_at(Vec3::new(0.5, 1.5, 4.0), Vec3::ZERO).size(31, 17).interaxial_pixels(3.0);
-    let light = PointLight::new(Vec3::new(1.0, 4.0, 2.0), Vec3::splat(0.8));
+    let light = Light::point(Vec3::new(1.0, 4.0, 2.0), Vec3::splat(0.8));
     scene.lights = vec![light];
     let mut renderer = renderer();
     let mut render = |scene: &Scene, method| {
@@ -94,7 +94,7 @@ fn lights_without_number_light_what_their_sum_does() {
     let (one, _) = render(&scene, Method::Naive);
     // So many that the loop over them alone is cut.
     let count = 70_000;
-    scene.lights = vec![PointLight::new(light.position, light.intensity / count as f32); count];
+    scene.lights = vec![Light::point(light.position, light.intensity / count as f32); count];
     let (many, bound) = render(&scene, Method::BRACKET_RAYS);
     assert!(many.statistics.in_steps || !bound);
     assert_eq!(many.statistics.left.rays.shadow, count as u64 * one.statistics.left.rays.shadow);

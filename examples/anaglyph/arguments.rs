@@ -4,7 +4,8 @@ use std::{error::Error, path::PathBuf};
 
 use clap::{Args, Parser};
 use stereotrace::{
-    Filter, Gpu, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera,
+    AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions,
+    Options, Scene, Sky, SkyMap, StereoCamera,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -17,7 +18,7 @@ const ENVIRONMENT: &str =
     "STEREOTRACE_ADAPTER=software, or a part of an adapter's name, chooses the adapter; else it is the fastest one.";
 
 /// Renders a stereo pair and an anaglyph of it
-#[derive(Debug, Parser)]
+#[derive(Clone, Debug, Parser)]
 #[command(name = "anaglyph", after_help = ENVIRONMENT)]
 pub(crate) struct Arguments {
     /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near, grazing, random-20, random-100,
@@ -82,6 +83,15 @@ pub(crate) struct Arguments {
     /// Place N lights around the eyes [default: 5 for an OBJ file, a built-in scene's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
+    /// Make lights balls of this radius, in world units: shadows get a penumbra
+    #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true)]
+    light_radius: Option<f32>,
+    /// Rays to each light that is not a point, 1 to 32
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    shadow_rays: u32,
+    /// Let what stands near keep ambient light off: by N rays a pixel, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
+    #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
+    occlusion: Option<OcclusionArgument>,
     /// Where an OBJ file has no normals, edges are smooth that turn by less than DEG degrees, or none: off
     #[arg(long, value_name = "DEG|off", default_value = "30", value_parser = crease_angle, allow_hyphen_values = true)]
     crease_angle: CreaseAngle,
@@ -107,7 +117,11 @@ pub(crate) struct Arguments {
 #[derive(Clone, Copy, Debug)]
 struct CreaseAngle(Option<f32>);
 
-#[derive(Debug, Args)]
+/// Rays, and how far they go if that is said.
+#[derive(Clone, Copy, Debug)]
+struct OcclusionArgument(u32, Option<f32>);
+
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera")]
 struct CameraArguments {
     /// JSON file of cameras by name; the options below replace parts of its camera
@@ -169,9 +183,22 @@ impl Arguments {
         self.builtin_name().map(str::parse).transpose()
     }
 
+    /// The same, with what follows from the scene's size.
+    pub(crate) fn reaching(&self, scene: &Scene) -> Self {
+        let mut settled = self.clone();
+        if let (Some(OcclusionArgument(_, radius)), Some((low, high))) = (&mut settled.occlusion, scene.bounds()) {
+            radius.get_or_insert(0.1 * low.distance(high));
+        }
+        settled
+    }
+
     /// What to render with, by the method asked for or another one.
     pub(crate) fn options(&self, method: Method) -> Options {
-        Options::new(method).samples(self.samples).filter(self.filter).bounces(self.bounces)
+        let occlusion = self
+            .occlusion
+            .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
+        let options = Options::new(method).samples(self.samples).filter(self.filter).bounces(self.bounces);
+        options.shadow_rays(self.shadow_rays).occlusion(occlusion)
     }
 
     fn limits(&self) -> Limits {
@@ -241,8 +268,19 @@ impl Arguments {
         self.camera.camera.clone().unwrap_or_else(|| self.scene_name())
     }
 
-    /// Places the lights, unless the scene or the file of cameras brings its own and no number was asked for.
+    /// Places the lights, and gives them their size.
     pub(crate) fn light(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
+        self.place_lights(scene, camera)?;
+        if let Some(radius) = self.light_radius {
+            for light in scene.lights.iter_mut().filter(|light| light.shape == LightShape::Point) {
+                *light = Light::sphere(light.position, radius, light.intensity);
+            }
+        }
+        Ok(())
+    }
+
+    /// Places the lights, unless the scene or the file of cameras brings its own and no number was asked for.
+    fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
         if let (None, Some(file)) = (self.lights, &self.camera.cameras)
             && scene.light_from_json_within(file, &self.camera_name(), &self.limits())?
         {
@@ -317,6 +355,12 @@ fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
         (_, Some(degrees)) => Ok(CreaseAngle(Some(degrees))),
         _ => Err("it must be 0 to 180, or off".into()),
     }
+}
+
+fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
+    let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
+    let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
+    Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
 }
 
 fn missing_textures(text: &str) -> Result<MissingTextures, String> {

@@ -111,6 +111,7 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
     let mut scene = arguments.scene()?;
     let camera = arguments.stereo_camera(&scene)?;
     arguments.light(&mut scene, &camera)?;
+    let arguments = &arguments.reaching(&scene);
     make_folder(&arguments.out)?;
     let mut read = begin.elapsed();
 

@@ -7,7 +7,16 @@ struct Taken {
     lit: U,
     occluders_a: U,   // places among the primitives of what hides some light from the samples on both sides of the point, or MISS
     occluders_b: U,
+    shares_before: U,   // of the samples on both sides, as found_shares of visibility.wgsl: UNASKED where one does not vouch
+    shares_after: U,
+    way: F,             // from the first one to the next, 0 to 1
 }
+
+// Shares of so many sources stand in a word, from 0 for none of the rays to ALL_OPEN for all.
+const SHARES: u32 = 6u;
+const SHARE_BITS: u32 = 5u;
+const ALL_OPEN: u32 = 30u;
+const UNASKED: u32 = 31u;
 
 fn light_mask(light: u32) -> u32 {
     return select(0u, 1u << (light & 15u), light < 16u);
@@ -33,7 +42,7 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
 
 // Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
-    var result = Taken(U(0u), U(0u), U(MISS), U(MISS));
+    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0));
     var ray = 0u;
     loop {
         if of_ray_b(surfaces.there, ray) {
@@ -44,6 +53,12 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
             if KEEP_OCCLUDERS && near.usable {
                 result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(near.first).other);
                 result.occluders_b = with_ray_u(result.occluders_b, ray, source_sample(near.first + vec2u(1u, 0u)).other);
+            }
+            if KEEP_SHARES && near.usable {
+                let component = of_ray_u(surfaces.component, ray);
+                result.shares_before = with_ray_u(result.shares_before, ray, vouched_shares(near, 0u, component));
+                result.shares_after = with_ray_u(result.shares_after, ray, vouched_shares(near, 1u, component));
+                result.way = with_ray(result.way, ray, near.way);
             }
         }
         ray += 1u;
@@ -102,11 +117,21 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! end
-// The bits of a left sample as far as it vouches for a point of that parallax and component.
-fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
+// Whether a left sample vouches for a point of that parallax and component.
+fn vouches(at: Between, sample: SourceSample, component: u32) -> bool {
     let apart = abs(parallax_from(at.source, sample.depth) - at.point_parallax);
-    let same = sample.component == component && apart <= at.source.same_parallax;
-    return select(0u, sample.bits, same);
+    return sample.component == component && apart <= at.source.same_parallax;
+}
+
+// Its bits, as far as it does.
+fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
+    return select(0u, sample.bits, vouches(at, sample, component));
+}
+
+// The shares of the first sample beside a point, or of the next one. (All of MISS are UNASKED.)
+fn vouched_shares(at: Between, next: u32, component: u32) -> u32 {
+    let sample = source_sample(at.first + vec2u(next, 0u));
+    return select(MISS, sample.other, vouches(at, sample, component));
 }
 
 // Bits that two samples agree in.

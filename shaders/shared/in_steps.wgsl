@@ -19,7 +19,7 @@ fn is_tired() -> bool { return false; }
 
 fn is_step_over(link: u32) -> bool { return false; }
 
-fn sum_so_far() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
+fn sum_so_far() -> Light { return no_light(); }
 
 fn first_light() -> u32 { return 0u; }
 

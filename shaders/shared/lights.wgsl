@@ -1,4 +1,4 @@
-// Omnidirectional point lights (DESIGN, section 3); who sees them is for visibility.wgsl to say.
+// Lights (DESIGN, section 3); who sees them is for visibility.wgsl to say, and what others than points send for soft.wgsl.
 
 // A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
 // the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
@@ -14,6 +14,8 @@ struct Light {
     diffuse: F3,
     shine: F3,
 }
+
+fn no_light() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
 
 //! if lights is some
 // From a light to the points that a lane's rays hit.
@@ -32,11 +34,20 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
     let reach = max(max(reach_x, reach_y), reach_z);
     let away = max(max(abs(point.x - eye.x), abs(point.y - eye.y)), abs(point.z - eye.z));
     var sum = sum_so_far();
-    let light_count = table_texel(AMBIENT).w;
+    let light_count = sources_of(table_texel(AMBIENT).w);
+    var slot = first_slot();
     var light = first_light();
     loop {
-        let position = shading_vector(LIGHTS + 2u * light);
-        let intensity = shading_vector(LIGHTS + 2u * light + 1u);
+        if light_kind(light) != POINT {
+            let soft = soft_light(surfaces, eye, light, slot_of(light, slot));
+            sum = Light(add3(sum.diffuse, soft.diffuse), add3(sum.shine, soft.shine));
+            slot += 1u;
+            light += 1u;
+            if light >= light_count { break; }
+            continue;
+        }
+        let position = shading_vector(LIGHTS + LIGHT_TEXELS * light);
+        let intensity = shading_vector(LIGHTS + LIGHT_TEXELS * light + 1u);
         let straight = minus3(point, all3(position));
         let way = max(max(abs(straight.x), abs(straight.y)), abs(straight.z));
         var offset = reach + way * OFFSET_BY_LIGHT;
@@ -72,5 +83,5 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
 //! if lights is none
 // Ambient light only.
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
-    return Light(all3(vec3f(0.0)), all3(vec3f(0.0)));
+    return no_light();
 }

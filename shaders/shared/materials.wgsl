@@ -10,7 +10,7 @@ const MATERIAL_TRANSMISSION: u32 = 3u;
 const MATERIAL_TEXTURE: u32 = 0x00ffffffu;
 
 fn material_texel(material: u32, texel: u32) -> vec4u {
-    return table_texel(LIGHTS + 2u * table_texel(AMBIENT).w + MATERIAL_TEXELS * material + texel);
+    return table_texel(LIGHTS + LIGHT_TEXELS * table_texel(AMBIENT).w + MATERIAL_TEXELS * material + texel);
 }
 
 //! if shine is none

@@ -3,7 +3,8 @@
 // What a sample saw.
 struct SourceSample {
     depth: f32,       // along the view axis (FAR: nothing hit)
-    other: u32,       // a place among the primitives: with KEEP_OCCLUDERS of what hides some light, MISS where nothing does; else its own
+    other: u32,       // with KEEP_SHARES shares of soft light (visibility.wgsl); else a place among the primitives: with KEEP_OCCLUDERS of what
+                      // hides some light, MISS where nothing does; else its own
     component: u32,   // of connected primitives
     bits: u32,        // of the first 16 lights: it is seen, from bit 0; a shadow ray asked, from bit 16
 }
@@ -15,6 +16,7 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     let depth = bitcast<u32>(of_ray(samples.depth, ray));
     var other = samples.slot;
     if KEEP_OCCLUDERS { other = found_occluders; }
+    if KEEP_SHARES { other = found_shares; }
     textureStore(source_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
 }
 

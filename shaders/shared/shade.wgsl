@@ -5,7 +5,7 @@
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
 const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height; first of the textures' heads in w
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
-const LIGHTS: u32 = 3u;       // two each: position, intensity; then the materials (materials.wgsl); then a map's pixels; then textures (textures.wgsl)
+const LIGHTS: u32 = 3u;       // LIGHT_TEXELS each: position and kind, intensity and size, of some two sides; then the materials (materials.wgsl); then a map's pixels; then textures (textures.wgsl)
 
 fn shading_vector(index: u32) -> vec3f {
     return bitcast<vec3f>(table_texel(index).xyz);
@@ -76,7 +76,7 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
 // What comes along rays from what they hit, in linear colour, as bright as it may be.
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
     let light = direct_light(surfaces, rays.origin);
-    var color = product3(surfaces.albedo, add3(all3(shading_vector(AMBIENT)), light.diffuse));
+    var color = product3(surfaces.albedo, add3(all3(open_ambient()), light.diffuse));
     if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
     return select3(sky(rays.direction), color, surfaces.there);
 }

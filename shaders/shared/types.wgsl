@@ -36,6 +36,14 @@ struct Frame {
     second_parallax_px: f32,     // parallax_px and same_parallax from the source on the target's other side, where there is one
     second_same_parallax: f32,
     bounces: u32,                // surfaces that a ray may come from, one behind the other
+    words_read: u32,             // of each pixel, by the host: pack.wgsl
+    soft_light: u32,             // the light at work of trace_soft, its place among those that are not points, and the first of its rays
+    soft_slot: u32,
+    soft_first: u32,
+    soft_sources: u32,           // how many lights are not points, and 1 for ambient light where it is asked for
+    seed: u32,                   // of random numbers
+    occlusion_radius: f32,       // how far surroundings keep ambient light off, world units
+    share_tolerance: f32,        // standard deviations by which shares that are taken over may differ
     zero: u32,
 }
 

@@ -26,6 +26,28 @@ fn light_bits() -> U {
     return found_bits;
 }
 
+// Shares of the first six sources that are not points, as bits.wgsl has them.
+var<private> found_shares: U = U(0xffffffffu);
+
+// Of a source's rays the share that arrives, weighed: -1 where it is to be traced.
+fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
+    return -1.0;
+}
+
+fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
+    if !KEEP_BITS || all <= 0.0 { return; }
+    if light < 16u && (open == 0.0 || open == all) {
+        let bits = (1u << (light + 16u)) | select(0u, 1u << light, open == all);
+        found_bits = with_ray_u(found_bits, ray, of_ray_u(found_bits, ray) | bits);
+    }
+    if KEEP_SHARES && slot < SHARES {
+        let partly = clamp(u32(open / all * f32(ALL_OPEN) + 0.5), 1u, ALL_OPEN - 1u);
+        let share = select(select(partly, ALL_OPEN, open == all), 0u, open == 0.0);
+        let before = of_ray_u(found_shares, ray) & ~(UNASKED << (SHARE_BITS * slot));
+        found_shares = with_ray_u(found_shares, ray, before | (share << (SHARE_BITS * slot)));
+    }
+}
+
 //! if visibility is taken
 // As the left view's samples say. Where they don't agree, the pixel is put off.
 
@@ -39,6 +61,10 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
 
 fn light_bits() -> U {
     return U(0u);
+}
+
+fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
+    if all > 0.0 { put_off |= RAY_INDEX == U(ray); }
 }
 
 //! if visibility is taken_or_traced
@@ -63,6 +89,8 @@ fn light_bits() -> U {
     return U(0u);
 }
 
+fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {}
+
 // Which rays meet what hides some light from one of the left samples beside their points.
 fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
     var hidden: U;
@@ -86,4 +114,20 @@ var<private> taken: Taken;
 // What the source's samples say of these points.
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces);
+}
+
+// Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how they differ, the mean
+// of theirs. -1 where they don't tell.
+fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
+    let bit = light_mask(light);
+    if (of_ray_u(taken.known, ray) & bit) != 0u { return select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u); }
+    if !KEEP_SHARES || slot >= SHARES { return -1.0; }
+    let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;
+    let b = (of_ray_u(taken.shares_after, ray) >> (SHARE_BITS * slot)) & UNASKED;
+    if a == UNASKED || b == UNASKED { return -1.0; }
+    let before = f32(a) / f32(ALL_OPEN);
+    let after = f32(b) / f32(ALL_OPEN);
+    let mean = 0.5 * (before + after);
+    let by_chance = frame.share_tolerance * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
+    return select(-1.0, mix(before, after, of_ray(taken.way, ray)), abs(before - after) <= max(by_chance, 1.0 / f32(count)));
 }

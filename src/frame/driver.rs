@@ -14,7 +14,7 @@ use crate::{
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
-    steps::trace::TRACE_LEFT,
+    steps::{soft::Part, trace::TRACE_LEFT},
     variant::Variant,
 };
 
@@ -33,6 +33,8 @@ pub(crate) struct Driver<'a> {
     pub(crate) most_slot_bytes: u64,
     /// Of each view; rows are those of the band at work.
     pub(crate) frames: Vec<layout::Frame>,
+    /// What is asked of lights that are not points, a dispatch each.
+    pub(crate) parts: Vec<Part>,
     /// Slots a pixel of the deepest 3D buffer.
     pub(crate) buffer_depth: u32,
     pub(crate) timestamps: Option<&'a mut Timestamps>,
@@ -142,9 +144,14 @@ impl Driver<'_> {
 
     /// The uniforms of all views, as buffers have them.
     pub(crate) fn frame_bytes(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.frames.len() * FRAME_STRIDE as usize];
-        for (frame, place) in self.frames.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
-            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(frame));
+        let mut bytes = vec![0; self.targets.shape.uniforms_bytes() as usize];
+        let parts = self.targets.shape.parts as usize;
+        for (index, place) in bytes.chunks_exact_mut(FRAME_STRIDE as usize).enumerate() {
+            let mut frame = self.frames[index / parts];
+            if let Some(part) = self.parts.get(index % parts) {
+                (frame.soft_light, frame.soft_slot, frame.soft_first) = (part.light, part.slot, part.first);
+            }
+            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(&frame));
         }
         bytes
     }
@@ -178,13 +185,13 @@ impl Driver<'_> {
                 encoder.clear_buffer(slots, 0, Some(self.slot_bytes));
             }
             Step::Copy(view) => self.encode_copy(encoder, view),
-            Step::Run { name, kernel, view, launch } => {
+            Step::Run { name, kernel, view, launch, part } => {
                 if let Launch::Listed(from, list) = launch {
                     let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
                     let (lists, indirect) = (targets.get(from, 0), &targets.indirect);
                     encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
                 }
-                self.dispatch(encoder, name, kernel, view, launch);
+                self.dispatch(encoder, name, kernel, (view, part), launch);
             }
         }
     }
@@ -208,11 +215,11 @@ impl Driver<'_> {
         encoder: &mut wgpu::CommandEncoder,
         name: &'static str,
         kernel: &Kernel,
-        view: usize,
+        (view, part): (usize, usize),
         launch: Launch,
     ) {
         let pipeline = self.kernels.get(self.gpu, kernel, self.variant);
-        let own = self.own_bindings(kernel, view, &pipeline.own);
+        let own = self.own_bindings(kernel, (view, part), &pipeline.own);
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
@@ -249,11 +256,16 @@ impl Driver<'_> {
     }
 
     /// Group 1 of a kernel: the frame, the buffers that it names, and what else it has.
-    fn own_bindings(&self, kernel: &Kernel, view: usize, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    fn own_bindings(
+        &self,
+        kernel: &Kernel,
+        (view, part): (usize, usize),
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::BindGroup {
         let source = self.eyes.sources[view];
         let frame = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.targets.frames,
-            offset: view as u64 * FRAME_STRIDE,
+            offset: (view * self.targets.shape.parts as usize + part) as u64 * FRAME_STRIDE,
             size: std::num::NonZeroU64::new(size_of::<layout::Frame>() as u64),
         });
         let buffer = |target: Target| match target.of(view, source) {

@@ -100,7 +100,7 @@ impl Renderer {
         used.places.insert((Target::Unfinished, 0));
         let targets = self.targets(self.shape(scene, &eyes, options, &plan), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = super::driver(self, scene, &eyes, variant, &targets, options.bounces, &mut go_on);
+        let mut driver = super::driver(self, scene, &eyes, variant, &targets, options, &mut go_on);
         driver.timestamps = None; // nobody reads them
         driver.upload_tables(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;
@@ -137,7 +137,7 @@ impl Encoded {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
         };
-        let uniforms = u64::from(targets.shape.bands.count()) * targets.shape.views as u64 * FRAME_STRIDE;
+        let uniforms = u64::from(targets.shape.bands.count()) * targets.shape.uniforms_bytes();
         let (from, to) = (wgpu::BufferUsages::COPY_SRC, wgpu::BufferUsages::COPY_DST);
         Self {
             views,
@@ -150,7 +150,7 @@ impl Encoded {
     /// One band, from its uniforms to its rows of the textures.
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
         let targets = driver.targets;
-        let uniforms = driver.frames.len() as u64 * FRAME_STRIDE;
+        let uniforms = targets.shape.uniforms_bytes();
         let begin = FRAME_STRIDE + u64::from(index) * uniforms;
         encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.frames, 0, Some(uniforms));
         if index == 0 {
@@ -168,7 +168,10 @@ impl Encoded {
             for (kernel, texture) in shown {
                 let Some(texture) = texture else { continue };
                 driver.picture = Some(texture.create_view(&wgpu::TextureViewDescriptor::default()));
-                driver.encode(encoder, Step::Run { name: kernel.name, kernel, view: index, launch: Launch::Pixels });
+                driver.encode(
+                    encoder,
+                    Step::Run { name: kernel.name, kernel, view: index, launch: Launch::Pixels, part: 0 },
+                );
             }
         }
     }

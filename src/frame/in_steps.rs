@@ -5,7 +5,7 @@ use crate::{
     Error, RaysPerLane,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
-    steps::{mirrors, trace::TRACE_IN_STEPS},
+    steps::{mirrors, soft, trace::TRACE_IN_STEPS},
     variant::Shadows,
 };
 
@@ -35,17 +35,22 @@ impl Driver<'_> {
         for view in 0..self.eyes.sources.len() {
             self.view_in_steps(band, view, rows, steps).await?;
         }
-        if self.variant.mirrors {
-            self.set_rows(band);
-            let follow = || {
-                self.upload_frames();
-                let mut encoder = self.encoder();
-                (0..self.frames.len()).for_each(|view| self.encode_all(&mut encoder, &mirrors::of(view)));
-                gpu.queue.submit([encoder.finish()]);
-                Ok(())
-            };
-            gpu.checked(follow).await?;
-        }
+        self.set_rows(band);
+        let follow = || {
+            self.upload_frames();
+            let mut encoder = self.encoder();
+            for view in 0..self.frames.len() {
+                if self.variant.is_soft() {
+                    self.encode_all(&mut encoder, &soft::behind_hits(view, Launch::Pixels, self.parts.len()));
+                }
+                if self.variant.mirrors {
+                    self.encode_all(&mut encoder, &mirrors::of(view));
+                }
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        };
+        gpu.checked(follow).await?;
         self.variant = usual;
         Ok(())
     }
@@ -78,7 +83,7 @@ impl Driver<'_> {
                 let submit = || {
                     let mut encoder = self.encoder();
                     for _ in 0..DISPATCHES {
-                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, view, Launch::Pixels);
+                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, (view, 0), Launch::Pixels);
                     }
                     gpu.queue.submit([encoder.finish()]);
                     Ok(())
@@ -104,7 +109,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        BvhBuild, Finish, GBuffer, Gpu, Material, Method, Options, PointLight, Progress, Ray, Renderer, Scene, Sphere,
+        BvhBuild, Finish, GBuffer, Gpu, Light, Material, Method, Options, Progress, Ray, Renderer, Scene, Sphere,
         StereoCamera, StereoPair, Traversal,
         glam::Vec3,
         random::Random,
@@ -123,7 +128,7 @@ mod tests {
 
     /// A hall by its own lights, spheres among triangles under a gradient, and lights so far off that rays start at surfaces.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
-        let far = PointLight::new(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
+        let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
         let (hall, near) = (Builtin::Hall, Builtin::Near);
@@ -206,7 +211,7 @@ mod tests {
     #[test]
     fn a_step_too_long_for_the_adapter_is_an_error_and_ends() {
         let (scene, camera) = (&mut Scene::new(), Builtin::Hall.camera(9, 5));
-        scene.lights = vec![PointLight::new(Vec3::Y, Vec3::ONE); 70_000];
+        scene.lights = vec![Light::point(Vec3::Y, Vec3::ONE); 70_000];
         let mut renderer = Renderer::new(gpu());
         let uploaded = renderer.upload(scene).unwrap();
         let options = Options::new(Method::Naive);

@@ -23,7 +23,7 @@ pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, PassTimes, Renderer, UploadedScene,
+    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene,
     auto::CostModel,
     gpu::{Filling, Staging, Timestamps, add_times},
     lanes::Steps,
@@ -37,7 +37,7 @@ use driver::Driver;
 use plan::{Made, Plan};
 use read::{Counts, ReadBack};
 use tally::Tally;
-use targets::{Shape, Targets, Used};
+use targets::{Shape, Target, Targets, Used};
 
 /// Takes rows as they are done. It can go to another thread with its frame, but for wasm32.
 #[cfg(not(target_arch = "wasm32"))]
@@ -119,9 +119,10 @@ impl Renderer {
         options.check()?;
         let (method, early, plan) = self.planned(scene, eyes, options);
         let variant = self.variant(scene, eyes, options, &plan);
-        let used = plan.uses(&variant);
+        let mut used = plan.uses(&variant);
+        used.places.extend(pictures.then_some((Target::Packed, 0)));
         let targets = self.targets(self.shape(scene, eyes, options, &plan), &used).await?;
-        let read_back = ReadBack::new(targets.shape, options, pictures);
+        let read_back = ReadBack::new(targets.shape, options.linear, pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
         // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
         let mut stagings = std::mem::take(&mut self.cache.staging);
@@ -138,7 +139,7 @@ impl Renderer {
             times: PassTimes::default(),
             in_steps: 0,
             on_rows,
-            driver: driver(self, scene, eyes, variant, &targets, options.bounces, progress),
+            driver: driver(self, scene, eyes, variant, &targets, options, progress),
         };
         frame.run().await?;
         let done = frame.done(method, early, &used);
@@ -150,16 +151,27 @@ impl Renderer {
     /// The method of a frame, what `Auto` chose before its first step, if it could, and the plan that follows.
     fn planned(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
-        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose) } else { None };
-        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources, scene.variant.mirrors);
+        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
+        let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
+        let soft = is_soft.then(|| scene.soft.parts(options).len());
+        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources, scene.variant.mirrors, soft);
         (method, early, plan)
     }
 
     fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Shape {
-        let band_pixels = self.band_pixels / (1 + scene.lights.len() as u32).div_ceil(6);
+        let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
+        let band_pixels = self.band_pixels / rays.div_ceil(6);
         let views = eyes.sources.len();
         let bands = Bands::new(eyes.pose.size, band_pixels, views, plan.reaches);
-        Shape { size: eyes.pose.size, bands, views, cost_map: options.cost_map }
+        Shape {
+            size: eyes.pose.size,
+            bands,
+            views,
+            cost_map: options.cost_map,
+            g_buffer: options.g_buffer,
+            soft_sources: scene.soft.count(options),
+            parts: (scene.soft.parts(options).len() as u32).max(1),
+        }
     }
 
     /// What kernels of a frame are specialised to.
@@ -167,7 +179,21 @@ impl Renderer {
         let counting = scene.variant.counting(options.count, options.cost_map);
         let (bits, samples) = (plan.bits, plan.samples);
         let second = samples && eyes.has_seconds();
-        Variant { linear: options.linear, close: scene.close_to(&eyes.positions()), bits, samples, second, ..counting }
+        let shadow_rays = if counting.soft_lights { options.shadow_rays } else { 0 };
+        let occlusion_rays = options.occlusion.map_or(0, |occlusion| occlusion.rays);
+        let soft = shadow_rays + occlusion_rays > 0;
+        Variant {
+            linear: options.linear,
+            close: scene.close_to(&eyes.positions()),
+            bits,
+            samples,
+            second,
+            shadow_rays,
+            occlusion_rays,
+            shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
+            casts: counting.casts || !soft,
+            ..counting
+        }
     }
 
     async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {
@@ -189,7 +215,7 @@ fn driver<'a>(
     eyes: &'a Eyes,
     variant: Variant,
     targets: &'a Targets,
-    bounces: u32,
+    options: &Options,
     progress: &'a mut OnProgress<'a>,
 ) -> Driver<'a> {
     if let Some(timestamps) = &mut renderer.timestamps {
@@ -201,7 +227,12 @@ fn driver<'a>(
         cost_of_search: search,
         cost_of_shadow: shadow,
         cost_of_listed: listed,
-        bounces,
+        bounces: options.bounces,
+        words_read: targets.shape.words_read(),
+        soft_sources: targets.shape.soft_sources,
+        seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+        occlusion_radius: options.occlusion.map_or(0.0, |occlusion| occlusion.radius),
+        share_tolerance: options.penumbra.tolerance(),
         ..eyes.frame(view)
     };
     Driver {
@@ -215,6 +246,7 @@ fn driver<'a>(
         slot_bytes: 0,
         most_slot_bytes: 0,
         frames: (0..eyes.sources.len()).map(frame).collect(),
+        parts: if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() },
         buffer_depth: 0,
         timestamps: renderer.timestamps.as_mut(),
         lanes: None,
@@ -264,13 +296,14 @@ impl Frame<'_> {
         mut commands: wgpu::CommandEncoder,
         in_steps: bool,
     ) -> Result<Flight, Error> {
-        let (gpu, targets, read_back) = (self.driver.gpu, self.driver.targets, self.read_back);
+        let (driver, read_back) = (&mut self.driver, self.read_back);
         let staging = self.stagings.pop().expect("as many as are in flight");
-        let timestamps = &mut self.driver.timestamps;
+        let gpu = driver.gpu;
         let submit = move || {
-            read_back.copy(&mut commands, targets, &band, staging.buffer());
+            read_back.encode(driver, &mut commands, &band, staging.buffer());
             let offset = read_back.times_offset();
-            let names = timestamps.as_mut().map(|times| times.resolve(&mut commands, staging.buffer(), offset));
+            let timestamps = driver.timestamps.as_mut();
+            let names = timestamps.map(|times| times.resolve(&mut commands, staging.buffer(), offset));
             let filling = staging.fill(gpu, commands.finish());
             Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
         };

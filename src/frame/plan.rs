@@ -62,6 +62,8 @@ pub(crate) enum Step {
         /// The view that it works for.
         view: usize,
         launch: Launch,
+        /// Which of the view's uniforms it reads: one a part of what is asked of lights that are not points, else the first.
+        part: usize,
     },
     /// A view becomes its source's.
     Copy(usize),
@@ -110,7 +112,7 @@ impl Step {
     /// The same under another name.
     pub(crate) fn named(self, called: &'static str) -> Self {
         match self {
-            Self::Run { kernel, view, launch, .. } => Self::Run { name: called, kernel, view, launch },
+            Self::Run { kernel, view, launch, part, .. } => Self::Run { name: called, kernel, view, launch, part },
             step => step,
         }
     }
@@ -121,8 +123,9 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on.
-    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool) -> Self {
+    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of the parts of what is asked of
+    /// `soft` light, where there is such.
+    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool, soft: Option<usize>) -> Self {
         let (bits, samples) = match method {
             Method::Auto => (ShadowReuse::Two, true),
             Method::Bracket(shadows) => (shadows, true),
@@ -142,10 +145,10 @@ impl Plan {
         );
         let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
         let traced = views(sources).filter(|&view| sources[view] == view);
-        let traced = traced.flat_map(|view| [trace::source(view), behind(view)].concat()).collect();
+        let traced = traced.flat_map(|view| [trace::source(view, soft), behind(view)].concat()).collect();
         let mut stages = vec![Stage::Steps(traced)];
         for (view, source) in targets(sources) {
-            stages.extend(target(method, view, source));
+            stages.extend(target(method, view, source, soft));
             if method != Method::Ideal {
                 stages.push(Stage::Steps(behind(view)));
             }
@@ -223,26 +226,26 @@ pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)>
 }
 
 /// The stages by which a method makes a view from its source.
-fn target(method: Method, view: usize, source: usize) -> Vec<Stage> {
+fn target(method: Method, view: usize, source: usize, soft: Option<usize>) -> Vec<Stage> {
     let steps = match method {
-        Method::Naive => trace::target(view),
+        Method::Naive => trace::target(view, soft),
         Method::Ideal => vec![Step::Copy(view)],
-        Method::Auto => bracket::or_traced(view),
-        Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check)].concat(),
+        Method::Auto => bracket::or_traced(view, soft),
+        Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check, soft)].concat(),
         Method::Buffer(depth, check) => {
             let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
             return vec![
                 Stage::Steps(range),
                 Stage::Host(Host::Slots(depth, view)),
-                Stage::Steps(resolve::of(view, check)),
+                Stage::Steps(resolve::of(view, check, soft)),
             ];
         }
         // What the sweep leaves is trusted: it has cleared the gaps.
-        Method::Sweep(Sweep::Scanline) => [reproject::scanline(view), resolve::of(view, Check::None)].concat(),
+        Method::Sweep(Sweep::Scanline) => [reproject::scanline(view), resolve::of(view, Check::None, soft)].concat(),
         Method::Sweep(Sweep::Sequential) => {
-            return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None))];
+            return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None, soft))];
         }
-        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view)].concat(),
+        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view, soft)].concat(),
     };
     vec![Stage::Steps(steps)]
 }

@@ -3,45 +3,52 @@
 use super::{
     ViewRows,
     bands::Band,
-    plan::Made,
-    targets::{Shape, Target, Targets},
+    driver::Driver,
+    plan::{Launch, Made},
+    targets::{Shape, Target},
 };
-use crate::{GBuffer, Options, PixelSource, ShadowSource, UploadedScene, View, layout};
+use crate::{PixelSource, ShadowSource, UploadedScene, View, layout, steps::show::PACK};
 
-/// What is brought back of each band, and where in a staging buffer it stands: pixels, linear colour, costs and counters of the first
-/// view, then of the next; times behind all.
+/// What is brought back of each band, and where in a staging buffer it stands: pixels as `pack` leaves them, linear colour, costs and
+/// counters of the first view, then of the next; times behind all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadBack {
     shape: Shape,
     /// Whether pictures are wanted; else counters alone.
     pictures: bool,
     linear: bool,
-    g_buffer: GBuffer,
 }
 
 /// Parts of a view.
 #[derive(Clone, Copy)]
 enum Part {
-    Pixels,
+    /// Colour, and marks in place of its alpha.
+    Color,
+    Depth,
+    /// Place of what was hit among the primitives.
+    Slot,
     Linear,
     Cost,
     Counters,
 }
 
 impl Part {
-    const ALL: [Self; 4] = [Self::Pixels, Self::Linear, Self::Cost, Self::Counters];
+    const ALL: [Self; 6] = [Self::Color, Self::Depth, Self::Slot, Self::Linear, Self::Cost, Self::Counters];
 }
 
 impl ReadBack {
-    pub(crate) fn new(shape: Shape, options: &Options, pictures: bool) -> Self {
-        Self { shape, pictures, linear: options.linear, g_buffer: options.g_buffer }
+    pub(crate) fn new(shape: Shape, linear: bool, pictures: bool) -> Self {
+        Self { shape, pictures, linear }
     }
 
     /// Bytes of a row of a part, 0 if it is not wanted.
     fn row_bytes(&self, part: Part) -> u64 {
         let width = u64::from(self.shape.size[0]);
+        let words = self.shape.words_read();
         match part {
-            Part::Pixels if self.pictures => width * size_of::<layout::Pixel>() as u64,
+            Part::Color if self.pictures => width * 4,
+            Part::Depth if self.pictures && words > 1 => width * 4,
+            Part::Slot if self.pictures && words > 2 => width * 4,
             Part::Linear if self.pictures && self.linear => width * 16,
             Part::Cost if self.pictures && self.shape.cost_map => width * 4,
             Part::Counters => layout::COUNTERS as u64 * 4,
@@ -64,21 +71,33 @@ impl ReadBack {
         self.shape.views as u64 * self.view_bytes()
     }
 
-    /// Copies a band's rows to a staging buffer.
-    pub(crate) fn copy(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, band: &Band, to: &wgpu::Buffer) {
+    /// Adds the commands that bring a band's rows to a staging buffer.
+    pub(crate) fn encode(
+        &self,
+        driver: &mut Driver<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        band: &Band,
+        to: &wgpu::Buffer,
+    ) {
         let [first, rows] = [band.place().start, band.count()].map(u64::from);
-        let map = u64::from(band.seen.end - band.first) * layout::COUNTERS as u64 * 4;
+        let kept = u64::from(band.seen.end - band.first);
         for view in 0..self.shape.views {
+            if self.pictures {
+                driver.dispatch(encoder, PACK.name, &PACK, (view, 0), Launch::Pixels);
+            }
             for part in Part::ALL {
                 let row = self.row_bytes(part);
                 let (target, begin) = match part {
-                    Part::Pixels => (Target::View, 0),
+                    Part::Color => (Target::Packed, 0),
+                    Part::Depth => (Target::Packed, kept * row),
+                    Part::Slot => (Target::Packed, 2 * kept * row),
                     Part::Linear => (Target::Linear, 0),
-                    Part::Cost => (Target::Counters, map),
+                    Part::Cost => (Target::Counters, kept * layout::COUNTERS as u64 * 4),
                     Part::Counters => (Target::Counters, 0),
                 };
                 if row > 0 {
-                    let source = targets.get(target, view);
+                    let (target, owner) = target.of(view, view);
+                    let source = driver.targets.get(target, owner);
                     let offset = self.offset(view, part);
                     encoder.copy_buffer_to_buffer(source, begin + first * row, to, offset, Some(rows * row));
                 }
@@ -108,39 +127,44 @@ impl ReadBack {
         if !self.pictures {
             return None;
         }
-        let pixels = || {
-            let records = self.part(bytes, band, view, Part::Pixels).chunks_exact(size_of::<layout::Pixel>());
-            records.map(bytemuck::pod_read_unaligned::<layout::Pixel>)
+        let all = |part| words_of(self.part(bytes, band, view, part));
+        let depth = |bits| {
+            let depth = f32::from_bits(bits);
+            if depth < crate::FAR { depth } else { f32::INFINITY }
         };
-        let each = |wanted: bool| pixels().filter(move |_| wanted);
-        let depth = |pixel: layout::Pixel| if pixel.depth < crate::FAR { pixel.depth } else { f32::INFINITY };
-        let id = |pixel: layout::Pixel| scene.ids.get(pixel.slot as usize).copied().unwrap_or(crate::MISS);
-        let primitive: Vec<u32> = each(self.g_buffer == GBuffer::Ids).map(id).collect();
+        let id = |slot: u32| scene.ids.get(slot as usize).copied().unwrap_or(crate::MISS);
+        let color = |word: u32| (word | !layout::PACKED_COLOR).to_le_bytes();
+        let primitive: Vec<u32> = all(Part::Slot).map(id).collect();
         let object = |id: &u32| scene.objects.get(*id as usize).copied().unwrap_or(crate::MISS);
-        let count = pixels().len();
+        let count = all(Part::Color).len();
         let source = match made {
             Made::Traced | Made::Chosen => vec![PixelSource::Traced; count],
             Made::Copied => vec![PixelSource::Reused; count],
-            Made::Marked { .. } | Made::Bracketed => pixels().map(|pixel| pixel_source(pixel.marks)).collect(),
+            Made::Marked { .. } | Made::Bracketed => all(Part::Color).map(pixel_source).collect(),
         };
         let linear = self.part(bytes, band, view, Part::Linear).chunks_exact(16);
+        let marked = if made == Made::Bracketed { count } else { 0 };
+        let shadow_source = all(Part::Color).take(marked).map(shadow_source_of).collect();
         let view = View {
             width: self.shape.size[0],
             height: band.count(),
-            rgba8: pixels().map(|pixel| pixel.color.to_le_bytes()).collect(),
+            rgba8: all(Part::Color).map(color).collect(),
             linear: linear.map(bytemuck::pod_read_unaligned).collect(),
-            depth: each(self.g_buffer != GBuffer::None).map(depth).collect(),
+            depth: all(Part::Depth).map(depth).collect(),
             object: primitive.iter().map(object).collect(),
             primitive,
             cost: words(self.part(bytes, band, view, Part::Cost)),
         };
-        let shadow_source = each(made == Made::Bracketed).map(|pixel| shadow_source_of(pixel.marks)).collect();
         Some(ViewRows { view, source, shadow_source })
     }
 }
 
+fn words_of(bytes: &[u8]) -> impl ExactSizeIterator<Item = u32> {
+    bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned)
+}
+
 fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+    words_of(bytes).collect()
 }
 
 /// What was counted in a band of a view.

@@ -7,7 +7,7 @@ use std::{
 
 use super::bands::Bands;
 use crate::{
-    Error,
+    Error, GBuffer,
     gpu::{Gpu, Staging, check_bytes},
     kernels::Access,
     layout::{self, WORKGROUP},
@@ -20,13 +20,15 @@ pub(crate) enum Target {
     View,
     /// Those of its source.
     Source,
+    /// What the host asked for of the pixels of a view, one view after the other.
+    Packed,
     /// Linear colour of the view at work, RGB and 1.
     Linear,
     /// That of its source.
     SourceLinear,
     /// How deep each tile of the view at work is searched.
     Bounds,
-    /// Counters of each row of it, and behind them a map of costs.
+    /// Counters of each row of it, and behind them a map of costs and which rays of soft light arrive.
     Counters,
     /// Those of its source.
     SourceCounters,
@@ -51,13 +53,13 @@ impl Target {
             Self::SourceLinear => (Self::Linear, source),
             Self::SourceCounters => (Self::Counters, source),
             Self::View | Self::Linear | Self::Bounds | Self::Counters => (self, view),
-            Self::Lists | Self::Found | Self::Slots | Self::Unfinished => (self, 0),
+            Self::Packed | Self::Lists | Self::Found | Self::Slots | Self::Unfinished => (self, 0),
         }
     }
 
     /// Whether it is a part of what is rendered, not something between its steps.
     fn is_output(self) -> bool {
-        matches!(self, Self::View | Self::Linear)
+        matches!(self, Self::View | Self::Packed | Self::Linear)
     }
 }
 
@@ -69,6 +71,11 @@ pub(crate) struct Shape {
     pub(crate) bands: Bands,
     pub(crate) views: usize,
     pub(crate) cost_map: bool,
+    pub(crate) g_buffer: GBuffer,
+    /// Lights that are not points, and ambient light where it is asked for.
+    pub(crate) soft_sources: u32,
+    /// Uniforms a view: one, or one a part of what is asked of these.
+    pub(crate) parts: u32,
 }
 
 impl Shape {
@@ -77,16 +84,32 @@ impl Shape {
         [self.size[0], self.bands.rows_kept()]
     }
 
+    /// Bytes of all views' uniforms.
+    pub(crate) fn uniforms_bytes(&self) -> u64 {
+        self.views as u64 * u64::from(self.parts) * FRAME_STRIDE
+    }
+
+    /// Words of a pixel that the host reads: colour and marks, depth, place of the primitive.
+    pub(crate) fn words_read(&self) -> u32 {
+        match self.g_buffer {
+            GBuffer::None => 1,
+            GBuffer::Depth => 2,
+            GBuffer::Ids => 3,
+        }
+    }
+
     fn bytes(&self, target: Target) -> u64 {
         let [width, rows] = self.kept().map(u64::from);
         let pixels = width * rows;
         let tiles = width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
         match target {
             Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
+            Target::Packed => pixels.saturating_mul(4 * u64::from(self.words_read())),
             Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
             Target::Bounds => tiles * 4,
             Target::Counters | Target::SourceCounters => {
-                4 * (rows * layout::COUNTERS as u64 + if self.cost_map { pixels } else { 0 })
+                let each = u64::from(self.soft_sources) + u64::from(self.cost_map);
+                4 * (rows * layout::COUNTERS as u64 + pixels.saturating_mul(each))
             }
             Target::Lists => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS),
             Target::Found => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + 1 + layout::TILE_WORDS),
@@ -190,11 +213,7 @@ impl Targets {
             plain("empty_lists", layout::LISTS_HEADS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST);
         Ok(Self {
             shape,
-            frames: plain(
-                "frames",
-                shape.views as u64 * FRAME_STRIDE,
-                wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            ),
+            frames: plain("frames", shape.uniforms_bytes(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST),
             indirect: plain("indirect", 12, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST),
             samples: used.samples.iter().map(|view| (*view, samples_texture(gpu, shape.kept()))).collect(),
             empty_lists,

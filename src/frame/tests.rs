@@ -3,7 +3,7 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 use glam::Vec3;
 
 use super::{plan::Stage, targets::Target, *};
-use crate::{BufferDepth, Check, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, random::Random};
+use crate::{BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, random::Random};
 
 #[test]
 fn the_parts_that_rows_are_dealt_to_change_no_picture() {
@@ -96,17 +96,26 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, by which the source is traced.
-        let mut plan = Plan::of(method, &eyes.sources, false);
+        let mut plan = Plan::of(method, &eyes.sources, false, None);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let variant = renderer.variant(&scene, eyes, &Options::default(), &plan);
         let bands = Bands::new(eyes.pose.size, USUAL, 2, false);
-        let shape = Shape { size: eyes.pose.size, bands, views: 2, cost_map: false };
+        let shape = Shape {
+            size: eyes.pose.size,
+            bands,
+            views: 2,
+            cost_map: false,
+            g_buffer: GBuffer::None,
+            soft_sources: 0,
+            parts: 1,
+        };
         let targets = renderer.targets(shape, &plan.uses(&variant)).await?;
         let source: Vec<_> = depths.iter().map(|&depth| layout::Pixel { depth, ..Default::default() }).collect();
         renderer.gpu.queue.write_buffer(targets.get(Target::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = driver(&mut renderer, &scene, eyes, variant, &targets, 5, &mut go_on);
+        let mut driver =
+            driver(&mut renderer, &scene, eyes, variant, &targets, &Options::new(Method::Naive), &mut go_on);
         driver.begin(&plan).await?;
         let commands = driver.band(&plan, &bands.get(0)).await?;
         renderer.gpu.queue.submit([commands.finish()]);

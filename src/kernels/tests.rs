@@ -16,7 +16,8 @@ use crate::{
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
-        show::{SHOW_COLOR, SHOW_DEPTH},
+        show::{PACK, SHOW_COLOR, SHOW_DEPTH},
+        soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Fetch, Traversal},
@@ -24,7 +25,7 @@ use crate::{
     wgsl::{self, Condition, SHARED},
 };
 
-const ALL: [&Kernel; 29] = [
+const ALL: [&Kernel; 35] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -52,6 +53,12 @@ const ALL: [&Kernel; 29] = [
     &TRACE_LISTED,
     &SHADE_TRACED,
     &TAKE_OVER,
+    &TRACE_HITS,
+    &TRACE_SOFT,
+    &TRACE_SOFT_LISTED,
+    &TRACE_SOFT_ASKED,
+    &SHADE_HITS,
+    &PACK,
     &SHOW_COLOR,
     &SHOW_DEPTH,
 ];
@@ -95,8 +102,8 @@ fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6]);
-    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces]: &[usize; 9]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4]);
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft]: &[usize; 10]| {
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
@@ -113,6 +120,12 @@ fn variants() -> Vec<Variant> {
             mirrors: surfaces % 2 == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
+            // No soft light, lights, occlusion, both; what is never hidden among them.
+            soft_lights: soft % 2 == 1,
+            casts: soft == 0 || light % 2 == 1,
+            shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
+            occlusion_rays: if soft > 1 { 32 } else { 0 },
+            shares: soft > 0 && bits == 1,
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
             world_boxes,
             close: close == 1,
@@ -131,14 +144,17 @@ fn variants() -> Vec<Variant> {
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, and a scene without primitives has no tiles to bound.
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without primitives has no tiles to bound.
 fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
         all.retain(|with| with.triangles || with.spheres);
         all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
     }
-    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED]
+    if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED, &SHADE_HITS].iter().any(|known| known.name == kernel.name) {
+        all.retain(Variant::is_soft);
+    }
+    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED, &TRACE_SOFT_ASKED]
         .iter()
         .any(|known| known.name == kernel.name)
     {
@@ -420,6 +436,14 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             second_parallax_px,
             second_same_parallax,
             bounces,
+            words_read,
+            soft_light,
+            soft_slot,
+            soft_first,
+            soft_sources,
+            seed,
+            occlusion_radius,
+            share_tolerance,
             zero,
         }
     );

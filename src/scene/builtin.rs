@@ -15,7 +15,7 @@ use self::{
     shapes::Shape,
     spheres::{CLOUD_SCREEN, spheres},
 };
-use super::{Material, MaterialId, PointLight, Scene};
+use super::{Light, Material, MaterialId, Scene};
 use crate::{Error, StereoCamera};
 
 /// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
@@ -152,8 +152,8 @@ pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId 
     scene.add_material(Material::new(Vec3::from_array(linear)).name(name))
 }
 
-pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> PointLight {
-    PointLight::new(Vec3::from_array(position), Vec3::from_array(color) * strength)
+pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> Light {
+    Light::point(Vec3::from_array(position), Vec3::from_array(color) * strength)
 }
 
 #[cfg(test)]

@@ -4,7 +4,10 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 
-use super::{Finish, MAX_COORDINATE, MAX_LIGHTS, MIN_EXTENT, Material, MaterialId, Scene, Sky, Sphere, TextureId};
+use super::{
+    Finish, MAX_COORDINATE, MAX_LIGHTS, MAX_SOFT_LIGHTS, MIN_EXTENT, Material, MaterialId, Scene, Sky, Sphere,
+    TextureId,
+};
 use crate::{Error, message::counted};
 
 /// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
@@ -57,7 +60,12 @@ impl Scene {
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
-            check(format!("light {index}"), check_coordinate(light.position))?;
+            check(format!("light {index}"), light.check())?;
+        }
+        let soft = self.soft_lights().count();
+        if soft > MAX_SOFT_LIGHTS {
+            let reason = format!("{soft} of them are not points; a scene can have at most {MAX_SOFT_LIGHTS} such");
+            return Err(Error::Scene { element: "lights".into(), reason });
         }
         check("geometry".into(), self.check_extent())
     }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DEFAULT_AMBIENT, PointLight, Scene, checks::check_light_count};
+use super::{DEFAULT_AMBIENT, Light, Scene, checks::check_light_count};
 use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -46,7 +46,7 @@ impl Scene {
                 let (way, _) = closest_hit(near, pose.eye, wanted - pose.eye, 0.0, 1.0);
                 pose.eye + (wanted - pose.eye) * if way < 1.0 { BEFORE_OBSTACLE * way } else { 1.0 }
             });
-            PointLight::new(position, Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
+            Light::point(position, Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
         };
         self.lights = (0..count).map(place).collect();
         self.ambient.get_or_insert(Vec3::splat(DEFAULT_AMBIENT));

@@ -5,6 +5,7 @@ pub mod builtin;
 mod checks;
 pub(crate) mod components;
 mod ellipsoid;
+mod light;
 mod lights;
 mod material;
 mod mesh;
@@ -20,6 +21,7 @@ mod warnings;
 
 pub(crate) use ellipsoid::ToSphere;
 pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
+pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 #[cfg(feature = "obj")]
@@ -50,23 +52,6 @@ const DEFAULT_AMBIENT: f32 = 0.15;
 
 /// Of like warnings so many are logged; the rest are counted.
 const PRINTED_WARNINGS: usize = 5;
-
-/// An omnidirectional point light without falloff (thesis, chapter 4).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct PointLight {
-    /// World position.
-    pub position: Vec3,
-    /// Radiance it adds to a white surface that faces it, linear RGB.
-    pub intensity: Vec3,
-}
-
-impl PointLight {
-    /// A light at a world position: the radiance that it adds to a white surface that faces it, linear RGB.
-    pub fn new(position: Vec3, intensity: Vec3) -> Self {
-        Self { position, intensity }
-    }
-}
 
 /// What a ray sees that hits nothing, linear RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,8 +110,8 @@ pub(crate) enum Primitive<'a> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Point lights. Empty: only `ambient` lights the surfaces, see [`Scene::place_lights`].
-    pub lights: Vec<PointLight>,
+    /// Empty: only `ambient` lights the surfaces, see [`Scene::place_lights`].
+    pub lights: Vec<Light>,
     /// Whether lights cast shadows.
     pub shadows: bool,
     /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1 without

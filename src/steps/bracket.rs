@@ -2,7 +2,7 @@
 
 use super::{
     resolve::{SHADE_TRACED, TRACE_LISTED},
-    step, trace,
+    soft, step, trace,
 };
 use crate::{
     frame::{
@@ -65,24 +65,26 @@ pub(crate) fn bound(view: usize) -> Vec<Step> {
 }
 
 /// Primary visibility by tiles, the rest by rays; then shading from the hits, with shadow rays where bits don't agree.
-pub(crate) fn resolve(view: usize) -> Vec<Step> {
-    [vec![Step::EmptyLists(Found), step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view)].concat()
+pub(crate) fn resolve(view: usize, soft: Option<usize>) -> Vec<Step> {
+    [vec![Step::EmptyLists(Found), step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view, soft)].concat()
 }
 
-fn resolve_listed(view: usize) -> Vec<Step> {
-    vec![
+fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
+    let mut steps = vec![
         step(&RESOLVE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
         step(&SHADE_SKY, view, Launch::Listed(Found, SKY)),
         step(&TRACE_BOUNDED, view, Launch::Listed(Found, TO_TRACE)),
         step(&SHADE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
-        step(&SHADE_LISTED, view, Launch::Listed(Found, TO_LIGHT)),
-    ]
+    ];
+    steps.extend(soft::unknown(view, TO_LIGHT, soft));
+    steps.push(step(&SHADE_LISTED, view, Launch::Listed(Found, TO_LIGHT)));
+    steps
 }
 
 /// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
 /// nothing listed.)
-pub(crate) fn or_traced(view: usize) -> Vec<Step> {
+pub(crate) fn or_traced(view: usize, soft: Option<usize>) -> Vec<Step> {
     let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(&SEARCH_TILES, view, Launch::Listed(Found, TO_SEARCH))];
-    [bound(view), choose, search, resolve_listed(view), trace::chosen(view)].concat()
+    [bound(view), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
 }

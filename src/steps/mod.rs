@@ -8,6 +8,7 @@ pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
 pub(crate) mod show;
+pub(crate) mod soft;
 pub(crate) mod trace;
 
 use crate::{
@@ -17,5 +18,5 @@ use crate::{
 
 /// A step of a view, named like its kernel.
 fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
-    Step::Run { name: kernel.name, kernel, view, launch }
+    Step::Run { name: kernel.name, kernel, view, launch, part: 0 }
 }

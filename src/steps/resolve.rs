@@ -1,6 +1,6 @@
 //! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
 
-use super::{edges, step};
+use super::{edges, soft, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -45,7 +45,7 @@ pub(crate) const TAKE_OVER: Kernel = Kernel {
     main: part!("take_over.wgsl"),
 };
 
-pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
+pub(crate) fn of(view: usize, check: Check, soft: Option<usize>) -> Vec<Step> {
     let mut steps = if check == Check::Edges { edges::mark(view) } else { Vec::new() };
     let checked = match check {
         Check::All => step(&RESOLVE_RIGHT, view, Launch::Pixels),
@@ -55,8 +55,8 @@ pub(crate) fn of(view: usize, check: Check) -> Vec<Step> {
         Step::EmptyLists(Lists),
         checked.named(RESOLVE_RIGHT.name),
         step(&TRACE_LISTED, view, Launch::Listed(Lists, TO_TRACE)),
-        step(&SHADE_TRACED, view, Launch::Listed(Lists, TO_TRACE)),
-        step(&TAKE_OVER, view, Launch::Pixels),
     ]);
+    steps.extend(soft::listed(view, TO_TRACE, soft));
+    steps.extend([step(&SHADE_TRACED, view, Launch::Listed(Lists, TO_TRACE)), step(&TAKE_OVER, view, Launch::Pixels)]);
     steps
 }

@@ -1,7 +1,7 @@
-//! What was made, in textures that stay on the device.
+//! What was made: in textures that stay on the device, and packed to be read back.
 
 use crate::{
-    frame::targets::Target::{Counters, Unfinished, View},
+    frame::targets::Target::{Counters, Packed, Unfinished, View},
     kernels::{
         Access::{Read, Write},
         Kernel, Touches,
@@ -9,6 +9,12 @@ use crate::{
     wgsl::part,
 };
 
+pub(crate) const PACK: Kernel = Kernel {
+    name: "pack",
+    touches: Touches::Pixels,
+    storage: &[(View, Read), (Packed, Write)],
+    main: part!("pack.wgsl"),
+};
 pub(crate) const SHOW_COLOR: Kernel = Kernel {
     name: "show_color",
     touches: Touches::Pixels,

@@ -1,5 +1,6 @@
 //! A whole view, traced and shaded.
 
+use super::{soft, step};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -21,21 +22,23 @@ pub(crate) const TRACE_IN_STEPS: Kernel =
     Kernel { name: "trace_in_steps", main: part!("trace_in_steps.wgsl"), ..TRACE_LEFT };
 
 /// A view from which others are made.
-pub(crate) fn source(view: usize) -> Vec<Step> {
-    vec![Step::Run { name: "trace_left", kernel: &TRACE_LEFT, view, launch: Launch::Pixels }]
+pub(crate) fn source(view: usize, soft: Option<usize>) -> Vec<Step> {
+    traced("trace_left", view, Launch::Pixels, soft)
 }
 
 /// A view that is traced though it has a source.
-pub(crate) fn target(view: usize) -> Vec<Step> {
-    vec![Step::Run { name: "trace_right", kernel: &TRACE_LEFT, view, launch: Launch::Pixels }]
+pub(crate) fn target(view: usize, soft: Option<usize>) -> Vec<Step> {
+    traced("trace_right", view, Launch::Pixels, soft)
 }
 
 /// The same where `choose` wants it.
-pub(crate) fn chosen(view: usize) -> Vec<Step> {
-    vec![Step::Run {
-        name: "trace_right",
-        kernel: &TRACE_LEFT,
-        view,
-        launch: Launch::Listed(Target::Found, ALL_TRACED),
-    }]
+pub(crate) fn chosen(view: usize, soft: Option<usize>) -> Vec<Step> {
+    traced("trace_right", view, Launch::Listed(Target::Found, ALL_TRACED), soft)
+}
+
+fn traced(name: &'static str, view: usize, launch: Launch, soft: Option<usize>) -> Vec<Step> {
+    match soft {
+        Some(parts) => soft::traced(view, launch, parts),
+        None => vec![step(&TRACE_LEFT, view, launch).named(name)],
+    }
 }

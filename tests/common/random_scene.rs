@@ -1,7 +1,7 @@
 //! Random scenes: one to find hits wrong in, one to find shadows wrong in.
 
 use stereotrace::{
-    Ellipsoid, Material, MaterialId, Mesh, PointLight, Scene, Sphere,
+    Ellipsoid, Light, Material, MaterialId, Mesh, Scene, Sphere,
     glam::{Mat3, Vec3},
 };
 
@@ -104,7 +104,7 @@ pub fn random_stage(seed: u32) -> Scene {
     }
     scene.ambient = Some(Vec3::splat(0.1));
     for position in [[3.0, 4.0, 2.0], [-3.0, 3.0, 1.0], [0.5, 5.0, -2.0], [0.0, 0.5, 5.0]] {
-        scene.lights.push(PointLight::new(Vec3::from_array(position), Vec3::splat(0.4)));
+        scene.lights.push(Light::point(Vec3::from_array(position), Vec3::splat(0.4)));
     }
     scene
 }

@@ -1,8 +1,7 @@
 //! Scenes that are odd: empty, without shadows, of many lights, with triangles that no ray can hit.
 
 use stereotrace::{
-    BvhBuild, MISS, Material, Mesh, Method, Options, PointLight, Scene, StereoCamera, glam::Vec3,
-    scene::builtin::Builtin,
+    BvhBuild, Light, MISS, Material, Mesh, Method, Options, Scene, StereoCamera, glam::Vec3, scene::builtin::Builtin,
 };
 
 use crate::common::{self, render, renderer};
@@ -48,7 +47,7 @@ fn many_lights_add_up_to_one() {
     let one = render(&scene, &camera, Method::Naive);
     let light = scene.lights[0];
     for count in [100, 1000] {
-        scene.lights = vec![PointLight::new(light.position, light.intensity / count as f32); count];
+        scene.lights = vec![Light::point(light.position, light.intensity / count as f32); count];
         let mut renderer = renderer();
         let uploaded = renderer.upload(&scene).unwrap();
         let many = renderer.render(&uploaded, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
@@ -91,7 +90,7 @@ fn without_shadows_every_light_in_front_of_a_surface_reaches_it() {
     let mut lone = Scene::new();
     let grey = lone.add_material(Material::new(Vec3::splat(0.5)));
     lone.add_sphere(stereotrace::Sphere::new(Vec3::ZERO, 1.0, grey)).unwrap();
-    lone.lights = vec![PointLight::new(5.0 * Vec3::Z, Vec3::ONE)];
+    lone.lights = vec![Light::point(5.0 * Vec3::Z, Vec3::ONE)];
     let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(48, 48);
     let with = render(&lone, &camera, Method::Naive);
     lone.shadows = false;

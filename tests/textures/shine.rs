@@ -1,7 +1,7 @@
 //! Colours of vertices, highlights and emission, in closed form.
 
 use stereotrace::{
-    Material, Mesh, PointLight, Scene, Sphere, StereoCamera,
+    Light, Material, Mesh, Scene, Sphere, StereoCamera,
     cpu::{Eye, Frame},
     glam::{DVec3, Vec2, Vec3},
 };
@@ -69,7 +69,7 @@ fn scene_of(exponent: f32, specular: Vec3, light: Vec3) -> (Scene, stereotrace::
     let mut scene = Scene::new();
     let material = scene.add_material(Material::new(Vec3::splat(0.25)).specular(specular).exponent(exponent));
     scene.ambient = Some(Vec3::ZERO);
-    scene.lights = vec![PointLight::new(light, Vec3::ONE)];
+    scene.lights = vec![Light::point(light, Vec3::ONE)];
     (scene, material)
 }
 
@@ -127,7 +127,7 @@ fn emission_adds_to_whatever_light_there_is() {
         let mesh = square(Vec2::ZERO, Vec2::ONE).uv(Vec::new()).materials(vec![material; 2]);
         scene.add_mesh(&mesh).unwrap();
         scene.ambient = Some(Vec3::splat(ambient));
-        scene.lights = vec![PointLight::new(Vec3::new(0.5, 0.5, 2.0), Vec3::splat(0.7)); lights];
+        scene.lights = vec![Light::point(Vec3::new(0.5, 0.5, 2.0), Vec3::splat(0.7)); lights];
         left(&scene, &before(16))
     };
     for (lights, ambient) in [(0, 0.0), (0, 1.0), (1, 0.1), (2, 0.0)] {

@@ -1,7 +1,7 @@
 //! The same picture by every way to trace it, and by `bracket-rays`.
 
 use stereotrace::{
-    Boxes, Ellipsoid, Fetch, Material, Mesh, Method, Options, PointLight, Renderer, Scene, Sky, Sphere, StereoCamera,
+    Boxes, Ellipsoid, Fetch, Light, Material, Mesh, Method, Options, Renderer, Scene, Sky, Sphere, StereoCamera,
     Texture, Traversal, Wrap,
     glam::{Mat3, Vec2, Vec3},
 };
@@ -37,7 +37,7 @@ pub(crate) fn everything() -> Scene {
     scene.ambient = Some(Vec3::splat(0.1));
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.2), zenith: Vec3::new(0.2, 0.4, 0.9) };
     scene.lights = [Vec3::new(3.0, 5.0, 4.0), Vec3::new(-4.0, 3.0, 2.0)]
-        .map(|position| PointLight::new(position, Vec3::splat(0.4)))
+        .map(|position| Light::point(position, Vec3::splat(0.4)))
         .to_vec();
     scene
 }

@@ -30,7 +30,7 @@ const CHANGES: &[Change] = &[
         let changed = scene.materials()[material.0 as usize].clone();
         scene.set_material(MaterialId(1), changed).unwrap();
     }),
-    ("a light more", |scene| scene.lights.push(stereotrace::PointLight::new(Vec3::Y * 3.0, Vec3::splat(0.2)))),
+    ("a light more", |scene| scene.lights.push(stereotrace::Light::point(Vec3::Y * 3.0, Vec3::splat(0.2)))),
     ("something moves", |scene| {
         scene.transform_object(1, &Affine3A::from_translation(Vec3::new(0.2, 0.1, 0.3))).unwrap();
     }),

@@ -1,0 +1,180 @@
+//! What soft light costs and how exact the second eye is: `cargo bench --bench soft` prints a table.
+//!
+//! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds. Errors are the right view's mean and root mean
+//! square distance from a converged picture, the mean of naive's over many seeds with 32 rays each, in linear light; naive's own is noise. `cargo bench
+//! --bench soft -- NAME…` takes other scenes: built-in ones, or folders of OBJ files.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::error::Error;
+
+use stereotrace::{
+    AmbientOcclusion, Gpu, Light, MAX_SOFT_RAYS, Method, Options, Penumbra, Renderer, StereoPair, metrics::compare,
+};
+
+use crate::common::{
+    provenance::Provenance,
+    rounds::{Spread, order},
+    scenes::{self, BenchScene},
+};
+
+/// Parallax at infinity in pixels, of a picture 600 wide.
+const E_PX: f32 = 15.0;
+/// Lights of each scene.
+const LIGHTS: usize = 2;
+
+/// What light is made soft by, in shares of the scene's diagonal.
+#[derive(Clone, Copy)]
+enum Softness {
+    /// The lights' radius.
+    Lights(f32),
+    /// How far occlusion reaches.
+    Occlusion(f32),
+}
+
+const ALL: [(&str, Softness); 4] = [
+    ("2 lights, radius 0.002", Softness::Lights(0.002)),
+    ("2 lights, radius 0.01", Softness::Lights(0.01)),
+    ("2 lights, radius 0.05", Softness::Lights(0.05)),
+    ("occlusion to 0.1, 2 points", Softness::Occlusion(0.1)),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let quick = !std::env::args().any(|argument| argument == "--bench");
+    let (side, rounds, seeds) = if quick { (48, 1, 2) } else { (600, 5, 32) };
+    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let names = match named.as_slice() {
+        [] if quick => vec!["hall".to_owned()],
+        [] => ["hall", "sponza_4x", "dragon"].map(str::to_owned).to_vec(),
+        named => named.to_vec(),
+    };
+    let gpu = Gpu::new()?;
+    let provenance = Provenance::of(&gpu);
+    println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);
+    println!(
+        "{side}x{side}, 16 rays a light or surroundings, {rounds} rounds, errors against {} rays\n",
+        seeds * MAX_SOFT_RAYS
+    );
+    println!(
+        "| scene | light | method | pair ms | pair of naive | speed-up | second eye by time | by counters | shadow rays of naive's | identical % | error of naive's, mean | root mean square |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut renderer = Renderer::new(gpu);
+    for name in &names {
+        match scenes::load(name, [side; 2], E_PX * side as f32 / 600.0, Some(LIGHTS))? {
+            Some(scene) => {
+                for (light, softness) in ALL {
+                    measure(&mut renderer, &scene, light, softness, rounds, seeds)?;
+                }
+            }
+            None => println!("{}\n", scenes::skipped(name)),
+        }
+    }
+    Ok(())
+}
+
+/// The methods that are compared, the ground truth first.
+fn methods(base: &Options) -> [(&'static str, Options); 3] {
+    let with = |method, penumbra| base.clone().method(method).penumbra(penumbra);
+    [
+        ("naive", with(Method::Naive, Penumbra::Exact)),
+        ("bracket, exact", with(Method::BRACKET, Penumbra::Exact)),
+        ("bracket, shared", with(Method::BRACKET, Penumbra::default())),
+    ]
+}
+
+fn measure(
+    renderer: &mut Renderer,
+    bench: &BenchScene,
+    light: &str,
+    softness: Softness,
+    rounds: usize,
+    seeds: u32,
+) -> Result<(), Box<dyn Error>> {
+    let BenchScene { name, scene, camera } = bench;
+    let mut scene = scene.clone();
+    let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high));
+    let mut base = Options::new(Method::Naive);
+    match softness {
+        Softness::Lights(radius) => {
+            for light in &mut scene.lights {
+                *light = Light::sphere(light.position, radius * diagonal, light.intensity);
+            }
+        }
+        Softness::Occlusion(reach) => base = base.occlusion(AmbientOcclusion::new(16, reach * diagonal)),
+    }
+    let uploaded = renderer.upload(&scene)?;
+    let methods = methods(&base);
+    let mut times = vec![Vec::new(); methods.len()];
+    for round in 0..=rounds {
+        for index in order(round, methods.len()) {
+            let statistics = renderer.trace(&uploaded, camera, &methods[index].1)?;
+            let total = statistics.times.map_or(f64::NAN, |times| times.total().as_secs_f64());
+            let left = statistics.left.rays.primary;
+            assert!(left > 0 && !statistics.in_steps, "{name}: {light}");
+            if round > 0 {
+                times[index].push(1e3 * total);
+            }
+        }
+    }
+    let limit = converged(renderer, &uploaded, camera, &base, seeds)?;
+    let render = |renderer: &mut Renderer, options: &Options| {
+        renderer.render(&uploaded, camera, &options.clone().linear(true).count(true))
+    };
+    let naive = render(renderer, &methods[0].1)?;
+    let median = |index: usize| Spread::of(times[index].iter().copied()).median;
+    for (index, (method, options)) in methods.iter().enumerate() {
+        let pair = render(renderer, options)?;
+        let of_naive = median(index) / median(0);
+        let ([mean_error, rms], [naive_mean, naive_rms]) = (errors(&pair, &limit), errors(&naive, &limit));
+        println!(
+            "| {} | {light} | {method} | {:.0} | {of_naive:.3} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {:.3} | {:.3} |",
+            scenes::title(name),
+            median(index),
+            1.0 / of_naive,
+            2.0 * of_naive - 1.0,
+            pair.statistics.second_eye(),
+            pair.statistics.right.rays.shadow as f64 / naive.statistics.right.rays.shadow as f64,
+            compare(&pair.right, &naive.right, &pair.pose)?.identical_percent,
+            mean_error / naive_mean,
+            rms / naive_rms,
+        );
+    }
+    Ok(())
+}
+
+/// The right view's linear colours that naive tends to.
+fn converged(
+    renderer: &mut Renderer,
+    scene: &stereotrace::UploadedScene,
+    camera: &stereotrace::StereoCamera,
+    base: &Options,
+    seeds: u32,
+) -> Result<Vec<[f64; 3]>, stereotrace::Error> {
+    let mut base = base.clone().linear(true).shadow_rays(MAX_SOFT_RAYS);
+    base.occlusion = base.occlusion.map(|occlusion| AmbientOcclusion::new(MAX_SOFT_RAYS, occlusion.radius));
+    let mut sum = Vec::new();
+    for seed in 1..=seeds {
+        let pair = renderer.render(scene, camera, &base.clone().seed(seed))?;
+        sum.resize(pair.right.linear.len(), [0.0; 3]);
+        for (sum, color) in sum.iter_mut().zip(&pair.right.linear) {
+            (0..3).for_each(|k| sum[k] += f64::from(color[k]) / f64::from(seeds));
+        }
+    }
+    Ok(sum)
+}
+
+/// Mean, and root of the mean square.
+fn errors(pair: &StereoPair, limit: &[[f64; 3]]) -> [f64; 2] {
+    let off = |(color, limit): (&[f32; 4], &[f64; 3])| {
+        (0..3).map(|k| (f64::from(color[k]) - limit[k]).powi(2)).sum::<f64>().sqrt()
+    };
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for off in pair.right.linear.iter().zip(limit).map(off) {
+        sum += off;
+        squares += off * off;
+    }
+    let count = limit.len() as f64;
+    [sum / count, (squares / count).sqrt()]
+}

@@ -1,0 +1,21 @@
+// What the host asked for of a view's pixels, and no more: a third to all of a record's bytes need not be brought back.
+//
+// launch  one thread per pixel of the rows at work
+// reads   view    [rows * width]
+// writes  packed  [words_read][rows * width]  colour with marks in place of alpha, which is 255; then depth; then slot
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> packed: array<u32>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn pack(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    let index = pixel_index(pixel);
+    let pixels = frame.image_size.x * frame.image_size.y;
+    let record = view[index];
+    packed[index] = (record.color & 0xffffffu) | (record.marks & (BAD | MISSED | ASKED));
+    if frame.words_read > 1u { packed[pixels + index] = bitcast<u32>(record.depth); }
+    if frame.words_read > 2u { packed[2u * pixels + index] = record.slot; }
+}

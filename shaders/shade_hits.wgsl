@@ -1,0 +1,24 @@
+// Pass 1 of 3 where light is soft, last part: shade a view from its hits, and keep what each pixel saw.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// updates view            [height * width]
+// writes  source_samples  texture, by bracket
+// adds    counters        [height * COUNTERS]; reads masks behind them
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn shade_hits(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
+    throw_dice(pixels, 0u);
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let found = target_hits(pixels, wanted);
+    keep_view(pixels, wanted, shade(rays, found, surfaces_at(rays, found)));
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
+}

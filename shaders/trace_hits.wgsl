@@ -1,0 +1,22 @@
+// Pass 1 of 3 where light is soft, first part: what each pixel of a view hits. trace_soft and shade_hits do the rest.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// writes  view      [height * width]      all but color
+// adds    counters  [height * COUNTERS]
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_hits(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let nearest = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
+    keep_hits(pixels, wanted, nearest);
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
+}

@@ -1,0 +1,17 @@
+// Rays from what each pixel of a view hit to places on one light that has a size, or into the surroundings.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// reads   view      [height * width]
+// adds    counters  [height * COUNTERS], and masks behind them
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_soft(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
+    ask_light(pixels, wanted);
+}

@@ -1,0 +1,18 @@
+// The same of listed pixels of the target, but for what is known of the source's samples.
+//
+// launch  one thread per entry of the list, or per four, dispatched indirectly
+// reads   lists     TO_SHADE
+// reads   view      [height * width]
+// adds    counters  [height * COUNTERS], and masks behind them
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> lists: Lists;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn trace_soft_listed(@builtin(global_invocation_id) id: vec3u) {
+    let listed = listed_pixels(TO_SHADE, id.x);
+    if !any_ray(listed.wanted) { return; }
+    ask_light(listed.pixels, listed.wanted);
+}

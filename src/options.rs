@@ -1,0 +1,242 @@
+//! What to render with.
+
+use crate::{Error, Filter, Method};
+
+/// What to render with.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// How the right view is made.
+    pub method: Method,
+    /// Count BVH nodes and primitive tests (slower).
+    pub count: bool,
+    /// Keep what each pixel cost, as [`View::cost`](crate::View::cost); counts too.
+    pub cost_map: bool,
+    /// What is kept of each pixel besides its colour.
+    pub g_buffer: GBuffer,
+    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to [`MAX_BOUNCES`]. What would be seen
+    /// after more is black. 5 where nothing is said.
+    pub bounces: u32,
+    /// Keep linear colour too, as [`View::linear`](crate::View::linear).
+    pub linear: bool,
+    /// Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64.
+    pub samples: u32,
+    /// How they are weighed.
+    pub filter: Filter,
+    /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]; 16 where nothing is said.
+    pub shadow_rays: u32,
+    /// Whether ambient light is kept off by what stands near; `None` where nothing is said: it reaches all.
+    pub occlusion: Option<AmbientOcclusion>,
+    /// What of these rays' answers a view takes over from its source.
+    pub penumbra: Penumbra,
+    /// Of the random numbers that shift these rays. The same seed makes the same picture to the bit.
+    pub seed: u32,
+    /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal noise would show.
+    pub noise_by_view: bool,
+}
+
+/// Ambient occlusion: the share of ambient light that reaches a point, by rays spread by the cosine over what it faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct AmbientOcclusion {
+    /// How many, 1 to [`MAX_SOFT_RAYS`].
+    pub rays: u32,
+    /// How far off something keeps light off, world units, above 0; infinite for any distance.
+    pub radius: f32,
+}
+
+impl AmbientOcclusion {
+    /// So many rays, 1 to [`MAX_SOFT_RAYS`], of so many world units, above 0.
+    pub fn new(rays: u32, radius: f32) -> Self {
+        Self { rays, radius }
+    }
+}
+
+/// What a view made by `bracket` takes over from its source of lights that are not points and of occlusion, of which a sample knows the share
+/// of rays that arrived.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Penumbra {
+    /// What both samples beside a point see fully, or not at all. In a penumbra the view traces its own rays.
+    Exact,
+    /// Shares too, their mean where they differ by no more than chance explains; of occlusion and the first lights that are not points, six together. With
+    /// [`ShadowReuse::Two`](crate::ShadowReuse) only; else as `Exact`.
+    Shared {
+        /// Standard deviations of the difference of two shares that still are chance, above 0.
+        deviations: f32,
+    },
+}
+
+impl Default for Penumbra {
+    fn default() -> Self {
+        Self::Shared { deviations: 1.5 }
+    }
+}
+
+impl Penumbra {
+    pub(crate) fn tolerance(self) -> f32 {
+        match self {
+            Self::Exact => 0.0,
+            Self::Shared { deviations } => deviations,
+        }
+    }
+}
+
+/// The most rays that a pixel asks a light that is not a point, or its surroundings; more samples a pixel ask more.
+pub const MAX_SOFT_RAYS: u32 = 32;
+
+/// The most that [`Options::bounces`] may be.
+pub const MAX_BOUNCES: u32 = 8;
+
+/// What is kept of each pixel besides its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum GBuffer {
+    /// Depth and the ids of primitive and object.
+    #[default]
+    Ids,
+    /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
+    Depth,
+    /// Nothing: [`View::depth`](crate::View::depth) stays empty too.
+    None,
+}
+
+impl Options {
+    /// The given method, nothing counted.
+    pub fn new(method: Method) -> Self {
+        Self {
+            method,
+            count: false,
+            cost_map: false,
+            g_buffer: GBuffer::Ids,
+            bounces: 5,
+            linear: false,
+            samples: 1,
+            filter: Filter::Box,
+            shadow_rays: 16,
+            occlusion: None,
+            penumbra: Penumbra::default(),
+            seed: 0,
+            noise_by_view: false,
+        }
+    }
+
+    /// How the right view is made.
+    pub fn method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Whether BVH nodes and primitive tests are counted (slower).
+    pub fn count(mut self, count: bool) -> Self {
+        self.count = count;
+        self
+    }
+
+    /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
+    pub fn cost_map(mut self, cost_map: bool) -> Self {
+        self.cost_map = cost_map;
+        self
+    }
+
+    /// Surfaces that a ray may come from, one behind the other, 0 to [`MAX_BOUNCES`].
+    pub fn bounces(mut self, bounces: u32) -> Self {
+        self.bounces = bounces;
+        self
+    }
+
+    /// Whether [`View::linear`](crate::View::linear) is kept too.
+    pub fn linear(mut self, linear: bool) -> Self {
+        self.linear = linear;
+        self
+    }
+
+    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
+    /// middles of the cells of a square grid, the same in all views, and are clamped to 0 to 1 and weighed by [`Options::filter`] in linear
+    /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
+    ///
+    /// [`View::cost`](crate::View::cost), [`Statistics`] and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
+    /// are not filtered, and are those of one ray through the pixel's centre. Of odd grids (9, 25, 49) that is the sample in the middle. Even
+    /// ones (4, 16, 36, 64) have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
+    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
+    /// the sample next to the centre to the right and below.
+    pub fn samples(mut self, samples: u32) -> Self {
+        self.samples = samples;
+        self
+    }
+
+    /// How a pixel's samples are weighed: [`Filter::Box`] unless something else is asked for.
+    pub fn filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
+        self
+    }
+
+    /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]. What mirrors show is lit by a quarter of them.
+    pub fn shadow_rays(mut self, rays: u32) -> Self {
+        self.shadow_rays = rays;
+        self
+    }
+
+    /// Whether, by how many rays and from how far off ambient light is kept off.
+    pub fn occlusion(mut self, occlusion: impl Into<Option<AmbientOcclusion>>) -> Self {
+        self.occlusion = occlusion.into();
+        self
+    }
+
+    /// What of these rays' answers a view takes over from its source.
+    pub fn penumbra(mut self, penumbra: Penumbra) -> Self {
+        self.penumbra = penumbra;
+        self
+    }
+
+    /// The seed of the random numbers that shift these rays.
+    pub fn seed(mut self, seed: u32) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Whether each view has random numbers of its own.
+    pub fn noise_by_view(mut self, noise_by_view: bool) -> Self {
+        self.noise_by_view = noise_by_view;
+        self
+    }
+
+    /// # Errors
+    /// [`Error::Options`] for a value out of its range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let within = |option, value: u32, range: std::ops::RangeInclusive<u32>| match range.contains(&value) {
+            true => Ok(()),
+            false => {
+                let reason = format!("{value}; there can be {} to {}", range.start(), range.end());
+                Err(Error::Options { option, reason })
+            }
+        };
+        let above_zero = |option, value: f32| match value > 0.0 {
+            true => Ok(()),
+            false => Err(Error::Options { option, reason: format!("{value}; it must be above 0") }),
+        };
+        within("bounces", self.bounces, 0..=MAX_BOUNCES)?;
+        within("shadow_rays", self.shadow_rays, 1..=MAX_SOFT_RAYS)?;
+        if let Some(AmbientOcclusion { rays, radius }) = self.occlusion {
+            within("occlusion", rays, 1..=MAX_SOFT_RAYS)?;
+            above_zero("the radius of occlusion", radius)?;
+        }
+        match self.penumbra {
+            Penumbra::Exact => Ok(()),
+            Penumbra::Shared { deviations } => above_zero("the deviations of shared penumbrae", deviations),
+        }
+    }
+
+    /// What is kept of each pixel besides its colour.
+    pub fn g_buffer(mut self, g_buffer: GBuffer) -> Self {
+        self.g_buffer = g_buffer;
+        self
+    }
+}
+
+impl Default for Options {
+    /// [`Method::Auto`], nothing counted.
+    fn default() -> Self {
+        Self::new(Method::Auto)
+    }
+}

@@ -1,0 +1,129 @@
+//! Light that is asked for by many rays: lights that are not points, and ambient light that surroundings keep off. A view's hits come first; then
+//! each source is asked, some rays at a time, so that no thread has more to do than an adapter grants it; then the view is shaded.
+
+use super::step;
+use crate::{
+    Light, Options, Scene,
+    frame::{
+        plan::{Launch, Step},
+        targets::Target::{Counters, Found, Lists, View},
+    },
+    kernels::{Access::Write, Kernel, Touches},
+    wgsl::part,
+};
+
+pub(crate) const TRACE_HITS: Kernel = Kernel {
+    name: "trace_hits",
+    touches: Touches::Geometry,
+    storage: &[(View, Write), (Counters, Write)],
+    main: part!("trace_hits.wgsl"),
+};
+pub(crate) const TRACE_SOFT: Kernel = Kernel {
+    name: "trace_soft",
+    touches: Touches::Shading,
+    storage: &[(View, Write), (Counters, Write)],
+    main: part!("trace_soft.wgsl"),
+};
+/// Of pixels that were traced.
+pub(crate) const TRACE_SOFT_LISTED: Kernel = Kernel {
+    name: "trace_soft_listed",
+    touches: Touches::Shading,
+    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
+    main: part!("trace_soft_listed.wgsl"),
+};
+/// Of pixels for which a source's samples don't say all.
+pub(crate) const TRACE_SOFT_ASKED: Kernel = Kernel {
+    name: "trace_soft_asked",
+    storage: &[(Found, Write), (View, Write), (Counters, Write)],
+    ..TRACE_SOFT_LISTED
+};
+pub(crate) const SHADE_HITS: Kernel = Kernel {
+    name: "shade_hits",
+    touches: Touches::Shading,
+    storage: &[(View, Write), (Counters, Write)],
+    main: part!("shade_hits.wgsl"),
+};
+
+/// Rays of a part: `ASKED_GROUPS` of four (soft.wgsl).
+const PART_RAYS: u32 = 16;
+
+/// A light, and what is asked of it in one dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Its place among all lights; ambient light is behind the last.
+    pub(crate) light: u32,
+    /// Its place among those that are not points.
+    pub(crate) slot: u32,
+    /// Its first ray.
+    pub(crate) first: u32,
+}
+
+/// What a scene has of such lights, as frames need it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SoftLights {
+    /// Of all kinds.
+    lights: u32,
+    /// Places of those that are not points among them, and whether one ray says all.
+    soft: Vec<(u32, bool)>,
+    casts: bool,
+}
+
+impl SoftLights {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let place = |(index, light): (usize, &Light)| (index as u32, light.is_sharp());
+        let soft = scene.soft_lights().map(place).collect();
+        Self { lights: scene.lights.len() as u32, soft, casts: scene.shadows }
+    }
+
+    /// Sources by their slots, ambient light first: light, rays, and whether something can hide it.
+    fn sources(&self, options: &Options) -> impl Iterator<Item = (u32, u32, bool)> + '_ {
+        let shadow_rays = options.shadow_rays;
+        let lights =
+            self.soft.iter().map(move |&(light, sharp)| (light, if sharp { 1 } else { shadow_rays }, self.casts));
+        let ambient = options.occlusion.map(|occlusion| (self.lights, occlusion.rays, true));
+        ambient.into_iter().chain(lights)
+    }
+
+    pub(crate) fn count(&self, options: &Options) -> u32 {
+        self.sources(options).count() as u32
+    }
+
+    /// Rays of a pixel.
+    pub(crate) fn rays(&self, options: &Options) -> u32 {
+        self.sources(options).filter(|(.., hidden)| *hidden).map(|(_, rays, _)| rays).sum()
+    }
+
+    pub(crate) fn parts(&self, options: &Options) -> Vec<Part> {
+        let parts = |(slot, (light, rays, hidden)): (usize, (u32, u32, bool))| {
+            let firsts = (0..if hidden { rays } else { 0 }).step_by(PART_RAYS as usize);
+            firsts.map(move |first| Part { light, slot: slot as u32, first })
+        };
+        self.sources(options).enumerate().flat_map(parts).collect()
+    }
+}
+
+fn asked(kernel: &'static Kernel, view: usize, launch: Launch, parts: usize) -> impl Iterator<Item = Step> {
+    (0..parts).map(move |part| Step::Run { name: kernel.name, kernel, view, launch, part })
+}
+
+/// A whole view.
+pub(crate) fn traced(view: usize, launch: Launch, parts: usize) -> Vec<Step> {
+    let mut steps = vec![step(&TRACE_HITS, view, launch)];
+    steps.extend(behind_hits(view, launch, parts));
+    steps
+}
+
+/// The same once its hits are there.
+pub(crate) fn behind_hits(view: usize, launch: Launch, parts: usize) -> Vec<Step> {
+    asked(&TRACE_SOFT, view, launch, parts).chain([step(&SHADE_HITS, view, launch)]).collect()
+}
+
+/// Pixels of a list that a method traced, before they are shaded.
+pub(crate) fn listed(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
+    asked(&TRACE_SOFT_LISTED, view, Launch::Listed(Lists, list), parts.unwrap_or(0)).collect()
+}
+
+/// Those that `bracket` lists, before they are.
+pub(crate) fn unknown(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
+    asked(&TRACE_SOFT_ASKED, view, Launch::Listed(Found, list), parts.unwrap_or(0)).collect()
+}
