@@ -15,7 +15,7 @@ fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
     let block = listed_tile_pixels(SKY, id.x);
     if !any_ray(block.wanted) { return; }
     let direction = pixel_directions(frame.target_corner, block.pixels);
-    let color = in_range(sky(direction));
+    let color = sky(direction);
     let packed = packed_srgb(color);
     var ray = 0u;
     loop {

@@ -132,7 +132,7 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
         if cut_short { break; }
     }
     cut_short |= waiting > 0u;
-    keep_colors(listed.pixels, listed.wanted, in_range(all3(color)));
+    keep_colors(listed.pixels, listed.wanted, all3(color));
     count_pixel(first);
     count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
     atomicAdd(&counters[first.y * COUNTERS + SENT_RAYS], sent_rays);

@@ -40,6 +40,10 @@ pub(crate) struct Frame {
     pub(crate) seed: u32,
     pub(crate) occlusion_radius: f32,
     pub(crate) share_tolerance: f32,
+    pub(crate) exposure: f32,
+    pub(crate) filmic: u32,
+    pub(crate) zero_a: u32,
+    pub(crate) zero_b: u32,
     pub(crate) zero: u32,
 }
 

@@ -31,8 +31,38 @@ pub struct Options {
     pub penumbra: Penumbra,
     /// Of the random numbers that shift these rays. The same seed makes the same picture to the bit.
     pub seed: u32,
+    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where nothing is said.
+    pub exposure: f32,
+    /// What becomes of what is too bright for a picture.
+    pub tone: Tone,
     /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal noise would show.
     pub noise_by_view: bool,
+}
+
+/// What becomes of what is too bright for a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Tone {
+    /// It is cut off: each channel at 1.
+    #[default]
+    Clamp,
+    /// All is bent towards white along a film's curve, dark parts a little darker (Narkowicz 2015).
+    Filmic,
+}
+
+impl Tone {
+    /// A channel of linear light as it is shown, 0 to 1: what kernels do.
+    pub(crate) fn shown(self, linear: f32, exposure: f32) -> f32 {
+        let x = linear * exposure.exp2();
+        let shown = match self {
+            Self::Clamp => x,
+            Self::Filmic => {
+                let y = x.min(64.0);
+                (y * (2.51 * y + 0.03)) / (y * (2.43 * y + 0.59) + 0.14)
+            }
+        };
+        shown.clamp(0.0, 1.0)
+    }
 }
 
 /// Ambient occlusion: the share of ambient light that reaches a point, by rays spread by the cosine over what it faces.
@@ -117,6 +147,8 @@ impl Options {
             occlusion: None,
             penumbra: Penumbra::default(),
             seed: 0,
+            exposure: 0.0,
+            tone: Tone::Clamp,
             noise_by_view: false,
         }
     }
@@ -195,6 +227,18 @@ impl Options {
         self
     }
 
+    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64. [`View::linear`](crate::View::linear) stays.
+    pub fn exposure(mut self, stops: f32) -> Self {
+        self.exposure = stops;
+        self
+    }
+
+    /// What becomes of what is too bright for a picture.
+    pub fn tone(mut self, tone: Tone) -> Self {
+        self.tone = tone;
+        self
+    }
+
     /// Whether each view has random numbers of its own.
     pub fn noise_by_view(mut self, noise_by_view: bool) -> Self {
         self.noise_by_view = noise_by_view;
@@ -215,6 +259,10 @@ impl Options {
             true => Ok(()),
             false => Err(Error::Options { option, reason: format!("{value}; it must be above 0") }),
         };
+        if !(-64.0..=64.0).contains(&self.exposure) {
+            let reason = format!("{}; it must be -64 to 64 stops", self.exposure);
+            return Err(Error::Options { option: "exposure", reason });
+        }
         within("bounces", self.bounces, 0..=MAX_BOUNCES)?;
         within("shadow_rays", self.shadow_rays, 1..=MAX_SOFT_RAYS)?;
         if let Some(AmbientOcclusion { rays, radius }) = self.occlusion {

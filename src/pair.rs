@@ -1,6 +1,6 @@
 //! What a render returns: two views, where each right pixel came from, and what it cost.
 
-use std::{borrow::Cow, sync::LazyLock, time::Duration};
+use std::{sync::LazyLock, time::Duration};
 
 use crate::{Choice, Method, Pose};
 
@@ -17,7 +17,7 @@ pub struct View {
     pub height: u32,
     /// The picture, sRGB-encoded, alpha 255.
     pub rgba8: Vec<[u8; 4]>,
-    /// The picture, linear RGB in 0 to 1, alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
+    /// Light as it comes, linear RGB, before [`Options::exposure`](crate::Options::exposure) and as bright as it is, alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
     pub linear: Vec<[f32; 4]>,
     /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` where nothing was hit.
     pub depth: Vec<f32>,
@@ -211,11 +211,8 @@ pub(crate) fn linear_of(byte: u8) -> f32 {
 }
 
 impl View {
-    /// The picture as linear RGB and alpha: [`View::linear`] if that was kept, else decoded from [`View::rgba8`].
-    pub fn light(&self) -> Cow<'_, [[f32; 4]]> {
-        if !self.linear.is_empty() {
-            return Cow::Borrowed(&self.linear);
-        }
+    /// The picture as it is shown, as linear RGB and alpha, 0 to 1: decoded from [`View::rgba8`].
+    pub fn light(&self) -> Vec<[f32; 4]> {
         let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
             let [red, green, blue] = [red, green, blue].map(linear_of);
             [red, green, blue, f32::from(alpha) / 255.0]

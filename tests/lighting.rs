@@ -4,7 +4,7 @@ mod common;
 
 use common::renderer;
 use stereotrace::{
-    Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Scene, Sky, Sphere, StereoCamera,
+    Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Tone,
     cpu::intersect::closest_hit, glam::Vec3, scene::builtin::Builtin,
 };
 
@@ -147,5 +147,47 @@ fn built_in_scenes_have_their_lights_in_their_boxes() {
             }
             assert!(light.position.distance(expected) < 1e-4, "{builtin} {k}: {} {expected}", light.position);
         }
+    }
+}
+
+#[test]
+fn pictures_show_linear_light_exposed_and_clamped_or_bent() {
+    let (mut scene, camera) = (Builtin::Spheres.scene(), Builtin::Spheres.camera(64, 48));
+    scene.lights.iter_mut().for_each(|light| light.intensity *= 3.0);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let encoded = |linear: f64| {
+        let srgb = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+        255.0 * srgb
+    };
+    let film = |x: f64| ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
+    for (stops, tone, samples) in [
+        (0.0, Tone::Clamp, 1),
+        (-2.0, Tone::Clamp, 1),
+        (0.0, Tone::Filmic, 1),
+        (1.5, Tone::Filmic, 1),
+        (-1.0, Tone::Filmic, 4),
+    ] {
+        for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
+            let options = Options::new(method).linear(true).exposure(stops).tone(tone).samples(samples);
+            let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+            for view in [&pair.left, &pair.right] {
+                assert!(view.linear.iter().any(|color| color[0] > 1.5), "light is as bright as it comes");
+                for (color, shown) in view.linear.iter().zip(&view.rgba8) {
+                    for (&linear, &byte) in color.iter().zip(shown).take(3) {
+                        let exposed = f64::from(linear) * f64::from(stops).exp2();
+                        let expected = encoded(if tone == Tone::Filmic { film(exposed) } else { exposed.min(1.0) });
+                        assert!(
+                            (expected - f64::from(byte)).abs() < 0.51,
+                            "{linear} {byte} {expected} {tone:?} {stops}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    for stops in [f32::NAN, 65.0, f32::INFINITY] {
+        let error = renderer.render(&uploaded, &camera, &Options::default().exposure(stops)).unwrap_err().to_string();
+        assert!(error.contains("exposure") && error.contains("it must be -64 to 64 stops"), "{error}");
     }
 }

@@ -5,7 +5,7 @@ use std::{error::Error, path::PathBuf};
 use clap::{Args, Parser};
 use stereotrace::{
     AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions,
-    Options, Scene, Sky, SkyMap, StereoCamera,
+    Options, Scene, Sky, SkyMap, StereoCamera, Tone,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -92,6 +92,12 @@ pub(crate) struct Arguments {
     /// Let what stands near keep ambient light off: by N rays a pixel, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     occlusion: Option<OcclusionArgument>,
+    /// Brighten pictures by so many stops, or darken them
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
+    exposure: f32,
+    /// What becomes of what is too bright: clamp, or filmic
+    #[arg(long, value_name = "clamp|filmic", default_value = "clamp", value_parser = tone)]
+    tone: Tone,
     /// Where an OBJ file has no normals, edges are smooth that turn by less than DEG degrees, or none: off
     #[arg(long, value_name = "DEG|off", default_value = "30", value_parser = crease_angle, allow_hyphen_values = true)]
     crease_angle: CreaseAngle,
@@ -198,7 +204,7 @@ impl Arguments {
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
         let options = Options::new(method).samples(self.samples).filter(self.filter).bounces(self.bounces);
-        options.shadow_rays(self.shadow_rays).occlusion(occlusion)
+        options.shadow_rays(self.shadow_rays).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
     }
 
     fn limits(&self) -> Limits {
@@ -361,6 +367,14 @@ fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
     let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
+}
+
+fn tone(text: &str) -> Result<Tone, String> {
+    match text {
+        "clamp" => Ok(Tone::Clamp),
+        "filmic" => Ok(Tone::Filmic),
+        _ => Err("it must be clamp or filmic".into()),
+    }
 }
 
 fn missing_textures(text: &str) -> Result<MissingTextures, String> {

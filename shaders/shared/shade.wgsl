@@ -1,4 +1,4 @@
-// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights, linear, clamped to 0..1.
+// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights, linear; pictures show it exposed and clamped.
 
 // What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
 // driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
@@ -25,11 +25,13 @@ fn pixel_of(samples: Samples, packed: U, ray: u32) -> Pixel {
     return Pixel(of_ray(samples.depth, ray), of_ray_u(samples.slot, ray), 0u, of_ray_u(packed, ray));
 }
 
-// Linear colour as pictures hold it, 0..1.
-fn in_range(color: F3) -> F3 {
-    let low = F(0.0);
-    let high = F(1.0);
-    return F3(clamp(color.x, low, high), clamp(color.y, low, high), clamp(color.z, low, high));
+// A channel of linear colour as pictures show it, 0..1: exposed, and clamped or bent.
+fn shown(linear: F) -> F {
+    let x = linear * frame.exposure;
+    if frame.filmic == 0u { return clamp(x, F(0.0), F(1.0)); }
+    // Narkowicz 2015, "ACES Filmic Tone Mapping Curve". What is brighter than 64 is white.
+    let y = min(x, F(64.0));
+    return clamp((y * (2.51 * y + 0.03)) / (y * (2.43 * y + 0.59) + 0.14), F(0.0), F(1.0));
 }
 
 fn srgb(linear: F) -> F {
@@ -37,11 +39,11 @@ fn srgb(linear: F) -> F {
     return select(high, 12.92 * linear, linear <= F(0.0031308));
 }
 
-// Linear colour in 0..1 as 8-bit sRGB.
+// Linear colour as it is shown, as 8-bit sRGB.
 fn packed_srgb(color: F3) -> U {
-    let x = U(floor(srgb(color.x) * 255.0 + 0.5));
-    let y = U(floor(srgb(color.y) * 255.0 + 0.5));
-    let z = U(floor(srgb(color.z) * 255.0 + 0.5));
+    let x = U(floor(srgb(shown(color.x)) * 255.0 + 0.5));
+    let y = U(floor(srgb(shown(color.y)) * 255.0 + 0.5));
+    let z = U(floor(srgb(shown(color.z)) * 255.0 + 0.5));
     return x | (y << U(8u)) | (z << U(16u)) | U(0xff000000u);
 }
 
@@ -70,7 +72,7 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     let color = radiance(rays, hits, surfaces);
     let depth = select(F(FAR), hits.t, surfaces.there);
     let slots = select(U(MISS), hits.slot, surfaces.there);
-    return Samples(in_range(color), depth, slots, surfaces.component, light_bits());
+    return Samples(color, depth, slots, surfaces.component, light_bits());
 }
 
 // What comes along rays from what they hit, in linear colour, as bright as it may be.

@@ -44,6 +44,10 @@ struct Frame {
     seed: u32,                   // of random numbers
     occlusion_radius: f32,       // how far surroundings keep ambient light off, world units
     share_tolerance: f32,        // standard deviations by which shares that are taken over may differ
+    exposure: f32,               // what linear colour is multiplied by where it is shown
+    filmic: u32,                 // 1: and then bent, in place of being cut off
+    zero_a: u32,
+    zero_b: u32,
     zero: u32,
 }
 

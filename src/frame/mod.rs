@@ -23,7 +23,7 @@ pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene,
+    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, Tone, UploadedScene,
     auto::CostModel,
     gpu::{Filling, Staging, Timestamps, add_times},
     lanes::Steps,
@@ -233,6 +233,8 @@ fn driver<'a>(
         seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
         occlusion_radius: options.occlusion.map_or(0.0, |occlusion| occlusion.radius),
         share_tolerance: options.penumbra.tolerance(),
+        exposure: options.exposure.exp2(),
+        filmic: u32::from(options.tone == Tone::Filmic),
         ..eyes.frame(view)
     };
     Driver {

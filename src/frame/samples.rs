@@ -41,7 +41,7 @@ impl Renderer {
             centre = Some(self.frame(scene, eyes, &options, pictures, &mut progress, &mut keep).await?);
         }
         let centres = asks_centre.then_some(centres);
-        let mut gather = samples::Gather::new(eyes.pose.size, side, options.filter, options.linear, centres);
+        let mut gather = samples::Gather::new(eyes.pose.size, side, options, centres);
         let mut add = |rows: Rows| gather.add(&rows).map_or(Ok(()), &mut *on_rows);
         let mut progress = part_of(progress, rays.0, rays.1, rays);
         let g_buffer = if asks_centre { GBuffer::None } else { options.g_buffer };

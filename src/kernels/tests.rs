@@ -444,6 +444,10 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             seed,
             occlusion_radius,
             share_tolerance,
+            exposure,
+            filmic,
+            zero_a,
+            zero_b,
             zero,
         }
     );

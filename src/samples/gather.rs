@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::{Filter, Window};
 use crate::{
-    View,
+    Options, Tone, View,
     frame::{Rows, ViewRows},
     output,
 };
@@ -18,6 +18,8 @@ pub(crate) struct Gather {
     filter: Filter,
     /// Whether linear colour is wanted, too.
     linear: bool,
+    exposure: f32,
+    tone: Tone,
     columns: Vec<Window>,
     /// A row of samples, filtered along the row.
     across: Vec<[f64; 3]>,
@@ -48,19 +50,15 @@ struct Sums {
 impl Gather {
     /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
     /// samples do that stand there, or to the right of there and below.
-    pub(crate) fn new(
-        size: [u32; 2],
-        side: u32,
-        filter: Filter,
-        linear: bool,
-        centres: Option<VecDeque<Vec<ViewRows>>>,
-    ) -> Self {
+    pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<VecDeque<Vec<ViewRows>>>) -> Self {
         Self {
             side,
             size,
-            filter,
-            linear,
-            columns: (0..size[0]).map(|column| Window::new(filter, side, column, size[0])).collect(),
+            filter: options.filter,
+            linear: options.linear,
+            exposure: options.exposure,
+            tone: options.tone,
+            columns: (0..size[0]).map(|column| Window::new(options.filter, side, column, size[0])).collect(),
             across: vec![[0.0; 3]; size[0] as usize],
             begun: VecDeque::new(),
             from_samples: centres.is_none(),
@@ -156,7 +154,7 @@ impl Gather {
             for (view, sums) in views.iter_mut().map(|rows| &mut rows.view).zip(sums) {
                 let linear = sums.colors.iter().map(|color| color.map(|value| value as f32));
                 view.rgba8.extend(linear.clone().map(|color| {
-                    let [red, green, blue] = color.map(output::encode);
+                    let [red, green, blue] = color.map(|value| output::encode(self.tone.shown(value, self.exposure)));
                     [red, green, blue, 255]
                 }));
                 if self.linear {

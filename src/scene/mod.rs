@@ -1,4 +1,4 @@
-//! What is rendered: triangle meshes, spheres and ellipsoids, materials, point lights, ambient light and a sky.
+//! What is rendered: triangle meshes, spheres and ellipsoids, materials, lights, ambient light and a sky.
 
 mod beside;
 pub mod builtin;
