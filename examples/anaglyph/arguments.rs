@@ -2,6 +2,12 @@
 
 use std::{error::Error, path::PathBuf};
 
+use crate::{
+    studio,
+    values::{
+        CreaseAngle, OcclusionArgument, above_zero, crease_angle, missing_textures, occlusion, point, size, tone,
+    },
+};
 use clap::{Args, Parser};
 use stereotrace::{
     AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions,
@@ -35,9 +41,12 @@ pub(crate) struct Arguments {
     /// adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
-    /// Samples a pixel, which smooth edges: 1, 4, 9, 16, 25, 36, 49 or 64
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    samples: u32,
+    /// Show an OBJ file without what flatters it: seen from the front in the light of points before black, a sample a pixel
+    #[arg(long)]
+    plain: bool,
+    /// Samples a pixel, which smooth edges: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for an OBJ file, else 1]
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
     /// How they are weighed: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
@@ -80,16 +89,16 @@ pub(crate) struct Arguments {
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(crate) display_width: f32,
-    /// Place N lights around the eyes [default: 5 for an OBJ file, a built-in scene's own]
+    /// Place N lights around the eyes [default: a built-in scene's own, a soft one for an OBJ file, 5 with --plain]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
     /// Make lights balls of this radius, in world units: shadows get a penumbra
     #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true)]
     light_radius: Option<f32>,
-    /// Rays to each light that is not a point, 1 to 32
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    shadow_rays: u32,
-    /// Let what stands near keep ambient light off: by N rays a pixel, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
+    /// Rays of a sample to each light that is not a point, 1 to 32 [default: 16; 4 where an OBJ file's samples are not said]
+    #[arg(long, value_name = "N")]
+    shadow_rays: Option<u32>,
+    /// Let what stands near keep ambient light off: by N rays a sample, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     occlusion: Option<OcclusionArgument>,
     /// Brighten pictures by so many stops, or darken them
@@ -118,14 +127,6 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     camera: CameraArguments,
 }
-
-/// Of what has no normals; none: it is flat.
-#[derive(Clone, Copy, Debug)]
-struct CreaseAngle(Option<f32>);
-
-/// Rays, and how far they go if that is said.
-#[derive(Clone, Copy, Debug)]
-struct OcclusionArgument(u32, Option<f32>);
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera")]
@@ -192,6 +193,18 @@ impl Arguments {
     /// The same, with what follows from the scene's size.
     pub(crate) fn reaching(&self, scene: &Scene) -> Self {
         let mut settled = self.clone();
+        if self.is_flattered() {
+            if self.samples.is_none() {
+                settled.shadow_rays.get_or_insert(studio::RAYS);
+            }
+            settled.samples.get_or_insert(studio::SAMPLES);
+            if self.lights.is_none() && self.occlusion.is_none() {
+                let reach =
+                    scene.bounds().map(|(low, high)| studio::REACH * low.distance(high)).filter(|reach| *reach > 0.0);
+                settled.occlusion =
+                    reach.map(|reach| OcclusionArgument(settled.shadow_rays.unwrap_or(16), Some(reach)));
+            }
+        }
         if let (Some(OcclusionArgument(_, radius)), Some((low, high))) = (&mut settled.occlusion, scene.bounds()) {
             radius.get_or_insert(0.1 * low.distance(high));
         }
@@ -203,8 +216,8 @@ impl Arguments {
         let occlusion = self
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
-        let options = Options::new(method).samples(self.samples).filter(self.filter).bounces(self.bounces);
-        options.shadow_rays(self.shadow_rays).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
+        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).bounces(self.bounces);
+        options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
     }
 
     fn limits(&self) -> Limits {
@@ -222,9 +235,15 @@ impl Arguments {
         limits
     }
 
+    /// Whether it is an OBJ file that may be shown at its best.
+    fn is_flattered(&self) -> bool {
+        self.builtin_name().is_none() && !self.plain && self.camera.cameras.is_none()
+    }
+
     /// Reads the scene's sky, once it is known what the adapter can hold.
     pub(crate) fn sky(&self, scene: &mut Scene, gpu: &Gpu) -> Result<(), Box<dyn Error>> {
         match &self.sky {
+            None if self.is_flattered() => scene.sky = studio::backdrop(),
             None => {}
             Some(name) if name.as_os_str() == "procedural" => scene.sky = Sky::Map(SkyMap::procedural(1024)?),
             Some(file) => scene.sky = Sky::Map(SkyMap::open_within(file, &self.limits().gpu(gpu))?),
@@ -262,7 +281,7 @@ impl Arguments {
                 StereoCamera::from_json_within(file, &self.camera_name(), width, height, &self.limits())?
             }
             (None, Some(builtin)) => builtin.camera(width, height),
-            (None, None) => self.camera.fitting(scene, width, height)?,
+            (None, None) => self.camera.fitting(scene, width, height, self.is_flattered())?,
         };
         let camera = self.camera.replace_parts(camera);
         camera.pose()?; // faults now, not after the scene is on the device
@@ -294,6 +313,7 @@ impl Arguments {
         }
         let count = match self.lights {
             None if self.builtin()?.is_some() => return Ok(()),
+            None if self.is_flattered() => return Ok(studio::light(scene, camera)?),
             count => count.unwrap_or(DEFAULT_LIGHTS),
         };
         Ok(scene.place_lights(count as usize, camera)?)
@@ -303,11 +323,17 @@ impl Arguments {
 impl CameraArguments {
     /// A camera that fits the object. Seen from or towards another point, it has screen and interaxial as
     /// [`StereoCamera::look_at`] has.
-    fn fitting(&self, scene: &Scene, width: u32, height: u32) -> Result<StereoCamera, stereotrace::Error> {
+    fn fitting(
+        &self,
+        scene: &Scene,
+        width: u32,
+        height: u32,
+        flattered: bool,
+    ) -> Result<StereoCamera, stereotrace::Error> {
         let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
         let camera = StereoCamera::fitting((low, high), width, height);
         if self.eye.is_none() && self.target.is_none() {
-            return Ok(camera);
+            return Ok(if flattered { studio::from_a_corner(camera) } else { camera });
         }
         let eye = self.eye.unwrap_or(camera.pose()?.eye);
         let distance = eye.distance(self.target.unwrap_or(low.midpoint(high)));
@@ -338,54 +364,4 @@ impl CameraArguments {
         }
         camera
     }
-}
-
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').map(|(width, height)| [width, height].map(str::parse));
-    match sides {
-        Some([Ok(width), Ok(height)]) => Ok([width, height]),
-        _ => Err("it must be like 1280x720".into()),
-    }
-}
-
-fn point(text: &str) -> Result<Vec3, String> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-    numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
-}
-
-fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
-    let degrees = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
-    match (text, degrees) {
-        ("off", _) => Ok(CreaseAngle(None)),
-        (_, Some(degrees)) => Ok(CreaseAngle(Some(degrees))),
-        _ => Err("it must be 0 to 180, or off".into()),
-    }
-}
-
-fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
-    let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
-    let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
-    Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
-}
-
-fn tone(text: &str) -> Result<Tone, String> {
-    match text {
-        "clamp" => Ok(Tone::Clamp),
-        "filmic" => Ok(Tone::Filmic),
-        _ => Err("it must be clamp or filmic".into()),
-    }
-}
-
-fn missing_textures(text: &str) -> Result<MissingTextures, String> {
-    match text {
-        "error" => Ok(MissingTextures::Error),
-        "warn" => Ok(MissingTextures::Warn),
-        _ => Err("it must be error or warn".into()),
-    }
-}
-
-fn above_zero(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
-    number.ok_or_else(|| "it must be a number above 0".into())
 }

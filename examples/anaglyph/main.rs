@@ -16,8 +16,10 @@ mod arguments;
 #[allow(dead_code, reason = "the example uses a part of it")]
 mod message;
 mod report;
+mod studio;
 #[cfg(test)]
 mod tests;
+mod values;
 mod views;
 
 use std::{

@@ -111,6 +111,35 @@ fn edges_are_smooth_up_to_the_crease_angle_unless_it_is_off() {
 }
 
 #[test]
+fn an_obj_file_is_flattered_unless_it_is_to_be_plain() {
+    let folder = Folder::new("studio");
+    let scene = folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| printed(&[&[&scene, "--out", &out], arguments].concat());
+    let primary = |text: &str| {
+        let line = text.lines().find(|line| line.trim_start().starts_with("left ")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<u32>().unwrap()
+    };
+    let flattered = run(&["--method", "naive"]);
+    // Four samples a pixel, and one in its centre for depths and ids.
+    assert!(primary(&flattered) == 16 * 12 * 5 && flattered.contains(", 1 light\n"), "{flattered}");
+    let plain = run(&["--method", "naive", "--plain"]);
+    assert!(primary(&plain) == 16 * 12 && plain.contains(", 5 lights\n") && !plain.contains("trace_soft"), "{plain}");
+    let asked = run(&["--method", "naive", "--samples", "1", "--lights", "2"]);
+    assert!(primary(&asked) == 16 * 12 && asked.contains(", 2 lights\n") && !asked.contains("trace_soft"), "{asked}");
+    assert!(run(&["--occlusion", "0"]).contains("occlusion: 0; there can be 1 to 32"));
+    for (option, value, text) in [
+        ("--occlusion", "16:NaN", "it must be a number above 0"),
+        ("--occlusion", "x", "a number of rays like 16"),
+        ("--light-radius", "-1", "it must be a number above 0"),
+        ("--tone", "soft", "it must be clamp or filmic"),
+    ] {
+        let message = Arguments::try_parse_from(["anaglyph", option, value]).unwrap_err().to_string();
+        assert!(message.contains(text), "{message}");
+    }
+}
+
+#[test]
 fn names_of_files_and_folders_do_not_steer_the_terminal() {
     let folder = Folder::new(STEERING);
     let scene = format!("scene{STEERING}.obj");

@@ -1,0 +1,61 @@
+//! Values of options, and how they are read.
+
+use stereotrace::{MissingTextures, Tone, glam::Vec3};
+
+/// Of what has no normals; none: it is flat.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CreaseAngle(pub(crate) Option<f32>);
+
+/// Rays, and how far they go if that is said.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OcclusionArgument(pub(crate) u32, pub(crate) Option<f32>);
+
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').map(|(width, height)| [width, height].map(str::parse));
+    match sides {
+        Some([Ok(width), Ok(height)]) => Ok([width, height]),
+        _ => Err("it must be like 1280x720".into()),
+    }
+}
+
+pub(crate) fn point(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+}
+
+pub(crate) fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
+    let degrees = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    match (text, degrees) {
+        ("off", _) => Ok(CreaseAngle(None)),
+        (_, Some(degrees)) => Ok(CreaseAngle(Some(degrees))),
+        _ => Err("it must be 0 to 180, or off".into()),
+    }
+}
+
+pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
+    let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
+    let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
+    Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
+}
+
+pub(crate) fn tone(text: &str) -> Result<Tone, String> {
+    match text {
+        "clamp" => Ok(Tone::Clamp),
+        "filmic" => Ok(Tone::Filmic),
+        _ => Err("it must be clamp or filmic".into()),
+    }
+}
+
+pub(crate) fn missing_textures(text: &str) -> Result<MissingTextures, String> {
+    match text {
+        "error" => Ok(MissingTextures::Error),
+        "warn" => Ok(MissingTextures::Warn),
+        _ => Err("it must be error or warn".into()),
+    }
+}
+
+pub(crate) fn above_zero(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|&number: &f32| number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "it must be a number above 0".into())
+}
