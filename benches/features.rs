@@ -9,9 +9,9 @@ mod common;
 use std::{error::Error, time::Instant};
 
 use stereotrace::{
-    BvhBuild, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options, Renderer, Scene, Sky, Sphere,
-    StereoCamera, Texture, UploadedScene,
-    glam::{Vec3, Vec3Swizzles},
+    AmbientOcclusion, BvhBuild, Ellipsoid, Finish, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options,
+    Renderer, Scene, Sky, Sphere, StereoCamera, Texture, UploadedScene,
+    glam::{Mat3, Vec3, Vec3Swizzles},
 };
 
 use crate::common::{
@@ -125,7 +125,7 @@ fn with_sky(mut scene: Scene) -> Scene {
 
 /// Each feature with its states, the first of which is off.
 fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
-    geometry_and_light(size).into_iter().chain(surfaces(size)).collect()
+    geometry_and_light(size).into_iter().chain(surfaces(size)).chain(many_rays(size)).collect()
 }
 
 /// A third of the picture is sky.
@@ -135,6 +135,63 @@ fn ahead([width, height]: [u32; 2]) -> StereoCamera {
 
 fn plain() -> Options {
     Options::new(Method::Naive).g_buffer(GBuffer::None)
+}
+
+/// What asks for more rays than one a pixel and one a light.
+fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
+    let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
+    let mirrors = |count: u32, height| {
+        let mut scene = with_spheres(terrain(0), 100 - count, 0.6);
+        let mirror = Material::new(Vec3::ZERO).specular(Vec3::splat(0.9)).finish(Finish::Mirror { fresnel: false });
+        let mirror = scene.add_material(mirror);
+        for i in 100 - count..100 {
+            let center = Vec3::new((i % 10) as f32 * 0.7 - 3.2, height, (i / 10) as f32 * 0.7 - 3.2);
+            scene.add_sphere(Sphere::new(center, 0.2, mirror)).expect("a sphere of finite size");
+        }
+        scene
+    };
+    let ellipsoids = || {
+        let mut scene = terrain(0);
+        for i in 0..100 {
+            let center = Vec3::new((i % 10) as f32 * 0.7 - 3.2, 0.6, (i / 10) as f32 * 0.7 - 3.2);
+            let axes = Mat3::from_diagonal(Vec3::new(0.2, 0.19, 0.21));
+            scene.add_ellipsoid(Ellipsoid::new(center, axes, MaterialId(0))).expect("an ellipsoid of finite size");
+        }
+        scene
+    };
+    let lit = |light| {
+        let mut scene = terrain(0);
+        scene.lights.push(light);
+        scene
+    };
+    let (above, below, white) = (Vec3::new(2.0, 4.0, 1.0), Vec3::new(2.0, -9.0, 1.0), Vec3::splat(0.8));
+    let occluded = plain().occlusion(AmbientOcclusion::new(16, 1.0));
+    [
+        (
+            "ellipsoids",
+            vec![
+                plainly("off: 100 spheres", with_spheres(terrain(0), 100, 0.6)),
+                plainly("on: 100 of them", ellipsoids()),
+            ],
+        ),
+        (
+            "mirrors",
+            vec![
+                plainly("off: 100 spheres", mirrors(0, 0.6)),
+                plainly("unused: one of them, below the ground", mirrors(1, -3.0)),
+                plainly("on: all", mirrors(100, 0.6)),
+            ],
+        ),
+        (
+            "soft light",
+            vec![
+                plainly("off: a point", lit(Light::point(above, white))),
+                plainly("unused: a ball below the ground, 16 rays", lit(Light::sphere(below, 0.2, white))),
+                plainly("on: a ball, 16 rays", lit(Light::sphere(above, 0.2, white))),
+            ],
+        ),
+        ("occlusion", vec![plainly("off", terrain(0)), of("on: 16 rays", terrain(0), &ahead(size), &occluded)]),
+    ]
 }
 
 /// What surfaces show beside one colour.
@@ -222,7 +279,7 @@ fn geometry_and_light(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 7] {
 fn features(gpu: &Gpu, size: [u32; 2], rounds: usize) -> Result<(), Box<dyn Error>> {
     let [width, height] = size;
     println!("\n{width}x{height}, a terrain of {} triangles, {rounds} rounds\n", terrain(0).primitive_count());
-    println!("| feature | state | left view ms | min..max | of off | scene MiB | bytes a pixel | compile ms |");
+    println!("| feature | state | view ms | min..max | of off | scene MiB | bytes a pixel | compile ms |");
     println!("|---|---|---|---|---|---|---|---|");
     for (feature, variants) in &states(size) {
         let figures = measure(gpu, variants, rounds)?;
@@ -249,7 +306,7 @@ struct Figures {
     /// The host's time of the first frame, in which kernels are compiled, and of the quickest later one.
     first_ms: f64,
     least_ms: f64,
-    /// The left view's, in milliseconds.
+    /// A view's, in milliseconds.
     time: Spread,
     scene_bytes: u64,
     /// Of all intermediate buffers.
@@ -272,9 +329,8 @@ fn measure(gpu: &Gpu, variants: &[Variant], rounds: usize) -> Result<Vec<Figures
             let elapsed = start.elapsed().as_secs_f64() * 1e3;
             *least_ms = least_ms.min(elapsed);
             // Naive traces two eyes alike.
-            let pass =
-                statistics.times.and_then(|times| times.passes.into_iter().find(|(pass, _)| *pass == "trace_left"));
-            times.push(pass.map_or(0.5 * elapsed, |(_, time)| time.as_secs_f64() * 1e3));
+            let passes = statistics.times.map(|times| times.total().as_secs_f64() * 1e3);
+            times.push(0.5 * passes.unwrap_or(elapsed));
             *bytes = statistics.intermediate_bytes;
         }
     }
