@@ -194,8 +194,18 @@ fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
     ]
 }
 
+/// The terrain, of whose first `count` triangles every other square of a board is left out.
+fn cut_out(count: usize) -> Scene {
+    let holes = Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 128).expect("colours within 0 to 1");
+    let mut scene = with_material(count, Some(holes), |material| material);
+    let mut material = scene.materials()[1].clone();
+    material.cutout = material.texture.take();
+    scene.set_material(MaterialId(1), material).expect("a material that is there");
+    scene
+}
+
 /// What surfaces show beside one colour.
-fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
+fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 3] {
     const ALL: usize = usize::MAX;
     let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
     let textured = |count, texture| with_material(count, Some(texture), |material| material);
@@ -216,6 +226,14 @@ fn surfaces(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
                 plainly("off: 5 lights without shadows", with_lights(terrain(0), 4.0, false)),
                 plainly("unused: on one triangle", lit(1)),
                 plainly("on: on all", lit(ALL)),
+            ],
+        ),
+        (
+            "cut-outs",
+            vec![
+                plainly("off", terrain(0)),
+                plainly("unused: on one triangle", cut_out(1)),
+                plainly("on: half of all", cut_out(ALL)),
             ],
         ),
     ]

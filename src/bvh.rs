@@ -5,14 +5,14 @@ mod refit;
 
 use std::sync::Arc;
 
-pub(crate) use primitive::{reach_bits, shortest_edge_first};
+pub(crate) use primitive::{reach_bits, shortest_edge, shortest_edge_first};
 pub(crate) use refit::TreeShape;
 
 use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 
 use self::primitive::{geometry, push_primitive};
-use crate::{Boxes, Error, Scene, layout, scene::components, tree};
+use crate::{Boxes, Error, Scene, cutouts::masks_of, layout, scene::components, tree};
 
 /// Four words: what one texture load or one storage-buffer load brings.
 pub(crate) type Texel = [u32; 4];
@@ -65,6 +65,8 @@ pub(crate) struct PackedBvh {
     pub(crate) pair_texels: usize,
     /// Three texels a primitive in leaf order, four if the scene has vertex normals or ellipsoids.
     pub(crate) primitives: Vec<Texel>,
+    /// Masks of what is cut out, as `cutouts::masks_of` has them.
+    pub(crate) masks: Vec<Texel>,
     /// The scene's id of each primitive, in leaf order.
     pub(crate) ids: Vec<u32>,
     /// The connected component of each primitive by its id, as `scene::components` says.
@@ -84,6 +86,7 @@ impl PackedBvh {
             nodes: vec![[0; 4]; pair_texels], // which no kernel of an empty scene reads
             pair_texels,
             primitives: Vec::new(),
+            masks: Vec::new(),
             ids: Vec::new(),
             components,
             world_boxes: false,
@@ -116,8 +119,8 @@ fn is_empty(aabb: &Aabb) -> bool {
     aabb.min.x > aabb.max.x
 }
 
-/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive:
-/// of equal t the smaller id wins, so no ray sees them.
+/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive, with the same holes
+/// where it is cut out: of equal t the smaller id wins, so no ray sees them.
 ///
 /// # Errors
 /// [`Error::Scene`] if there are more primitives than links can name.
@@ -155,6 +158,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         nodes: packer.nodes,
         pair_texels: 2 * child_texels(kind),
         primitives: packer.primitives,
+        masks: masks_of(scene),
         ids: packer.packed,
         components,
         stack_size,

@@ -1,6 +1,6 @@
 //! A BVH as the one texture or storage buffer that kernels read it from (`shaders/shared/fetch.wgsl`).
 //!
-//! The root's pair comes first, then the primitives, then all other pairs. So the primitives begin at the same place whatever
+//! The root's pair comes first, then the primitives, then all other pairs, then masks of what is cut out. So the primitives begin at the same place whatever
 //! the scene's size, and kernels need neither a text of their own for it nor an addition; where the other pairs begin only
 //! the links say, which are indices of pairs from the first texel on.
 
@@ -27,6 +27,11 @@ impl<'a> GeometryTexels<'a> {
 
     /// How many they are.
     pub(crate) fn count(&self) -> usize {
+        self.masks_begin() + self.packed.masks.len()
+    }
+
+    /// Where the masks begin.
+    pub(crate) fn masks_begin(&self) -> usize {
         self.primitives_begin() + self.primitive_span() + self.packed.nodes.len() - self.packed.pair_texels
     }
 
@@ -63,6 +68,7 @@ impl<'a> GeometryTexels<'a> {
                 child[0][3] += moved;
             }
         }
+        texels.extend_from_slice(&self.packed.masks);
         texels
     }
 
@@ -105,11 +111,13 @@ mod tests {
             for _ in 0..count {
                 scene.add_sphere(Sphere::new(random.point(9.0), 0.1, MaterialId(0))).unwrap();
             }
-            let packed = bvh::build(&scene, BvhBuild::Fast, boxes).unwrap();
+            let mut packed = bvh::build(&scene, BvhBuild::Fast, boxes).unwrap();
+            packed.masks = vec![[7; 4], [8; 4]];
             for fetch in [Fetch::Texture, Fetch::Buffer] {
                 let geometry = GeometryTexels::new(&packed, fetch);
                 let texels = geometry.texels();
                 assert_eq!(texels.len(), geometry.count(), "{count} {boxes:?} {fetch:?}");
+                assert_eq!(texels[geometry.masks_begin()..], packed.masks, "{count} {boxes:?} {fetch:?}");
                 let pair = packed.pair_texels;
                 for slot in 0..packed.ids.len() {
                     for texel in 0..3 {

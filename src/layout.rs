@@ -57,6 +57,15 @@ pub(crate) struct Bvh {
     pub(crate) zero: u32,
 }
 
+/// `Bvh` of shaders/shared/cutouts.wgsl, in place of the other one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct CutOutBvh {
+    pub(crate) bvh: Bvh,
+    pub(crate) cutouts: u32,
+    pub(crate) _pad: [u32; 3],
+}
+
 /// `Pixel` of shaders/shared/types.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -83,6 +83,7 @@ pub mod camera;
 mod camera_file;
 pub mod cast;
 pub mod cpu;
+mod cutouts;
 mod disparity;
 mod error;
 #[cfg(test)]

@@ -154,12 +154,17 @@ fn material_of(material: &Material) -> [Texel; 4] {
     ]
 }
 
-fn head_of(texture: &Texture, at: u32) -> Texel {
-    let wrap = match texture.wrap {
+/// `WRAP_REPEAT` and so on of textures.wgsl.
+pub(crate) fn wrap_number(wrap: Wrap) -> u32 {
+    match wrap {
         Wrap::Repeat => 0,
         Wrap::Mirror => 1,
         Wrap::Clamp => 2,
-    };
+    }
+}
+
+fn head_of(texture: &Texture, at: u32) -> Texel {
+    let wrap = wrap_number(texture.wrap);
     match texture.kind() {
         TextureKind::Image { size, .. } => [wrap << 4, at, level_sizes(*size).count() as u32, 0],
         TextureKind::Checkerboard { squares, .. } => [CHECKERBOARD | wrap << 4, at, *squares, 0],

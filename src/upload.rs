@@ -9,13 +9,15 @@ use glam::Vec3;
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Options, Pose, Renderer, Scene,
+    BvhBuild, Choice, Error, Method, Options, Pose, Renderer, Scene, Texture,
     auto::CostModel,
     bvh::{self, PackedBvh, Texel, TreeShape},
+    cutouts::cutouts_of,
     geometry::GeometryTexels,
     gpu::{Gpu, Texels, bind_group},
     kernels::Kernels,
     large::LargePrimitives,
+    layout,
     message::counted,
     steps::soft::SoftLights,
     table::{Pictures, ShadingTable},
@@ -32,6 +34,8 @@ pub struct UploadedScene {
     texels: [Arc<Texels>; 2],
     /// The pictures that the shading table has.
     pictures: Pictures,
+    /// The textures whose masks stand behind the geometry.
+    cutouts: Vec<(usize, Texture)>,
     /// Made when edges are first asked for.
     pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
@@ -157,7 +161,8 @@ impl Renderer {
         let started = Instant::now();
         let traversal = uploaded.info.traversal;
         let table_fits = self.gpu.texel_capacity(traversal.fetch) >= ShadingTable::of(scene).count() as u64;
-        if how == Update::Refit && uploaded.shape.is_of(scene) && table_fits {
+        let same_geometry = uploaded.shape.is_of(scene) && uploaded.cutouts == cutouts_of(scene);
+        if how == Update::Refit && same_geometry && table_fits {
             let (table, shading) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
@@ -205,7 +210,14 @@ impl Renderer {
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
         let (table, shading) = self.bring_table(scene, fetch, before).await?;
         let bind = || {
-            let bvh = gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform));
+            let bvh = match packed.masks.is_empty() {
+                true => gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform)),
+                false => {
+                    let cutouts = texels.masks_begin() as u32;
+                    let uniform = layout::CutOutBvh { bvh: packed.uniform, cutouts, ..Default::default() };
+                    gpu.uniform_buffer("bvh", bytemuck::bytes_of(&uniform))
+                }
+            };
             let bindings = [bvh.as_entire_binding(), geometry.binding()];
             Ok(bind_group(gpu, "geometry", &self.kernels.layouts(fetch).geometry, bindings.into_iter()))
         };
@@ -214,6 +226,7 @@ impl Renderer {
             shading,
             texels: [geometry, table],
             pictures: Pictures::of(scene),
+            cutouts: cutouts_of(scene),
             object_table: OnceLock::new(),
             variant: Variant::of(scene, traversal, &packed),
             objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),

@@ -128,6 +128,8 @@ pub(crate) struct Variant {
     pub(crate) shine: bool,
     /// Some surface sends rays on: a mirror, glass or a veil.
     pub(crate) mirrors: bool,
+    /// Some material, and so some triangle maybe, is cut out.
+    pub(crate) cutouts: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     /// Some lights are not points.
@@ -173,6 +175,7 @@ impl Variant {
         textures: false,
         shine: false,
         mirrors: false,
+        cutouts: false,
         lights: false,
         shadows: Shadows::None,
         soft_lights: false,
@@ -212,6 +215,7 @@ impl Variant {
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
             mirrors: (triangles || balls) && scene.materials().iter().any(Material::sends_rays),
+            cutouts: triangles && scene.is_cut_out(),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
             soft_lights: scene.soft_lights().next().is_some(),
@@ -306,12 +310,17 @@ impl Variant {
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 22] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
             (false, true) => "spheres",
             (false, false) => "none",
+        };
+        let tests = match primitives {
+            _ if !with.cutouts => primitives,
+            "triangles" => "cut_triangles",
+            _ => "cut_mixed",
         };
         let texels = match primitives {
             _ if with.ellipsoids => "ellipsoids",
@@ -360,6 +369,8 @@ impl Kernel {
         let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
         [
             ("primitives", primitives),
+            ("tests", tests),
+            ("cutouts", if with.cutouts { "some" } else { "none" }),
             ("texels", texels),
             // Spheres alone take as many texels as triangles without vertex normals.
             ("normals", if smooth { "smooth" } else { "flat" }),

@@ -51,6 +51,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "bounds",
     "boxes",
     "bvh",
+    "cutouts",
     "double_float",
     "ellipsoid",
     "fetch",

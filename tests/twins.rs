@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{RandomScene, is_exact, random::Random, renderer};
+use common::{RandomScene, is_exact, random::Random, random_foliage, renderer};
 use stereotrace::{
     FAR, MISS, Mesh, Method, Options, PixelSource, Rig, Scene, Sphere, StereoCamera, StereoPair,
     cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
@@ -109,6 +109,13 @@ fn ellipsoids_are_hit_as_by_brute_force() {
     check(&RandomScene { spheres: 20, ..only }.build(), &camera(64, 64));
     for smooth in [false, true] {
         check(&RandomScene { triangles: 100, spheres: 10, smooth, ..only }.build(), &camera(71, 33));
+    }
+}
+
+#[test]
+fn what_is_cut_out_is_hit_as_by_brute_force() {
+    for spheres in [false, true] {
+        check(&random_foliage(3, spheres), &camera(75, 54));
     }
 }
 

@@ -3,14 +3,14 @@
 // A lane's rays start at one point and share a stack: what one of them must visit, all test. A node is a pair of child
 // boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to 30, the first slot
 // below; other links are indices of pairs. The root is pair 0.
-
+//! if cutouts is none
 struct Bvh {
     grid_origin: vec3f,   // world position of grid point 0
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
     zero: u32,            // 0, which compilers do not know
 }
-
+//! end
 // A lane's rays. t counts in lengths of the direction, which may be any.
 struct Rays {
     origin: vec3f,
@@ -264,7 +264,7 @@ fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: b
     }
     return hits;
 }
-
+//! if cutouts is none
 // One ray a round.
 fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
     var hits = before;
@@ -284,7 +284,7 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
     }
     return hits;
 }
-
+//! end
 // Where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
 fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     let low_x = child.low.x * inverse.x;

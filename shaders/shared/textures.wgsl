@@ -8,7 +8,7 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     return vec3f(1.0);
 }
 
-//! if textures is some
+//! end
 // Of the shading table: the texel whose w is the first of the textures' heads, one each.
 const TEXTURES: u32 = SKY_NADIR;
 
@@ -25,7 +25,7 @@ struct Lookup {
     width: f32,    // of the ray's footprint, in units of uv
     round: bool,   // on a ball: closed around, and its poles are ends whatever the texture's wrap
 }
-
+//! if textures is some
 // What textures and vertex colours multiply the albedo by where a ray hits.
 fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
@@ -33,7 +33,7 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     if texture == 0u { return painted; }
     return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
 }
-
+//! end
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     let head = table_texel(head_at);
     let wrap = select(vec2u(head.x >> 4u), vec2u(WRAP_REPEAT, WRAP_CLAMP), at.round);

@@ -10,20 +10,27 @@ use crate::{
     variant::TexelPlaces,
 };
 
-/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl; the others are its component.
+/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl, and the highest one (cutouts.wgsl); the others are its
+/// component.
 const IS_SPHERE: u32 = 1;
+const IS_CUT_OUT: u32 = 1 << 31;
 
-/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes.
-pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4]) {
+/// Where a triangle that is cut out has its holes: its material and its texture coordinates.
+type Holes = Option<(u32, [[u32; 2]; 3])>;
+
+/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes; and its holes.
+pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
     match scene.primitive(id) {
         Primitive::Triangle(triangle) => {
             let [a, b, c] = triangle.corners.map(words);
-            (0, [a, b, c, [0; 3]])
+            let uv = || scene.uv().get(id as usize).map(|uv| uv.map(|corner| corner.to_array().map(f32::to_bits)));
+            let holes = scene.cutout_of(triangle).map(|_| (triangle.material.0, uv().unwrap_or_default()));
+            (0, [a, b, c, [0; 3]], holes)
         }
-        Primitive::Sphere(sphere) => (1, [words(sphere.center), [sphere.radius.to_bits(), 0, 0], [0; 3], [0; 3]]),
+        Primitive::Sphere(sphere) => (1, [words(sphere.center), [sphere.radius.to_bits(), 0, 0], [0; 3], [0; 3]], None),
         Primitive::Ellipsoid(one) => {
             let [x, y, z] = [one.axes.x_axis, one.axes.y_axis, one.axes.z_axis].map(words);
-            (2, [words(one.center), x, y, z])
+            (2, [words(one.center), x, y, z], None)
         }
     }
 }
@@ -56,7 +63,10 @@ pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, compone
         [center, texel(a, component | IS_SPHERE), texel(b, material), radius]
     };
     let all = match scene.primitive(id) {
-        Primitive::Triangle(triangle) => triangle_texels(triangle, id, component),
+        Primitive::Triangle(triangle) => {
+            let cut_out = if scene.cutout_of(triangle).is_some() { IS_CUT_OUT } else { 0 };
+            triangle_texels(triangle, id, component | cut_out)
+        }
         Primitive::Sphere(one) if has_ellipsoids => {
             ellipsoid(one.center, ToSphere::identity(one.radius), one.material.0)
         }
@@ -104,7 +114,7 @@ fn triangle_texels(triangle: &Triangle, id: u32, component: u32) -> [Texel; 4] {
 }
 
 /// The place of the first corner of a triangle's shortest edge.
-fn shortest_edge(corners: [Vec3; 3]) -> usize {
+pub(crate) fn shortest_edge(corners: [Vec3; 3]) -> usize {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
     (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)

@@ -12,6 +12,7 @@ use super::{
 };
 use crate::{
     Boxes, Error, Scene,
+    cutouts::masks_of,
     scene::{Stamp, components},
 };
 
@@ -101,6 +102,7 @@ impl TreeShape {
             nodes,
             pair_texels: 2 * child_texels(kind),
             primitives,
+            masks: masks_of(scene),
             ids,
             components,
             world_boxes: grid.world,

@@ -79,7 +79,7 @@ pub fn shadow_sources(
     right: &[(f32, u32)],
     reuse: ShadowReuse,
 ) -> Vec<ShadowSource> {
-    let components = components::of(scene);
+    let components = marked_components(scene);
     let bits: Vec<Vec<Bits>> = sources
         .iter()
         .map(|(frame, left)| {
@@ -98,6 +98,16 @@ pub fn shadow_sources(
         if wanted & !agreed == 0 { ShadowSource::Taken } else { ShadowSource::Traced }
     };
     right.iter().enumerate().map(source).collect()
+}
+
+/// Components as packed primitives have them: triangles that are cut out are of another one than the whole ones that they hang together with.
+fn marked_components(scene: &Scene) -> Vec<u32> {
+    let mut components = components::of(scene);
+    for (id, component) in components.iter_mut().enumerate() {
+        let triangle = scene.triangles().get(id);
+        *component = *component << 1 | u32::from(triangle.is_some_and(|triangle| scene.cutout_of(triangle).is_some()));
+    }
+    components
 }
 
 /// The lights of which a source's samples around the point that a right pixel shows know whether it sees them.

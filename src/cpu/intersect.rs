@@ -1,8 +1,11 @@
-//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl and ellipsoid.wgsl, and a search through all primitives in place of the BVH.
+//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl and cutouts.wgsl, and a search through all primitives in place of the BVH.
 
 use glam::Vec3;
 
-use super::double_float::{Two, Two3, dot, plane_t};
+use super::{
+    cutouts::has_surface,
+    double_float::{Two, Two3, dot, plane_t},
+};
 use crate::{
     Ellipsoid, MISS, Scene,
     bvh::{reach_bits, shortest_edge_first},
@@ -20,12 +23,7 @@ const DOUBT: f32 = 22.0 / 16_777_216.0;
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let corners = shortest_edge_first(corners);
     let [a, b, c] = corners.map(|corner| corner - origin);
-    let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
-    let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
-    let inside = u.min(v.min(w)).max(-u.max(v.max(w)));
-    let reach = f32::from_bits(reach_bits(corners));
-    let length_squared = direction.dot(direction);
-    let bound = length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT);
+    let (inside, bound) = inside_edges(origin, direction, corners);
     if inside.abs() <= bound {
         return look_again_triangle(origin, direction, corners);
     }
@@ -36,6 +34,36 @@ pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> 
         true => Some(t),
         false => None,
     }
+}
+
+/// Above 0 where the ray passes on the inner side of all edges, and below which size rounding might decide that.
+fn inside_edges(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> (f32, f32) {
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
+    let (u, v, w) = (edge(b, c), edge(c, a), edge(a, b));
+    let inside = u.min(v.min(w)).max(-u.max(v.max(w)));
+    let reach = f32::from_bits(reach_bits(corners));
+    let length_squared = direction.dot(direction);
+    (inside, length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT))
+}
+
+/// The ray's t at a triangle of a scene, if that is there and no hole of it (shaders/shared/cutouts.wgsl). What is cut out is always looked
+/// at again.
+fn intersect_in_scene(scene: &Scene, id: usize, origin: Vec3, direction: Vec3) -> Option<f32> {
+    let triangle = &scene.triangles()[id];
+    if triangle.is_degenerate() {
+        return None;
+    }
+    let Some(texture) = scene.cutout_of(triangle) else {
+        return intersect_triangle(origin, direction, triangle.corners);
+    };
+    let corners = shortest_edge_first(triangle.corners);
+    let (inside, bound) = inside_edges(origin, direction, corners);
+    if inside < -bound {
+        return None;
+    }
+    let t = look_again_triangle(origin, direction, corners)?;
+    has_surface(scene, id, texture, origin, direction).then_some(t)
 }
 
 fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
@@ -155,9 +183,7 @@ fn look_again(to_center: Two3, way: Two3, radius: f32, t_min: f32) -> Option<f32
 /// The nearest hit with t in `[t_min, t_max]` among all primitives, as (t, id); of equal t the smallest id;
 /// `(t_max, MISS)` if there is none.
 pub fn closest_hit(scene: &Scene, origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> (f32, u32) {
-    let triangles = scene.triangles().iter().map(|triangle| {
-        if triangle.is_degenerate() { None } else { intersect_triangle(origin, direction, triangle.corners) }
-    });
+    let triangles = (0..scene.triangles().len()).map(|id| intersect_in_scene(scene, id, origin, direction));
     let spheres =
         scene.spheres().iter().map(|sphere| intersect_sphere(origin, direction, sphere.center, sphere.radius, t_min));
     let mut best = (t_max, MISS);

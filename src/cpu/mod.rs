@@ -6,6 +6,7 @@
 
 pub mod adelson_hodges;
 pub mod bracket;
+mod cutouts;
 pub mod double_float;
 pub mod intersect;
 pub mod reproject;

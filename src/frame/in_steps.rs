@@ -109,9 +109,9 @@ mod tests {
 
     use super::*;
     use crate::{
-        BvhBuild, Finish, GBuffer, Gpu, Light, Material, Method, Options, Progress, Ray, Renderer, Scene, Sphere,
-        StereoCamera, StereoPair, Traversal,
-        glam::Vec3,
+        BvhBuild, Finish, GBuffer, Gpu, Light, Material, Mesh, Method, Options, Progress, Ray, Renderer, Scene, Sphere,
+        StereoCamera, StereoPair, Texture, Traversal,
+        glam::{Vec2, Vec3},
         random::Random,
         scene::builtin::Builtin,
         traversal::{Boxes, Fetch},
@@ -124,6 +124,21 @@ mod tests {
 
     fn in_steps_of(rounds: u32) -> Steps {
         Steps { rounds, always: true, ..Steps::default() }
+    }
+
+    /// Spheres among triangles behind a fence: a board of which every other square is left out.
+    fn behind_a_fence(camera: &StereoCamera) -> Scene {
+        let mut scene = Builtin::Near.scene();
+        let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 9).unwrap());
+        let fence = scene.add_material(Material::new(Vec3::splat(0.4)).cutout(board));
+        let pose = camera.pose().unwrap();
+        let middle = pose.eye + 0.4 * pose.screen_distance * pose.forward;
+        let [right, up] = [pose.right, pose.up].map(|axis| 0.15 * pose.screen_size[0] * axis);
+        let corners = [-right - up, right - up, right + up, up - right].map(|corner| middle + corner);
+        let uv = [[Vec2::ZERO, Vec2::X, Vec2::ONE], [Vec2::ZERO, Vec2::ONE, Vec2::Y]];
+        let fence = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).uv(uv.to_vec()).materials(vec![fence]);
+        scene.add_mesh(&fence).unwrap();
+        scene
     }
 
     /// A hall by its own lights, spheres among triangles under a gradient, and lights so far off that rays start at surfaces.
@@ -141,6 +156,7 @@ mod tests {
             ("hall", hall.scene(), hall.camera(37, 23)),
             ("near", near.scene(), near.camera(37, 23)),
             ("near by far lights", by_far_lights, near.camera(37, 23)),
+            ("near behind a fence", behind_a_fence(&near.camera(37, 23)), near.camera(37, 23)),
             ("nothing", Scene::new(), hall.camera(9, 5)),
         ]
     }

@@ -1,6 +1,6 @@
 //! Every kernel in every variant against naga, the adapter, the table and the host's structs.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, mem::offset_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -102,8 +102,8 @@ fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4]);
-    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft]: &[usize; 10]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2]);
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts]: &[usize; 11]| {
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
@@ -118,6 +118,7 @@ fn variants() -> Vec<Variant> {
             textures: ![0, 4].contains(&surfaces),
             shine: surfaces > 3,
             mirrors: surfaces % 2 == 1,
+            cutouts: triangles && cutouts == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
             // No soft light, lights, occlusion, both; what is never hidden among them.
@@ -405,7 +406,7 @@ fn assert_struct(module: &naga::Module, name: &str, stated: &[(&str, usize)], si
 
 #[test]
 fn host_and_wgsl_structs_have_the_same_layout() {
-    let with = Variant { spheres: true, triangles: true, ..variants()[0] };
+    let with = Variant { spheres: true, triangles: true, cutouts: false, ..variants()[0] };
     let module = &parse(&TRACE_LEFT, &with);
     assert_layout!(
         module,
@@ -452,6 +453,15 @@ fn host_and_wgsl_structs_have_the_same_layout() {
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
+    let stated = [
+        ("grid_origin", offset_of!(layout::CutOutBvh, bvh.grid_origin)),
+        ("extent", offset_of!(layout::CutOutBvh, bvh.extent)),
+        ("grid_cell", offset_of!(layout::CutOutBvh, bvh.grid_cell)),
+        ("zero", offset_of!(layout::CutOutBvh, bvh.zero)),
+        ("cutouts", offset_of!(layout::CutOutBvh, cutouts)),
+    ];
+    let cut_out = parse(&TRACE_LEFT, &Variant { cutouts: true, ..with });
+    assert_struct(&cut_out, "Bvh", &stated, size_of::<layout::CutOutBvh>());
     assert_layout!(module, Pixel { depth, slot, marks, color });
     let listed = parse(&TRACE_LISTED, &with);
     let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {

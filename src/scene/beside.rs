@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::{Mesh, Scene, mesh::Object};
+use super::{Mesh, Scene, Texture, Triangle, mesh::Object};
 
 /// Texture coordinates of triangles that have none.
 const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
@@ -65,6 +65,17 @@ impl Scene {
     /// Whether its surfaces have colours that change from place to place.
     pub(crate) fn is_textured(&self) -> bool {
         !self.colors().is_empty() || self.materials().iter().any(|material| material.texture.is_some())
+    }
+
+    /// Whether some material has a cut-out.
+    pub(crate) fn is_cut_out(&self) -> bool {
+        self.materials().iter().any(|material| material.cutout.is_some())
+    }
+
+    /// The texture by which a triangle is cut out, if it is.
+    pub(crate) fn cutout_of(&self, triangle: &Triangle) -> Option<&Texture> {
+        let cutout = self.materials()[triangle.material.0 as usize].cutout?;
+        self.textures().get(cutout.0 as usize)
     }
 
     /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles without; empty

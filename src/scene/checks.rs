@@ -57,6 +57,7 @@ impl Scene {
         for (index, material) in self.materials.iter().enumerate() {
             check(format!("material {index} '{}'", material.name), self.check_surface(material))?;
         }
+        self.check_cut_out_balls()?;
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
@@ -92,6 +93,21 @@ impl Scene {
                  channel can be at most 1"
             )),
             _ => Ok(()),
+        }
+    }
+
+    /// Only triangles can be cut out.
+    fn check_cut_out_balls(&self) -> Result<(), Error> {
+        let is_cut_out = |id: MaterialId| self.materials[id.0 as usize].cutout.is_some();
+        let spheres = self.spheres.iter().map(|sphere| sphere.material).enumerate();
+        let ellipsoids = self.ellipsoids.iter().map(|ellipsoid| ellipsoid.material).enumerate();
+        let mut balls = spheres.map(|ball| ("sphere", ball)).chain(ellipsoids.map(|ball| ("ellipsoid", ball)));
+        match balls.find(|(_, (_, material))| self.is_cut_out() && is_cut_out(*material)) {
+            None => Ok(()),
+            Some((kind, (index, MaterialId(material)))) => {
+                let reason = format!("its material {material} has a cut-out; only triangles can be cut out");
+                Err(Error::Scene { element: format!("{kind} {index}"), reason })
+            }
         }
     }
 

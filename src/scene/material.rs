@@ -50,7 +50,9 @@ pub struct Material {
     pub albedo: Vec3,
     /// The albedo is multiplied by this texture's colour; its alpha says nothing. MTL's `map_Kd`.
     pub texture: Option<TextureId>,
-    /// Where this texture's alpha is below a half there is no surface. A checkerboard's alpha is its brightness. MTL's `map_d`.
+    /// Where this texture's alpha is below a half there is no surface: no ray meets it there, and light passes. The texture's nearest pixel
+    /// says, without a filter. A checkerboard's alpha is its colours' brightness. Triangles only; those without texture coordinates
+    /// are in the lower left pixel. MTL's `map_d`.
     pub cutout: Option<TextureId>,
     /// The share of what is behind the surface that it hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
     pub opacity: f32,

@@ -15,7 +15,7 @@ use stereotrace::{
     Gpu, MaterialId, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, glam::Vec3, wgpu,
 };
 
-pub use self::random_scene::{RandomScene, random_ellipsoid, random_stage};
+pub use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_mask, random_stage};
 
 /// Opens the adapter that tests run on: `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing one is a
 /// failure with a remedy, not a skip.

@@ -1,8 +1,8 @@
 //! Random scenes: one to find hits wrong in, one to find shadows wrong in.
 
 use stereotrace::{
-    Ellipsoid, Light, Material, MaterialId, Mesh, Scene, Sphere,
-    glam::{Mat3, Vec3},
+    Ellipsoid, Light, Material, MaterialId, Mesh, Scene, Sphere, Texture, Wrap,
+    glam::{Mat3, Vec2, Vec3},
 };
 
 use super::random::Random;
@@ -105,6 +105,59 @@ pub fn random_stage(seed: u32) -> Scene {
     scene.ambient = Some(Vec3::splat(0.1));
     for position in [[3.0, 4.0, 2.0], [-3.0, 3.0, 1.0], [0.5, 5.0, -2.0], [0.0, 0.5, 5.0]] {
         scene.lights.push(Light::point(Vec3::from_array(position), Vec3::splat(0.4)));
+    }
+    scene
+}
+
+/// A picture whose alpha is anything.
+pub fn random_mask(random: &mut Random, width: u32, height: u32) -> Texture {
+    let pixel = |alpha: f32| [90, 160, 60, alpha as u8];
+    let pixels = (0..width * height).map(|_| pixel(random.between(0.0, 256.0))).collect();
+    Texture::image(width, height, pixels).unwrap()
+}
+
+/// Leaves over a floor, between two lights: squares cut out by masks of every kind, whose texture coordinates go far beyond 0 to 1. Some
+/// hang together with whole triangles, and some leaves have no texture coordinates. With spheres among them if asked for.
+pub fn random_foliage(seed: u32, spheres: bool) -> Scene {
+    let mut random = Random::new(seed);
+    let mut scene = Scene::new();
+    let masks = [
+        random_mask(&mut random, 7, 5),
+        random_mask(&mut random, 16, 9).wrap(Wrap::Mirror),
+        random_mask(&mut random, 3, 4).wrap(Wrap::Clamp),
+        Texture::checkerboard(Vec3::new(0.2, 0.9, 0.1), Vec3::new(1.0, 0.2, 0.9), 5).unwrap(),
+        Texture::image(1, 1, vec![[255, 255, 255, 127]]).unwrap(),
+    ];
+    let materials = masks.map(|mask| {
+        let texture = scene.add_texture(mask);
+        scene.add_material(Material::new(0.5 + 0.4 * random.point(1.0)).cutout(texture))
+    });
+    let floor = [[-4.0, -1.2, -6.0], [4.0, -1.2, -6.0], [4.0, -1.2, 3.0], [-4.0, -1.2, 3.0]].map(Vec3::from_array);
+    scene.add_mesh(&Mesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    for index in 0..36 {
+        let middle = random.point(1.3);
+        let (right, up) = (random.point(0.5), random.point(0.5));
+        let corners = [-right - up, right - up, right + up, up - right].map(|corner| middle + corner);
+        let low = Vec2::new(random.between(-3.0, 3.0), random.between(-3.0, 3.0));
+        let high = low + Vec2::new(random.between(0.5, 3.0), random.between(0.5, 3.0));
+        let uv = [low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)];
+        let leaf = materials[index % 5];
+        let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+        let mesh = match index % 7 {
+            // A whole triangle beside one that is cut out.
+            0 => mesh.materials(vec![leaf, MaterialId(0)]),
+            _ => mesh.materials(vec![leaf]),
+        };
+        let uv = vec![[uv[0], uv[1], uv[2]], [uv[0], uv[2], uv[3]]];
+        scene.add_mesh(&if index % 9 == 8 { mesh } else { mesh.uv(uv) }).unwrap();
+    }
+    for _ in 0..if spheres { 8 } else { 0 } {
+        let (center, radius) = (random.point(1.3), random.between(0.1, 0.3));
+        scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
+    }
+    scene.ambient = Some(Vec3::splat(0.1));
+    for position in [[3.0, 4.0, 2.0], [-2.0, 3.0, 3.0]] {
+        scene.lights.push(Light::point(Vec3::from_array(position), Vec3::splat(0.6)));
     }
     scene
 }

@@ -46,7 +46,7 @@ fn what_is_left_out_is_said_once_a_file() {
     let mut warnings = folder.warnings();
     warnings.sort();
     let expected = [
-        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; cut-outs (map_d) on line 15; \
+        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; \
          2 textures of other kinds than map_Kd and map_d from line 9 on; 2 unknown statements from line 12 on",
         "scene.obj: left out: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; \
          points (p) on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; \

@@ -4,9 +4,9 @@
 
 use rayon::prelude::*;
 use stereotrace::{
-    MISS, Scene, Sky,
+    MISS, Scene, Sky, Texture, TextureKind, Wrap,
     cpu::{Eye, Frame},
-    glam::{DMat3, DVec3, Vec3},
+    glam::{DMat3, DVec2, DVec3, Vec2, Vec3},
 };
 
 /// A triangle with what its tests share.
@@ -14,6 +14,8 @@ struct Triangle {
     corners: [DVec3; 3],
     normal: DVec3,
     albedo: DVec3,
+    /// What it is cut out by, and its texture coordinates.
+    cutout: Option<(Texture, [DVec2; 3])>,
 }
 
 struct Sphere {
@@ -65,9 +67,12 @@ impl Seen {
 impl Truth {
     pub fn new(scene: &Scene) -> Self {
         let albedo = |id: stereotrace::MaterialId| scene.materials()[id.0 as usize].albedo.as_dvec3();
-        let triangle = |triangle: &stereotrace::Triangle| {
+        let triangle = |(id, triangle): (usize, &stereotrace::Triangle)| {
             let corners @ [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
-            Triangle { corners, normal: (b - a).cross(c - a), albedo: albedo(triangle.material) }
+            let uv = scene.uv().get(id).map_or([DVec2::ZERO; 3], |uv| uv.map(Vec2::as_dvec2));
+            let texture = scene.materials()[triangle.material.0 as usize].cutout;
+            let cutout = texture.map(|texture| (scene.textures()[texture.0 as usize].clone(), uv));
+            Triangle { corners, normal: (b - a).cross(c - a), albedo: albedo(triangle.material), cutout }
         };
         let sphere = |sphere: &stereotrace::Sphere| Sphere {
             center: sphere.center.as_dvec3(),
@@ -81,7 +86,7 @@ impl Truth {
         };
         let Sky::Constant(sky) = scene.sky else { panic!("skies of one colour only") };
         Self {
-            triangles: scene.triangles().iter().map(triangle).collect(),
+            triangles: scene.triangles().iter().enumerate().map(triangle).collect(),
             spheres: scene.spheres().iter().map(sphere).collect(),
             ellipsoids: scene.ellipsoids().iter().map(ellipsoid).collect(),
             lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
@@ -181,7 +186,36 @@ impl Triangle {
         let w = edge(a, b);
         let inside = u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0;
         let across = self.normal.dot(direction);
-        (inside && across != 0.0).then(|| self.normal.dot(a) / across)
+        let is_hole = |(texture, [at_a, at_b, at_c]): &(Texture, [DVec2; 3])| {
+            !has_surface(texture, (*at_a * u + *at_b * v + *at_c * w) / (u + v + w))
+        };
+        let there = inside && across != 0.0 && !self.cutout.as_ref().is_some_and(is_hole);
+        there.then(|| self.normal.dot(a) / across)
+    }
+}
+
+/// Whether a cut-out has a surface at these texture coordinates.
+fn has_surface(texture: &Texture, uv: DVec2) -> bool {
+    let wrapped = |at: f64, size: u32| {
+        let at = match texture.wrap {
+            Wrap::Repeat => at.rem_euclid(1.0),
+            Wrap::Mirror => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
+            Wrap::Clamp => at,
+            other => panic!("{other:?}"),
+        };
+        (at * f64::from(size)).clamp(0.0, f64::from(size) - 1.0) as usize
+    };
+    match texture.kind() {
+        TextureKind::Image { size: [width, height], pixels } => {
+            // The first row is at the top.
+            let row = *height as usize - 1 - wrapped(uv.y, *height);
+            f64::from(pixels[row * *width as usize + wrapped(uv.x, *width)][3]) / 255.0 >= 0.5
+        }
+        TextureKind::Checkerboard { colors, squares } => {
+            let color = colors[(wrapped(uv.x, *squares) + wrapped(uv.y, *squares)) % 2].as_dvec3();
+            color.dot(DVec3::new(0.2126, 0.7152, 0.0722)) >= 0.5
+        }
+        other => panic!("{other:?}"),
     }
 }
 

@@ -178,9 +178,6 @@ pub(super) fn read_statement(
     warnings: &mut Warnings,
 ) {
     let numbers = without_comment(rest).trim();
-    if keyword == "map_d" {
-        warnings.left_out("cut-outs (map_d)", line);
-    }
     let is_value =
         matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" | "map_d");
     match draft {
