@@ -1,0 +1,133 @@
+//! The host's structs and numbers against those of WGSL.
+
+use std::mem::offset_of;
+
+use super::{variants::variants, *};
+
+macro_rules! assert_layout {
+    ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
+        let host = layout::$name::default();
+        let base = &raw const host as usize;
+        let stated = vec![$((stringify!($field), &raw const host.$field as usize - base)),*];
+        assert_struct($module, stringify!($name), &stated, size_of::<layout::$name>());
+    }};
+}
+
+fn assert_struct(module: &naga::Module, name: &str, stated: &[(&str, usize)], size: usize) {
+    let found = module.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, span } if kind.name.as_deref() == Some(name) => Some((members, span)),
+        _ => None,
+    });
+    let (members, span) = found.unwrap_or_else(|| panic!("WGSL has no struct {name}"));
+    let members: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
+    assert_eq!(members, stated, "{name}");
+    assert_eq!(*span as usize, size, "size of {name}");
+}
+
+#[test]
+fn host_and_wgsl_structs_have_the_same_layout() {
+    let with = Variant { spheres: true, triangles: true, cutouts: false, ..variants()[0] };
+    let module = &parse(&TRACE_LEFT, &with);
+    assert_layout!(
+        module,
+        Frame {
+            source_eye,
+            parallax_px,
+            target_eye,
+            screen_distance,
+            source_corner,
+            shift,
+            target_corner,
+            same_parallax,
+            step_x,
+            buffer_depth,
+            step_y,
+            row_begin,
+            right_axis,
+            row_end,
+            image_size,
+            longest,
+            runs,
+            forward,
+            wider,
+            first_row,
+            cost_of_search,
+            cost_of_shadow,
+            cost_of_listed,
+            second_parallax_px,
+            second_same_parallax,
+            bounces,
+            words_read,
+            soft_light,
+            soft_slot,
+            soft_first,
+            soft_sources,
+            seed,
+            occlusion_radius,
+            share_tolerance,
+            exposure,
+            filmic,
+            zero_a,
+            zero_b,
+            zero,
+        }
+    );
+    assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
+    let stated = [
+        ("grid_origin", offset_of!(layout::CutOutBvh, bvh.grid_origin)),
+        ("extent", offset_of!(layout::CutOutBvh, bvh.extent)),
+        ("grid_cell", offset_of!(layout::CutOutBvh, bvh.grid_cell)),
+        ("zero", offset_of!(layout::CutOutBvh, bvh.zero)),
+        ("cutouts", offset_of!(layout::CutOutBvh, cutouts)),
+    ];
+    let cut_out = parse(&TRACE_LEFT, &Variant { cutouts: true, ..with });
+    assert_struct(&cut_out, "Bvh", &stated, size_of::<layout::CutOutBvh>());
+    assert_layout!(module, Pixel { depth, slot, marks, color });
+    let listed = parse(&TRACE_LISTED, &with);
+    let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
+        naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),
+        _ => None,
+    });
+    assert_eq!(header.map(u64::from), Some(layout::LISTS_HEADS));
+}
+
+#[test]
+fn counters_and_marks_have_the_same_numbers_in_both_languages() {
+    let types: String = SHARED.iter().map(|part| part.text).collect();
+    for (name, value) in [
+        ("WORKGROUP", layout::WORKGROUP),
+        ("LIST_WORKGROUP", layout::LIST_WORKGROUP),
+        ("COUNTERS", layout::COUNTERS as u32),
+        ("SHADOW_RAYS", layout::SHADOW_RAYS as u32),
+        ("NODES_VISITED", layout::NODES_VISITED as u32),
+        ("PRIMITIVES_TESTED", layout::PRIMITIVES_TESTED as u32),
+        ("BAD_PIXELS", layout::BAD_PIXELS as u32),
+        ("MISSED_PIXELS", layout::MISSED_PIXELS as u32),
+        ("LOST_CANDIDATES", layout::LOST_CANDIDATES as u32),
+        ("NEAREST_DEPTH", layout::NEAREST_DEPTH as u32),
+        ("FARTHEST_DEPTH", layout::FARTHEST_DEPTH as u32),
+        ("CUT_SHORT", layout::CUT_SHORT as u32),
+        ("BAD", layout::BAD),
+        ("MISSED", layout::MISSED),
+        ("ASKED", layout::ASKED),
+        ("GAP_PIXELS", layout::GAP_PIXELS as u32),
+        ("TO_TRACE", layout::TO_TRACE),
+        ("TO_LIGHT", layout::TO_LIGHT),
+        ("TO_RESOLVE", layout::TO_RESOLVE),
+        ("SKY", layout::SKY),
+        ("TILE", layout::TILE),
+        ("TILE_PIXELS", layout::TILE_PIXELS),
+        ("TILE_WORDS", layout::TILE_WORDS),
+    ] {
+        let decimal = format!("const {name}: u32 = {value}u;");
+        let hex = format!("const {name}: u32 = {value:#010x}u;");
+        assert!(types.contains(&decimal) || types.contains(&hex), "{name}");
+    }
+    for (name, words) in
+        [("LIST_WORDS", (layout::TILE_WORDS - 1) / 16), ("LIST_MOST", (layout::TILE_WORDS - 1) / 16 - 1)]
+    {
+        assert!(types.contains(&format!("const {name}: u32 = {words}u;")), "{name}");
+    }
+    assert!(types.contains("const FAR: f32 = 3.4e38;") && crate::FAR == 3.4e38);
+    assert!(types.contains("const MISS: u32 = 0xffffffffu;") && crate::MISS == u32::MAX);
+}

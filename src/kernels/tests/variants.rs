@@ -1,0 +1,163 @@
+//! The kernels, and what each is specialised to in tests.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::{
+    ShadowReuse,
+    cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+    steps::{
+        bracket::{
+            BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
+        },
+        edges::MARK_EDGES,
+        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
+        reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
+        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
+        show::{PACK, SHOW_COLOR, SHOW_DEPTH},
+        soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
+        trace::{TRACE_IN_STEPS, TRACE_LEFT},
+    },
+    traversal::{Boxes, Traversal},
+    variant::{Shadows, SkyKind},
+};
+
+pub(super) const ALL: [&Kernel; 35] = [
+    &LIST_MIRRORS,
+    &TRACE_MIRRORED,
+    &TRACE_IN_STEPS,
+    &CLOSEST_HITS_IN_STEPS,
+    &ANY_HITS_IN_STEPS,
+    &SHADE_SKY,
+    &SHADE_TILES,
+    &BOUND_TILES,
+    &CHOOSE,
+    &SEARCH_TILES,
+    &TRACE_BOUNDED,
+    &RESOLVE_TILES,
+    &SHADE_LISTED,
+    &REPROJECT_SCANLINE,
+    &MARK_EDGES,
+    &CLOSEST_HITS,
+    &ANY_HITS,
+    &TRACE_LEFT,
+    &REPROJECT,
+    &REPROJECT_SLOTS,
+    &GATHER_SLOTS,
+    &DEPTH_RANGE,
+    &RESOLVE_RIGHT,
+    &RESOLVE_TRUSTED,
+    &TRACE_LISTED,
+    &SHADE_TRACED,
+    &TAKE_OVER,
+    &TRACE_HITS,
+    &TRACE_SOFT,
+    &TRACE_SOFT_LISTED,
+    &TRACE_SOFT_ASKED,
+    &SHADE_HITS,
+    &PACK,
+    &SHOW_COLOR,
+    &SHOW_DEPTH,
+];
+
+/// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
+pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
+    let choices = |option: usize| (0..counts[option]).map(move |choice| (option, choice));
+    let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
+    let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
+    let mut rows = Vec::new();
+    // A row begins with a pair that has not met yet. Its other choices are those that make most such pairs meet.
+    while let Some(&(first, second)) = open.first() {
+        let mut row = vec![first, second];
+        for option in (0..N).filter(|&option| option != first.0 && option != second.0) {
+            let meets = |new: (usize, usize)| {
+                row.iter().filter(|&&made| open.contains(&(made.min(new), made.max(new)))).count()
+            };
+            let best = choices(option).rev().max_by_key(|&new| meets(new)).unwrap();
+            row.push(best);
+        }
+        open.retain(|(a, b)| !(row.contains(a) && row.contains(b)));
+        row.sort_unstable();
+        rows.push(std::array::from_fn(|option| row[option].1));
+    }
+    rows
+}
+
+/// Not all combinations, which are tens of thousands, but any two choices together.
+pub(super) fn variants() -> Vec<Variant> {
+    let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
+    let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
+    // Spheres, triangles, normals, ellipsoids.
+    let kinds = [
+        [true, false, false, false],
+        [false, true, false, false],
+        [false, true, true, false],
+        [true, true, false, false],
+        [true, true, true, false],
+        [true, false, false, true],
+        [true, true, false, true],
+        [true; 4],
+    ];
+    let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2]);
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts]: &[usize; 11]| {
+        let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
+            (traversals[traversal], kinds[kind]);
+        Variant {
+            traversal,
+            triangles,
+            spheres,
+            ellipsoids,
+            normals,
+            // What a scene has none of, textures of balls, and of triangles, with and without the others.
+            uv: [2, 5].contains(&surfaces),
+            colors: [3, 5].contains(&surfaces),
+            textures: ![0, 4].contains(&surfaces),
+            shine: surfaces > 3,
+            mirrors: surfaces % 2 == 1,
+            cutouts: triangles && cutouts == 1,
+            lights: light > 0,
+            shadows: shadows[light.saturating_sub(1)],
+            // No soft light, lights, occlusion, both; what is never hidden among them.
+            soft_lights: soft % 2 == 1,
+            casts: soft == 0 || light % 2 == 1,
+            shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
+            occlusion_rays: if soft > 1 { 32 } else { 0 },
+            shares: soft > 0 && bits == 1,
+            sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
+            world_boxes,
+            close: close == 1,
+            samples: kept & 1 == 1,
+            second: kept & 2 == 2,
+            linear: kept & 2 == 2,
+            stack_size: 40,
+            bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
+            count: counting > 0,
+            cost_map: counting > 1,
+        }
+    };
+    // What the scenes of spheres alone are paired with, a scene without primitives is paired with too.
+    let spheres_alone = rows.iter().filter(|row| row[1] == 0);
+    let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
+    rows.iter().map(with).chain(empty).collect()
+}
+
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without primitives has no tiles to bound.
+pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
+    let mut all = variants();
+    if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
+        all.retain(|with| with.triangles || with.spheres);
+        all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
+    }
+    if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED, &SHADE_HITS].iter().any(|known| known.name == kernel.name) {
+        all.retain(Variant::is_soft);
+    }
+    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED, &TRACE_SOFT_ASKED]
+        .iter()
+        .any(|known| known.name == kernel.name)
+    {
+        all.retain(|with| with.triangles || with.spheres);
+        all.iter_mut().for_each(|with| with.samples = true);
+    }
+    all
+}

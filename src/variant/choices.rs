@@ -1,0 +1,126 @@
+//! What is chosen for a kernel's WGSL, and the constants before its text.
+
+use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
+use crate::{
+    ShadowReuse,
+    kernels::{
+        Access::{Read, Write},
+        Kernel,
+    },
+    large::LARGE,
+    steps::{mirrors::TRACE_MIRRORED, resolve::RESOLVE_TRUSTED},
+    traversal::{Boxes, Fetch, RaysPerLane},
+    wgsl::{self, Choice},
+};
+
+impl Kernel {
+    /// What is chosen where shared WGSL has several definitions: a line for each choice.
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
+        let primitives = match (with.triangles, with.spheres) {
+            (true, true) => "mixed",
+            (true, false) => "triangles",
+            (false, true) => "spheres",
+            (false, false) => "none",
+        };
+        let tests = match primitives {
+            _ if !with.cutouts => primitives,
+            "triangles" => "cut_triangles",
+            _ => "cut_mixed",
+        };
+        let texels = match primitives {
+            _ if with.ellipsoids => "ellipsoids",
+            "spheres" => "spheres",
+            _ => "corners",
+        };
+        let smooth = with.triangles && with.normals;
+        let boxes = match with.traversal.boxes {
+            Boxes::Grid16 => "grid",
+            Boxes::F32 if with.world_boxes => "world",
+            Boxes::F32 => "f32",
+        };
+        let sky = match with.sky {
+            SkyKind::Constant => "constant",
+            SkyKind::Gradient => "gradient",
+            SkyKind::Map => "map",
+        };
+        let shadows = match with.shadows {
+            _ if primitives == "none" || !with.lights => "none", // points among them
+            Shadows::None => "none",
+            Shadows::FromLight => "from_light",
+            Shadows::FromSurface => "from_surface",
+        };
+        let visibility = match self.name {
+            "shade_tiles" => "taken",
+            "shade_listed" | "trace_soft_asked" => "taken_or_traced",
+            _ => "traced",
+        };
+        let mirrors = match self.name {
+            _ if !with.mirrors => "none",
+            "trace_mirrored" => "followed",
+            _ => "listed",
+        };
+        let soft = match with.soft_role(self) {
+            SoftRole::None => "none",
+            SoftRole::Skipped => "skipped",
+            SoftRole::Masked => "masked",
+            SoftRole::Asked => "asked",
+            SoftRole::Followed => "followed",
+        };
+        let bits = match with.bits {
+            ShadowReuse::Rays => "none",
+            ShadowReuse::Two => "two",
+            ShadowReuse::Block => "block",
+        };
+        let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
+        [
+            ("primitives", primitives),
+            ("tests", tests),
+            ("cutouts", if with.cutouts { "some" } else { "none" }),
+            ("texels", texels),
+            // Spheres alone take as many texels as triangles without vertex normals.
+            ("normals", if smooth { "smooth" } else { "flat" }),
+            ("boxes", boxes),
+            ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
+            ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
+            ("dispatches", if self.in_steps() { "many" } else { "one" }),
+            ("uv", if with.uv { "some" } else { "none" }),
+            ("colors", if with.colors { "some" } else { "none" }),
+            ("textures", if with.textures { "some" } else { "none" }),
+            ("shine", if with.shine { "some" } else { "none" }),
+            ("mirrors", mirrors),
+            ("sky", sky),
+            ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
+            ("shadows", shadows),
+            ("soft", soft),
+            ("visibility", visibility),
+            ("bits", bits),
+            ("samples", samples),
+            ("sources", if self.asks_second(with) { "two" } else { "one" }),
+            ("linear", if with.linear { "kept" } else { "none" }),
+            ("checks", if self.name == RESOLVE_TRUSTED.name { "none" } else { "all" }),
+        ]
+    }
+
+    /// The text that the driver gets.
+    pub(crate) fn text(&self, with: &Variant) -> String {
+        // Six samples are told apart by their normals, two have room for an occluder.
+        let (stack, shares, close) = (with.stack_size, with.shares && with.is_soft(), with.close);
+        let occluders = with.bits == ShadowReuse::Two && !shares;
+        let bits = self.samples(with) == Some(Write);
+        let TexelPlaces { uv, colors, count } = with.texel_places();
+        let (shine, material_texels) = (with.shine, material_texels(with.shine || with.mirrors));
+        let (light_texels, casts) = (light_texels(with.soft_lights), with.casts);
+        // What mirrors show needs less.
+        let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
+        let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
+        format!(
+            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
+             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
+             const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
+             const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\
+             const LIGHT_RAYS: u32 = {shadow_rays}u;\nconst OCCLUSION_RAYS: u32 = {occlusion_rays}u;\n\
+             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{}",
+            wgsl::text(self.main, &self.choices(with))
+        )
+    }
+}
