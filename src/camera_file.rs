@@ -65,7 +65,7 @@ impl StereoCamera {
 impl Scene {
     /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
     /// is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and `intensity` (three numbers
-    /// each, the latter at least 0). What the entry has not stays as it is. Returns whether the entry has lights.
+    /// each, the latter at least 0) and, for balls, `radius` (above 0). What the entry has not stays as it is. Returns whether the entry has lights.
     ///
     /// # Errors
     /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. Then nothing changes.
@@ -97,7 +97,13 @@ impl Scene {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
             let read = fields.and_then(|fields| {
                 let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
-                Ok(Light::point(position, intensity))
+                match fields.contains_key("radius") {
+                    false => Ok(Light::point(position, intensity)),
+                    true => match number(fields, "radius")? {
+                        radius if radius > 0.0 && radius.is_finite() => Ok(Light::sphere(position, radius, intensity)),
+                        radius => Err(format!("radius is {radius}; it must be finite and above 0")),
+                    },
+                }
             });
             read.map_err(|reason| fault(format!("light {index}: {reason}")))
         };
@@ -216,7 +222,14 @@ mod tests {
         let (read, scene) = light("no_lights", r#""ambient": [1, 1, 1]"#);
         assert!(!read.unwrap() && scene.lights.is_empty());
         assert_eq!(scene.ambient, Some(Vec3::ONE));
+        let (_, scene) =
+            light("ball", r#""lights": [{ "position": [1, 2, 3], "intensity": [1, 1, 1], "radius": 0.5 }]"#);
+        assert_eq!(scene.lights, [Light::sphere(Vec3::new(1.0, 2.0, 3.0), 0.5, Vec3::ONE)]);
         for (index, (extra, expected)) in [
+            (
+                r#""lights": [{ "position": [1, 2, 3], "intensity": [1, 1, 1], "radius": -1 }]"#.into(),
+                "light 0: radius is -1; it must be finite and above 0",
+            ),
             (r#""lights": 3"#.into(), "lights is 3; it must be a list"),
             (r#""ambient": [0, 0, 0], "lights": [4]"#.into(), "light 0: it is 4; it must be an object"),
             (r#""ambient": [0, 0, 0], "lights": [{}]"#.into(), "light 0: position is missing"),

@@ -4,7 +4,7 @@ mod common;
 
 use common::{gpu, random_stage};
 use stereotrace::{
-    EncodedView, Error, GBuffer, Gpu, Method, Options, Renderer, Rig, Rows, StereoCamera, View, glam::Vec3, wgpu,
+    EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, StereoCamera, View, glam::Vec3, wgpu,
 };
 
 /// Two bands of 64 rows, and 30 rows more.
@@ -111,21 +111,26 @@ fn assert_shows(gpu: &Gpu, encoded: &EncodedView, expected: &View, what: &str) {
 fn encoded_views_are_those_that_are_read_back() {
     let gpu = gpu();
     let mut renderer = Renderer::new(gpu.clone());
-    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let mut scene = random_stage(4);
+    let by_points = renderer.upload(&scene).unwrap();
+    scene.lights.push(Light::sphere(Vec3::new(1.0, 4.0, 3.0), 0.3, Vec3::splat(0.3)));
+    let softly = renderer.upload(&scene).unwrap();
     let rig = Rig::pair(camera());
-    for method in [Method::Auto, Method::Naive, Method::Ideal, Method::VERIFIED, "atomic-edges".parse().unwrap()] {
+    let methods = [Method::Auto, Method::Naive, Method::Ideal, Method::VERIFIED, "atomic-edges".parse().unwrap()];
+    for (uploaded, method) in methods.map(|method| (&by_points, method)).into_iter().chain([(&softly, Method::BRACKET)])
+    {
         for g_buffer in [GBuffer::Depth, GBuffer::None] {
-            let options = Options::new(method).g_buffer(g_buffer);
+            let options = Options::new(method).g_buffer(g_buffer).shadow_rays(20);
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let encoded = renderer.encode(&uploaded, &rig, &options, &mut encoder).unwrap();
-            let (by_bands, commands) = renderer.encode_bands(&uploaded, &rig, &options).unwrap();
+            let encoded = renderer.encode(uploaded, &rig, &options, &mut encoder).unwrap();
+            let (by_bands, commands) = renderer.encode_bands(uploaded, &rig, &options).unwrap();
             assert_eq!(commands.len(), 3, "{method}");
             // Another frame in between, of another size: what was encoded keeps what it needs.
             let other = camera().size(50, 41);
-            renderer.render(&uploaded, &other, &Options::new(Method::BRACKET)).unwrap();
+            renderer.render(uploaded, &other, &Options::new(Method::BRACKET)).unwrap();
             gpu.queue().submit([encoder.finish()]);
             gpu.queue().submit(commands);
-            let pair = renderer.render(&uploaded, &camera(), &options.clone().g_buffer(GBuffer::Depth)).unwrap();
+            let pair = renderer.render(uploaded, &camera(), &options.clone().g_buffer(GBuffer::Depth)).unwrap();
             for encoded in [encoded, by_bands] {
                 assert_eq!(encoded.views[0].depth.is_some(), g_buffer == GBuffer::Depth);
                 assert_shows(&gpu, &encoded.views[0], &pair.left, &format!("{method} left"));

@@ -26,12 +26,17 @@ fn throw_dice(pixels: Pixels, salt: u32) {}
 
 fn rays_asked() -> u32 { return shadow_rays; }
 
-//! if soft is skipped or masked or asked or followed
+//! if soft is skipped
+// Other kernels ask all lights, points too.
+fn light_kind(light: u32) -> u32 { return SURROUNDINGS; }
+
+//! if soft is masked or asked or followed
 fn light_kind(light: u32) -> u32 {
     if light >= table_texel(AMBIENT).w { return SURROUNDINGS; }
     return table_texel(LIGHTS + LIGHT_TEXELS * light).w;
 }
 
+//! if soft is skipped or masked or asked or followed
 fn sources_of(lights: u32) -> u32 { return lights + select(0u, 1u, OCCLUSION_RAYS > 0u); }
 
 // Sources have slots: ambient light the first one, where it is asked for; then lights in their order.
@@ -55,7 +60,6 @@ fn throw_dice(pixels: Pixels, salt: u32) {
 fn rays_asked() -> u32 { return shadow_rays + soft_rays; }
 
 //! if soft is skipped
-// Another kernel adds it.
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { return no_light(); }
 
 //! if soft is masked or asked

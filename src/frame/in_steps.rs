@@ -109,8 +109,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        BvhBuild, Finish, GBuffer, Gpu, Light, Material, Mesh, Method, Options, Progress, Ray, Renderer, Scene, Sphere,
-        StereoCamera, StereoPair, Texture, Traversal,
+        AmbientOcclusion, BvhBuild, Finish, GBuffer, Gpu, Light, Material, Mesh, Method, Options, Progress, Ray,
+        Renderer, Scene, Sphere, StereoCamera, StereoPair, Texture, Traversal,
         glam::{Vec2, Vec3},
         random::Random,
         scene::builtin::Builtin,
@@ -147,6 +147,12 @@ mod tests {
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
         let (hall, near) = (Builtin::Hall, Builtin::Near);
+        let mut by_a_ball = Builtin::Near.scene();
+        by_a_ball
+            .lights
+            .iter_mut()
+            .skip(1)
+            .for_each(|light| *light = Light::sphere(light.position, 0.2, light.intensity));
         let mut with_glass = near.scene();
         let glass = Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true };
         let glass = with_glass.add_material(Material::new(Vec3::ZERO).specular(Vec3::ONE).finish(glass));
@@ -155,6 +161,7 @@ mod tests {
             ("near with glass", with_glass, near.camera(37, 23)),
             ("hall", hall.scene(), hall.camera(37, 23)),
             ("near", near.scene(), near.camera(37, 23)),
+            ("near by a ball, occluded", by_a_ball, near.camera(37, 23)),
             ("near by far lights", by_far_lights, near.camera(37, 23)),
             ("near behind a fence", behind_a_fence(&near.camera(37, 23)), near.camera(37, 23)),
             ("nothing", Scene::new(), hall.camera(9, 5)),
@@ -191,7 +198,8 @@ mod tests {
 
     /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
-        let options = |method| Options { cost_map: costs, ..Options::new(method).linear(true) };
+        let occlusion = name.ends_with("occluded").then(|| AmbientOcclusion::new(5, 1.0));
+        let options = |method| Options { cost_map: costs, ..Options::new(method).linear(true).occlusion(occlusion) };
         let uploaded = renderer.upload(scene).unwrap();
         renderer.steps = Steps::default();
         let expected = shown(renderer.render(&uploaded, camera, &options(Method::Naive)).unwrap());
