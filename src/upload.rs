@@ -76,7 +76,7 @@ pub struct UploadInfo {
     pub upload: Duration,
     /// Bytes of the BVH's nodes.
     pub node_bytes: u64,
-    /// Bytes of the primitives.
+    /// Bytes of the primitives, and of the masks of those that are cut out.
     pub primitive_bytes: u64,
     /// Triangles without area ([`Scene::degenerate_count`]): they are not in the BVH.
     pub dropped_triangles: usize,
@@ -240,7 +240,7 @@ impl Renderer {
                 build,
                 upload: started.elapsed() - build,
                 node_bytes: size_of_val(packed.nodes.as_slice()) as u64,
-                primitive_bytes: size_of_val(packed.primitives.as_slice()) as u64,
+                primitive_bytes: (size_of_val(&*packed.primitives) + size_of_val(&*packed.masks)) as u64,
                 dropped_triangles: scene.degenerate_count(),
             },
             ids: packed.ids,

@@ -98,11 +98,14 @@ impl Scene {
 
     /// Only triangles can be cut out.
     fn check_cut_out_balls(&self) -> Result<(), Error> {
+        if !self.is_cut_out() {
+            return Ok(());
+        }
         let is_cut_out = |id: MaterialId| self.materials[id.0 as usize].cutout.is_some();
         let spheres = self.spheres.iter().map(|sphere| sphere.material).enumerate();
         let ellipsoids = self.ellipsoids.iter().map(|ellipsoid| ellipsoid.material).enumerate();
         let mut balls = spheres.map(|ball| ("sphere", ball)).chain(ellipsoids.map(|ball| ("ellipsoid", ball)));
-        match balls.find(|(_, (_, material))| self.is_cut_out() && is_cut_out(*material)) {
+        match balls.find(|(_, (_, material))| is_cut_out(*material)) {
             None => Ok(()),
             Some((kind, (index, MaterialId(material)))) => {
                 let reason = format!("its material {material} has a cut-out; only triangles can be cut out");
