@@ -80,6 +80,10 @@ pub enum Trial {
     /// The left eye within a ball with a window, the right eye outside it, and both within a sphere around it all.
     /// Parallax reaches the width of many pictures, and the right view's surroundings are hidden from the left eye.
     Inside,
+    /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. What the left eye sees behind it
+    /// lands where it stands, without a gap, so that a method which traces gaps alone shows the wall through it: figure 14 of Adelson
+    /// and Hodges 1993, the one case in which they say that theirs fails.
+    Wings,
 }
 
 impl Trial {
@@ -103,6 +107,7 @@ impl Trial {
         Self::FarOff,
         Self::HalfWidth,
         Self::Inside,
+        Self::Wings,
     ];
 
     /// The name it has on a command line.
@@ -126,6 +131,7 @@ impl Trial {
             Self::FarOff => "far-off",
             Self::HalfWidth => "half-width",
             Self::Inside => "inside",
+            Self::Wings => "wings",
         }
     }
 
@@ -150,6 +156,7 @@ impl Trial {
             Self::FarOff => "f32 places vertices and rays half a pixel apart",
             Self::HalfWidth => "half of the left view lands outside the right one",
             Self::Inside => "a ball hides the right view's surroundings from the left eye",
+            Self::Wings => "a post beside the left eye's picture hides what both eyes see",
         }
     }
 
@@ -174,6 +181,7 @@ impl Trial {
             Self::FarOff => scales::FAR_OFF.scene(),
             Self::HalfWidth => space::half_width(),
             Self::Inside => space::inside(),
+            Self::Wings => space::wings(),
         }
     }
 
@@ -198,7 +206,8 @@ impl Trial {
             | Self::Coincident
             | Self::TJunctions
             | Self::HalfWidth
-            | Self::Inside => stage::camera(),
+            | Self::Inside
+            | Self::Wings => stage::camera(),
         };
         let share = if self == Self::HalfWidth { 0.5 } else { INTERAXIAL_SHARE };
         camera.size(width, height).interaxial_pixels(share * width as f32)

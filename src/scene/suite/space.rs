@@ -1,4 +1,4 @@
-//! Where the eyes are: on two sides of a wall, over an endless floor, far apart, within things.
+//! Where the eyes are: on two sides of a wall, over an endless floor, far apart, within things, beside what the other one sees.
 
 use std::f32::consts::PI;
 
@@ -12,7 +12,7 @@ use crate::{
         builtin::{
             add, lamp, paint,
             shapes::{Shading, Shape},
-            stage::{EYE, INTERAXIAL, stage},
+            stage::{EYE, INTERAXIAL, SCREEN, WIDTH, stage},
         },
     },
 };
@@ -166,6 +166,22 @@ pub(super) fn inside() -> Scene {
         let center = Vec3::new(x + 0.8, 2.3, -z + 0.4);
         scene.add_sphere(Sphere::new(center, 0.35, colors[k % colors.len()])).expect("it has a radius");
     }
+    scene
+}
+
+/// A post in the wedge before the screen's right edge that the right eye's picture has beyond the left eye's.
+pub(super) fn wings() -> Scene {
+    /// Over half the screen's distance: nearer than that the paper has nothing.
+    const DEPTH: f32 = 4.4;
+    let mut scene = stage();
+    let stripes = [[214, 60, 120], [250, 230, 140]].map(|srgb| paint(&mut scene, "stripe", srgb));
+    // Where the lines from the eyes to the screen's right edge pass: only the right eye's picture reaches beyond the left eye's line.
+    let line = |eye: f32| eye + (0.5 * WIDTH * SCREEN - eye) * DEPTH / SCREEN;
+    let [of_left, of_right] = [line(-0.5 * INTERAXIAL), line(0.5 * INTERAXIAL)];
+    let radius = 0.42 * (of_right - of_left);
+    let mut post = Shape::new("post in the wings", Vec3::new(of_left.midpoint(of_right), 0.0, -DEPTH));
+    post.lathe([24, 16], |t| Vec2::new(radius, 3.4 * t), |column, row| stripes[(row + column / 6) % 2]);
+    add(&mut scene, post);
     scene
 }
 

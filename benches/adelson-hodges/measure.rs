@@ -1,0 +1,115 @@
+//! What a method makes of a scene, in the paper's figures.
+
+use stereotrace::{
+    Error, Method, Options, PixelSource, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
+    metrics::{self, Difference},
+};
+
+use crate::counts::{options, rays_as_in_the_paper};
+
+/// Of a right view, percent but for distances; savings are of `Naive`'s right view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Figures {
+    /// Pixels that are traced again.
+    pub(crate) traced: f64,
+    /// Those of them that stand at the left end of their row.
+    pub(crate) left_edge: f64,
+    /// Rays that are saved.
+    pub(crate) rays: f64,
+    /// The same where pixels that are carried over keep their shadow rays, as in the paper.
+    pub(crate) rays_as_in_the_paper: f64,
+    /// Nodes and primitive tests that are saved.
+    pub(crate) counters: f64,
+    /// The view against `Naive`'s.
+    pub(crate) difference: Difference,
+    /// Of all distances in RGB, the share that lies on glass.
+    pub(crate) on_glass: f64,
+    /// And the share of pixels that show another object than the true one.
+    pub(crate) on_others: f64,
+}
+
+impl Figures {
+    /// The mean distance in RGB of all pixels, identical ones too.
+    pub(crate) fn distance_of_all(&self) -> f64 {
+        self.difference.differing_percent / 100.0 * self.difference.mean_difference
+    }
+}
+
+/// Renders pairs of a scene and compares them with `Naive`'s.
+pub(crate) struct Subject<'a> {
+    scene: &'a Scene,
+    uploaded: UploadedScene,
+    camera: StereoCamera,
+    samples: u32,
+    pub(crate) naive: StereoPair,
+}
+
+impl<'a> Subject<'a> {
+    pub(crate) fn new(
+        renderer: &mut Renderer,
+        scene: &'a Scene,
+        camera: StereoCamera,
+        samples: u32,
+    ) -> Result<Self, Error> {
+        let uploaded = renderer.upload(scene)?;
+        let naive = renderer.render(&uploaded, &camera, &options(Method::Naive).samples(samples))?;
+        Ok(Self { scene, uploaded, camera, samples, naive })
+    }
+
+    pub(crate) fn pair(&self, renderer: &mut Renderer, method: Method) -> Result<StereoPair, Error> {
+        renderer.render(&self.uploaded, &self.camera, &self.options(method))
+    }
+
+    fn options(&self, method: Method) -> Options {
+        options(method).samples(self.samples)
+    }
+
+    pub(crate) fn figures(&self, renderer: &mut Renderer, method: Method) -> Result<Figures, Error> {
+        let pair = self.pair(renderer, method)?;
+        let (found, naive) = (&pair.statistics.right, &self.naive.statistics.right);
+        let saved = |found: u64, naive: u64| 100.0 * (1.0 - found as f64 / naive as f64);
+        // Of several samples a pixel and of other methods than the paper's it is what was traced.
+        let as_in_the_paper = match method {
+            Method::Sweep(_) if self.samples == 1 => rays_as_in_the_paper(renderer, self.scene, &self.camera, &pair)?,
+            _ => found.rays.total(),
+        };
+        Ok(Figures {
+            traced: 100.0 * pair.statistics.retraced_share(),
+            left_edge: 100.0 * left_edge(&pair) as f64 / pair.source.len() as f64,
+            rays: saved(found.rays.total(), naive.rays.total()),
+            rays_as_in_the_paper: saved(as_in_the_paper, naive.rays.total()),
+            counters: saved(found.cost(), naive.cost()),
+            difference: metrics::compare(&pair.right, &self.naive.right, &pair.pose)?,
+            on_glass: self.share_of_distances(&pair.right, |_, truth| self.is_glass(truth)),
+            on_others: self.share_of_distances(&pair.right, |found, truth| found != truth),
+        })
+    }
+
+    /// Of the sum of all pixels' distances in RGB the share of those whose objects, found and true, are `wanted`, percent.
+    fn share_of_distances(&self, right: &View, wanted: impl Fn(u32, u32) -> bool) -> f64 {
+        let truth = &self.naive.right;
+        let (mut all, mut share) = (0.0, 0.0);
+        for (index, (a, b)) in right.rgba8.iter().zip(&truth.rgba8).enumerate() {
+            let square = |channel: usize| f64::from(a[channel].abs_diff(b[channel])).powi(2);
+            let distance = (square(0) + square(1) + square(2)).sqrt();
+            all += distance;
+            share += if wanted(right.object[index], truth.object[index]) { distance } else { 0.0 };
+        }
+        if all > 0.0 { 100.0 * share / all } else { 0.0 }
+    }
+
+    /// Objects are the floor, then spheres, then ellipsoids.
+    fn is_glass(&self, object: u32) -> bool {
+        let meshes = self.scene.object_count() - self.scene.spheres().len() - self.scene.ellipsoids().len();
+        let Some(ball) = (object as usize).checked_sub(meshes) else { return false };
+        let spheres = self.scene.spheres().iter().map(|sphere| sphere.material);
+        let material = spheres.chain(self.scene.ellipsoids().iter().map(|one| one.material)).nth(ball);
+        material.is_some_and(|id| self.scene.materials()[id.0 as usize].name == "refractive")
+    }
+}
+
+/// Pixels from the left end of each row to the first one that was carried over.
+fn left_edge(pair: &StereoPair) -> usize {
+    let rows = pair.source.chunks_exact(pair.right.width as usize);
+    rows.map(|row| row.iter().take_while(|source| **source != PixelSource::Reused).count()).sum()
+}

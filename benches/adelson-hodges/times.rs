@@ -1,0 +1,77 @@
+//! What is saved by time. Methods take turns in one run, passes alone.
+
+use std::time::Instant;
+
+use stereotrace::{Error, Method, Options, Renderer, Scene, StereoCamera, scene::builtin::Builtin};
+
+use crate::{
+    common::rounds::{Spread, order},
+    groups::lit,
+    options::Plan,
+    rows::{Claim, Row, Setting, Values},
+};
+
+/// Naive first: it is what is saved of.
+const METHODS: [Method; 5] = [Method::Naive, Method::ADELSON_HODGES, Method::ES_ISLER, Method::ATOMIC, Method::BRACKET];
+
+/// Of the first random scene of 20: the second view's time that is saved, and how much longer a pair of nine samples takes.
+pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for &lights in &plan.lights {
+        let scene = lit(&Builtin::Random20.scene(), lights);
+        for e_px in plan.e_px {
+            eprintln!("times: e = {e_px} px, {lights} of its lights");
+            let camera = Builtin::Random20.camera(plan.side, plan.side).interaxial_pixels(e_px);
+            let one = of_samples(renderer, &scene, &camera, 1, plan.rounds)?;
+            let nine = of_samples(renderer, &scene, &camera, 9, plan.rounds.div_ceil(2))?;
+            let row = |figure, paper, samples, method: Method, value: f64| Row {
+                claim: Claim { place: "by time", figure, paper },
+                setting: Setting {
+                    scene: "20 objects, the first".into(),
+                    e_px,
+                    lights,
+                    samples,
+                    method: method.to_string(),
+                },
+                values: Values::of(&[value]),
+            };
+            for (index, &method) in METHODS.iter().enumerate() {
+                for (times, paper, samples) in [(&one, "84", 1), (&nine, "almost 80", 9)] {
+                    // Of a round's own naive pair: what else the machine does changes from round to round.
+                    let saved = Spread::of(times.iter().map(|round| 100.0 * (2.0 - 2.0 * round[index] / round[0])));
+                    if method != Method::Naive {
+                        rows.push(row("saved of the second view's time, %", paper, samples, method, saved.median));
+                    }
+                }
+                let [one, nine] = [&one, &nine].map(|times| Spread::of(times.iter().map(|round| round[index])).median);
+                rows.push(row("time of nine samples over that of one", "3.69", 9, method, nine / one));
+            }
+        }
+    }
+    rows.sort_by_key(|row| (row.claim.figure, row.setting.samples));
+    Ok(rows)
+}
+
+/// A pair's time by each method in each round, milliseconds.
+fn of_samples(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    camera: &StereoCamera,
+    samples: u32,
+    rounds: usize,
+) -> Result<Vec<[f64; METHODS.len()]>, Error> {
+    let uploaded = renderer.upload(scene)?;
+    let mut times = vec![[0.0; METHODS.len()]; rounds + 1];
+    for (round, times) in times.iter_mut().enumerate() {
+        for index in order(round, METHODS.len()) {
+            let options = Options::new(METHODS[index]).samples(samples);
+            let start = Instant::now();
+            let passes = renderer.trace(&uploaded, camera, &options)?.times;
+            // Without timestamps, by the host's clock.
+            let total = passes.map_or_else(|| start.elapsed(), |passes| passes.total());
+            times[index] = total.as_secs_f64() * 1e3;
+        }
+    }
+    times.remove(0); // it warms up
+    Ok(times)
+}
