@@ -1,7 +1,7 @@
 //! Scenes in which every ray does the worst that the paper discusses, to the last level: panes that fill the view, before and behind the eyes.
 
 use stereotrace::{
-    Finish, Material, Mesh, PointLight, Scene, StereoCamera,
+    Finish, Light, Material, Mesh, Scene, StereoCamera,
     glam::{Vec2, Vec3},
 };
 
@@ -28,7 +28,7 @@ pub(crate) fn scene(surfaces: Surfaces, lights: usize) -> Scene {
         scene.add_mesh(&mesh).expect("a pane's lists fit each other");
     }
     if surfaces.is_diffuse() {
-        let light = |index: usize, z: f32| PointLight::new(Vec3::new(index as f32, 3.0, z), Vec3::splat(0.2));
+        let light = |index: usize, z: f32| Light::point(Vec3::new(index as f32, 3.0, z), Vec3::splat(0.2));
         scene.lights = (0..lights).flat_map(|index| [light(index, -100.0), light(index, 100.0)]).collect();
     }
     scene
