@@ -142,6 +142,9 @@ fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
     let plainly = |name, scene| of(name, scene, &ahead(size), &plain());
     let mirrors = |count: u32, height| {
         let mut scene = with_spheres(terrain(0), 100 - count, 0.6);
+        if count == 0 {
+            return scene;
+        }
         let mirror = Material::new(Vec3::ZERO).specular(Vec3::splat(0.9)).finish(Finish::Mirror { fresnel: false });
         let mirror = scene.add_material(mirror);
         for i in 100 - count..100 {

@@ -187,7 +187,7 @@ impl Options {
     /// middles of the cells of a square grid, the same in all views, and are clamped to 0 to 1 and weighed by [`Options::filter`] in linear
     /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
     ///
-    /// [`View::cost`](crate::View::cost), [`Statistics`] and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
+    /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
     /// are not filtered, and are those of one ray through the pixel's centre. Of odd grids (9, 25, 49) that is the sample in the middle. Even
     /// ones (4, 16, 36, 64) have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
     /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
