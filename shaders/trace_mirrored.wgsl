@@ -88,8 +88,7 @@ fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
 // Where a ray begins that leaves a hit point: off the surface, on the side it goes to, by what shadow rays end before it.
 fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
     let point = of_ray3(surfaces.point, 0u);
-    let place = abs(point) * OFFSET_BY_PLACE + abs(point - origin) * OFFSET_BY_DISTANCE;
-    let offset = max(max(place.x, place.y), place.z) + of_ray(surfaces.reach, 0u) * OFFSET_BY_REACH;
+    let offset = off_surface(point, origin, of_ray(surfaces.reach, 0u));
     return point + of_ray3(surfaces.geometric_normal, 0u) * (side * offset);
 }
 

@@ -264,7 +264,7 @@ fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: b
     }
     return hits;
 }
-//! if cutouts is none
+
 // One ray a round.
 fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
     var hits = before;
@@ -273,7 +273,9 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
     let primitive = primitive_at(slot);
     loop {
         let ray = first_ray(left);
-        let t = look_again(primitive, rays.origin, of_ray3(rays.direction, ray), of_ray(t_min, ray));
+        let direction = of_ray3(rays.direction, ray);
+        let seen = look_again(primitive, rays.origin, direction, of_ray(t_min, ray));
+        let t = at_second_look(primitive, slot, rays.origin, direction, seen);
         let chosen = RAY_INDEX == U(ray);
         let hit = chosen & left & is_nearer(hits, F(t), t_min, primitive.id);
         hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
@@ -284,7 +286,7 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
     }
     return hits;
 }
-//! end
+
 // Where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
 fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     let low_x = child.low.x * inverse.x;

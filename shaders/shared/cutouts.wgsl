@@ -13,44 +13,22 @@ struct Bvh {
     cutouts: u32,         // texel of the first material's mask head: src/cutouts.rs
 }
 
-// As without cut-outs (bvh.wgsl), but for the masks.
-fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
-    var hits = before;
-    var left = with_bits(doubtful);
-    let slot = doubtful >> RAY_BITS;
-    let primitive = primitive_at(slot);
-    loop {
-        let ray = first_ray(left);
-        let direction = of_ray3(rays.direction, ray);
-        var t = look_again(primitive, rays.origin, direction, of_ray(t_min, ray));
-        if is_cut_out(primitive) && !has_surface(slot, rays.origin, direction) { t = -1.0; }
-        let chosen = RAY_INDEX == U(ray);
-        let hit = chosen & left & is_nearer(hits, F(t), t_min, primitive.id);
-        hits.t = select(hits.t, select(F(t), F(NEVER), any_is_enough), hit);
-        hits.primitive = select(hits.primitive, U(primitive.id), hit & B(!any_is_enough));
-        hits.slot = select(hits.slot, U(slot), hit);
-        left &= !chosen;
-        if !any_ray(left) { break; }
-    }
-    return hits;
+// What the test of a triangle found: where it is cut out a hit is doubtful.
+fn at_first_look(primitive: Primitive, found: Found) -> Found {
+    let cut_out = B(is_cut_out(primitive));
+    return Found(found.hit & !cut_out, found.t, found.doubtful | (found.hit & cut_out));
 }
 
-//! if tests is cut_triangles
-fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
-    return put_off_if_cut_out(primitive, intersect_triangle(rays, scales, primitive));
+// One ray's t at a primitive on its second look, or -1 where that is cut out.
+fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 {
+    if is_cut_out(primitive) && !has_surface(slot, origin, direction) { return -1.0; }
+    return t;
 }
 
-//! if tests is cut_mixed
-fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
-    let sphere = intersect_sphere(rays, scales, primitive, t_min);
-    let triangle = put_off_if_cut_out(primitive, intersect_triangle(rays, scales, primitive));
-    let round = B(is_sphere(primitive));
-    return Found(
-        select(triangle.hit, sphere.hit, round),
-        select(triangle.t, sphere.t, round),
-        select(triangle.doubtful, sphere.doubtful, round),
-    );
-}
+//! if cutouts is none
+fn at_first_look(primitive: Primitive, found: Found) -> Found { return found; }
+
+fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 { return t; }
 
 //! if fetch is buffer
 fn geometry_texel(index: u32) -> vec4u {
@@ -68,11 +46,6 @@ const IS_CUT_OUT: u32 = 0x80000000u;
 
 fn is_cut_out(primitive: Primitive) -> bool {
     return (primitive.component & IS_CUT_OUT) != 0u;
-}
-
-fn put_off_if_cut_out(primitive: Primitive, found: Found) -> Found {
-    let cut_out = B(is_cut_out(primitive));
-    return Found(found.hit & !cut_out, found.t, found.doubtful | (found.hit & cut_out));
 }
 
 // Pixels of a mask that a texel holds, a bit each.

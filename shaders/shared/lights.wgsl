@@ -9,6 +9,12 @@ const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
 // computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
+// How far off its surface a ray begins that leaves a point seen from another one, by the roundings above.
+fn off_surface(point: vec3f, from_point: vec3f, reach: f32) -> f32 {
+    let place = abs(point) * OFFSET_BY_PLACE + abs(point - from_point) * OFFSET_BY_DISTANCE;
+    return max(max(place.x, place.y), place.z) + reach * OFFSET_BY_REACH;
+}
+
 // What lights send to points: to a white dull surface there, and on to the eye as highlights.
 struct Light {
     diffuse: F3,

@@ -17,11 +17,11 @@ fn primitive_at(slot: u32) -> Primitive {
     return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
 }
 
-//! if tests is triangles
-fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
-    return intersect_triangle(rays, scales, primitive);
-}
 //! if primitives is triangles
+fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
+    return at_first_look(primitive, intersect_triangle(rays, scales, primitive));
+}
+
 fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {
     return look_again_triangle(origin, direction, primitive);
 }
@@ -50,11 +50,11 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
 fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;
 }
-//! if tests is mixed
+
 // Both tests, then a choice: software adapters run both sides of a branch anyhow, and choose for less.
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
     let sphere = intersect_sphere(rays, scales, primitive, t_min);
-    let triangle = intersect_triangle(rays, scales, primitive);
+    let triangle = at_first_look(primitive, intersect_triangle(rays, scales, primitive));
     let round = B(is_sphere(primitive));
     return Found(
         select(triangle.hit, sphere.hit, round),
@@ -62,7 +62,7 @@ fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Foun
         select(triangle.doubtful, sphere.doubtful, round),
     );
 }
-//! if primitives is mixed
+
 fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32) -> f32 {
     if CLOSE && is_sphere(primitive) { return look_again_sphere(origin, direction, primitive, t_min); }
     return look_again_triangle(origin, direction, primitive);

@@ -131,15 +131,13 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     let kind = light_kind(light);
     let point = of_ray3(surfaces.point, ray);
     let from_eye = abs(point - eye);
-    let place = abs(point) * OFFSET_BY_PLACE + from_eye * OFFSET_BY_DISTANCE;
     var reach = of_ray(surfaces.reach, ray);
     if CLOSE { reach = min(reach, max(max(from_eye.x, from_eye.y), from_eye.z) * LARGE); }
-    let offset = max(max(place.x, place.y), place.z) + reach * OFFSET_BY_REACH;
     var aim: Aim;
     aim.kind = kind;
     aim.geometric_normal = of_ray3(surfaces.geometric_normal, ray);
     aim.shading_normal = of_ray3(surfaces.shading_normal, ray);
-    aim.start = point + aim.geometric_normal * offset;
+    aim.start = point + aim.geometric_normal * off_surface(point, eye, reach);
     aim.spin = spin_of(light, ray);
     aim.count = select(LIGHT_RAYS, OCCLUSION_RAYS, kind == SURROUNDINGS);
     aim.base = aim.shading_normal;

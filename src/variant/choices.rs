@@ -15,17 +15,12 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 23] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
             (false, true) => "spheres",
             (false, false) => "none",
-        };
-        let tests = match primitives {
-            _ if !with.cutouts => primitives,
-            "triangles" => "cut_triangles",
-            _ => "cut_mixed",
         };
         let texels = match primitives {
             _ if with.ellipsoids => "ellipsoids",
@@ -74,7 +69,6 @@ impl Kernel {
         let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
         [
             ("primitives", primitives),
-            ("tests", tests),
             ("cutouts", if with.cutouts { "some" } else { "none" }),
             ("texels", texels),
             // Spheres alone take as many texels as triangles without vertex normals.
