@@ -51,13 +51,12 @@ pub enum Tone {
 }
 
 impl Tone {
-    /// A channel of linear light as it is shown, 0 to 1: what kernels do.
-    pub(crate) fn shown(self, linear: f32, exposure: f32) -> f32 {
-        let x = linear * exposure.exp2();
+    /// A channel of exposed linear light as it is shown, 0 to 1: what kernels do.
+    pub(crate) fn shown(self, exposed: f32) -> f32 {
         let shown = match self {
-            Self::Clamp => x,
+            Self::Clamp => exposed,
             Self::Filmic => {
-                let y = x.min(64.0);
+                let y = exposed.min(64.0);
                 (y * (2.51 * y + 0.03)) / (y * (2.43 * y + 0.59) + 0.14)
             }
         };
@@ -184,7 +183,7 @@ impl Options {
     }
 
     /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
-    /// middles of the cells of a square grid, the same in all views, and are clamped to 0 to 1 and weighed by [`Options::filter`] in linear
+    /// middles of the cells of a square grid, the same in all views, and are weighed by [`Options::filter`] in linear
     /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
     ///
     /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from

@@ -18,6 +18,7 @@ pub(crate) struct Gather {
     filter: Filter,
     /// Whether linear colour is wanted, too.
     linear: bool,
+    /// What light is multiplied by where it is shown.
     exposure: f32,
     tone: Tone,
     columns: Vec<Window>,
@@ -56,7 +57,7 @@ impl Gather {
             size,
             filter: options.filter,
             linear: options.linear,
-            exposure: options.exposure,
+            exposure: options.exposure.exp2(),
             tone: options.tone,
             columns: (0..size[0]).map(|column| Window::new(options.filter, side, column, size[0])).collect(),
             across: vec![[0.0; 3]; size[0] as usize],
@@ -154,7 +155,7 @@ impl Gather {
             for (view, sums) in views.iter_mut().map(|rows| &mut rows.view).zip(sums) {
                 let linear = sums.colors.iter().map(|color| color.map(|value| value as f32));
                 view.rgba8.extend(linear.clone().map(|color| {
-                    let [red, green, blue] = color.map(|value| output::encode(self.tone.shown(value, self.exposure)));
+                    let [red, green, blue] = color.map(|value| output::encode(self.tone.shown(value * self.exposure)));
                     [red, green, blue, 255]
                 }));
                 if self.linear {
