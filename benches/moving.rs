@@ -15,6 +15,7 @@ use stereotrace::{
 };
 
 use crate::common::{
+    options::is_quick,
     provenance::Provenance,
     rounds::{Spread, order},
     scenes,
@@ -24,7 +25,7 @@ use crate::common::{
 const SIZE: f32 = 2.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let quick = !std::env::args().any(|argument| argument == "--bench");
+    let quick = is_quick();
     let (size, rounds) = if quick { ([64, 64], 1) } else { ([600, 600], 7) };
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let names = match named.as_slice() {

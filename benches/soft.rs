@@ -15,6 +15,7 @@ use stereotrace::{
 };
 
 use crate::common::{
+    options::{is_quick, scenes_named},
     provenance::Provenance,
     rounds::{Spread, order},
     scenes::{self, BenchScene},
@@ -42,14 +43,9 @@ const ALL: [(&str, Softness); 4] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let quick = !std::env::args().any(|argument| argument == "--bench");
+    let quick = is_quick();
     let (side, rounds, seeds) = if quick { (48, 1, 2) } else { (600, 5, 32) };
-    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let names = match named.as_slice() {
-        [] if quick => vec!["hall".to_owned()],
-        [] => ["hall", "sponza_4x"].map(str::to_owned).to_vec(),
-        named => named.to_vec(),
-    };
+    let names = scenes_named(&["hall", "sponza_4x"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
     println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);

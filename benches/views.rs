@@ -11,6 +11,7 @@ use std::{collections::BTreeMap, error::Error, time::Instant};
 use stereotrace::{Gpu, Method, Options, Renderer, Rig, metrics::compare};
 
 use crate::common::{
+    options::{is_quick, scenes_named},
     provenance::Provenance,
     rounds::{Spread, order},
     scenes::{self, BenchScene},
@@ -22,14 +23,9 @@ const NEIGHBOURS: f32 = 2.0;
 const METHODS: [Method; 4] = [Method::Naive, Method::BRACKET, Method::VERIFIED, Method::Auto];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let quick = !std::env::args().any(|argument| argument == "--bench");
+    let quick = is_quick();
     let (size, eyes, rounds) = if quick { ([64, 64], 5, 1) } else { ([512, 512], 45, 5) };
-    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let names = match named.as_slice() {
-        [] if quick => vec!["hall".to_owned()],
-        [] => ["hall", "dragon"].map(str::to_owned).to_vec(),
-        named => named.to_vec(),
-    };
+    let names = scenes_named(&["hall", "dragon"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
     println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);

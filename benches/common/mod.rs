@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, reason = "each benchmark uses its own part of this")]
 
 pub mod chart;
+pub mod exit;
 pub mod files;
 pub mod measure;
 pub mod options;

@@ -8,3 +8,15 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         _ => Err("give width and height, as 600x400".into()),
     }
 }
+
+/// Whether it is run as a test, for a quick look: cargo says so when it benchmarks.
+pub fn is_quick() -> bool {
+    !std::env::args().any(|argument| argument == "--bench")
+}
+
+/// The scenes that are named on the command line, or else the usual ones; for a quick look the hall.
+pub fn scenes_named(usual: &[&str]) -> Vec<String> {
+    let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let usual = if is_quick() { &["hall"] } else { usual };
+    if named.is_empty() { usual.iter().map(|&name| name.to_owned()).collect() } else { named }
+}
