@@ -14,6 +14,8 @@
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
 const NO_TILE: u32 = 0xffffffffu;
+// Where a sample landed that is not there, so that no gap opens behind it.
+const NOWHERE: f32 = 3.0e38;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
@@ -28,6 +30,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     let before = in_sweep(max(begin, 1u) - 1u);
     var depth_before = source[first_pixel + before].depth;
     var x_before = select(landed_at(before, depth_before), 0.0, begin == 0u);
+    if is_left_out(depth_before) { x_before = NOWHERE; }
     // Neighbours mostly land in one tile: an atomic each would be eight times as many.
     var tile = NO_TILE;
     var deepest = 0.0;
@@ -37,8 +40,10 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
         let column = in_sweep(place);
         let depth = source[first_pixel + column].depth;
         let x = landed_at(column, depth);
-        let opens = x >= x_before;
-        let low = max(select(x - 1.0, x_before - 1.0, opens), 0.0);
+        let left_out = is_left_out(depth);
+        let opens = x >= x_before && !left_out;
+        // What was not seen lands nowhere: beyond the last tile.
+        let low = select(max(select(x - 1.0, x_before - 1.0, opens), 0.0), f32(width), left_out);
         let high = min(select(x + 1.0, f32(width), place + 1u == width), f32(width) - 0.5);
         let depth_between = select(depth, max(depth, depth_before), opens);
         unseen += select(0u, u32(max(high - low - 3.0, 0.0)), opens);
@@ -57,7 +62,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
             landed += 1u;
             if landed > u32(last) / TILE { break; }
         }
-        x_before = x;
+        x_before = select(x, NOWHERE, left_out);
         depth_before = depth;
         place += 1u;
         if place >= end { break; }

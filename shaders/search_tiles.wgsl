@@ -47,7 +47,7 @@ var<private> kept: u32;
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
-    if outside(corner) { return; }
+    if outside(corner) || !is_any_wanted(corner) { return; }
     let size = min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
     let tile = Tile(corner + vec2u(0u, frame.first_row), size);
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);

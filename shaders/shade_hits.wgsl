@@ -13,6 +13,7 @@
 fn shade_hits(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
     throw_dice(pixels, 0u);
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));

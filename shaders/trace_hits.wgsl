@@ -12,6 +12,7 @@
 fn trace_hits(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
     let nearest = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));

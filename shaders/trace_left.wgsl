@@ -13,6 +13,7 @@
 fn trace_left(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
     let samples = trace_pixels(Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels)), wanted);
     keep_view(pixels, wanted, samples);

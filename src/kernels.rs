@@ -58,8 +58,9 @@ pub(crate) struct Kernel {
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
+/// Where in group 1 is bound the mask of the pixels that are wanted, the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
 /// and the textures of a second source's samples and of a source's.
+pub(crate) const MASK_BINDING: u32 = 9;
 pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
 pub(crate) const PICTURE_BINDING: u32 = 11;
 const SOURCE_LINEAR_BINDING: u32 = 12;
@@ -121,6 +122,18 @@ impl Kernel {
     /// Whether it reads a second source's samples, at `SECOND_SAMPLES_BINDING` of group 1.
     pub(crate) fn asks_second(&self, with: &Variant) -> bool {
         with.second && self.samples(with) == Some(Read)
+    }
+
+    /// Whether what it does depends on which pixels are wanted. (What others do follows from lists.)
+    pub(crate) fn minds_mask(&self) -> bool {
+        let names = ["trace_left", "trace_hits", "trace_soft", "shade_hits", "list_mirrors", "bound_tiles"];
+        let of_tiles = ["search_tiles", "resolve_tiles", "shade_sky", "shade_tiles"];
+        names.contains(&self.name) || of_tiles.contains(&self.name)
+    }
+
+    /// Whether it reads the mask of the view at work, at `MASK_BINDING` of group 1. (`bound_tiles` sees it in the source's depths.)
+    pub(crate) fn reads_mask(&self, with: &Variant) -> bool {
+        with.masked && self.minds_mask() && self.touches.geometry()
     }
 
     /// The format of the texture that it writes, at `PICTURE_BINDING` of group 1.
@@ -209,6 +222,7 @@ impl Kernels {
         }));
         // Read as sampled textures are, of which there may be more.
         own.extend(kernel.asks_second(with).then(|| entry(SECOND_SAMPLES_BINDING, sampled_type())));
+        own.extend(kernel.reads_mask(with).then(|| entry(MASK_BINDING, sampled_type())));
         let scene = self.layouts(with.traversal.fetch);
         let text = kernel.text(with);
         let counting = [("COUNT", with.count), ("COST_MAP", with.cost_map)];

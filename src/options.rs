@@ -1,6 +1,6 @@
 //! What to render with.
 
-use crate::{Error, Filter, Method};
+use crate::{Error, Filter, Method, output};
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,8 @@ pub struct Options {
     pub samples: u32,
     /// How they are weighed.
     pub filter: Filter,
+    /// More samples only where a pixel's differ, in place of as many in all.
+    pub adaptive: Option<Adaptive>,
     /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]; 16 where nothing is said.
     pub shadow_rays: u32,
     /// Whether ambient light is kept off by what stands near; `None` where nothing is said: it reaches all.
@@ -62,6 +64,12 @@ impl Tone {
         };
         shown.clamp(0.0, 1.0)
     }
+
+    /// A linear colour as it is shown, its light multiplied by `exposure`.
+    pub(crate) fn rgba8(self, linear: [f32; 3], exposure: f32) -> [u8; 4] {
+        let [red, green, blue] = linear.map(|value| output::encode(self.shown(value * exposure)));
+        [red, green, blue, 255]
+    }
 }
 
 /// Ambient occlusion: the share of ambient light that reaches a point, by rays spread by the cosine over what it faces.
@@ -78,6 +86,23 @@ impl AmbientOcclusion {
     /// So many rays, 1 to [`MAX_SOFT_RAYS`], of so many world units, above 0.
     pub fn new(rays: u32, radius: f32) -> Self {
         Self { rays, radius }
+    }
+}
+
+/// Adaptive supersampling: see [`Options::adaptive`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Adaptive {
+    /// 2 to 5: corners of pixels, and how often one is divided. A pixel that is divided as often as can be has 3, 5, 9 or 17 samples a side.
+    pub levels: u32,
+    /// By how much the corners of a cell may differ in each channel of the 8-bit picture and not be divided, 0 to 255.
+    pub tolerance: f32,
+}
+
+impl Adaptive {
+    /// So many levels, 2 to 5, and the tolerance in values of a channel of the 8-bit picture, 0 to 255.
+    pub fn new(levels: u32, tolerance: f32) -> Self {
+        Self { levels, tolerance }
     }
 }
 
@@ -142,6 +167,7 @@ impl Options {
             linear: false,
             samples: 1,
             filter: Filter::Box,
+            adaptive: None,
             shadow_rays: 16,
             occlusion: None,
             penumbra: Penumbra::default(),
@@ -199,6 +225,21 @@ impl Options {
     /// How a pixel's samples are weighed: [`Filter::Box`] unless something else is asked for.
     pub fn filter(mut self, filter: Filter) -> Self {
         self.filter = filter;
+        self
+    }
+
+    /// More samples only where a pixel's differ: adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and
+    /// Refraction with Multiple Rays Per Pixel"). A sample stands in each corner of a pixel, and its neighbours share it. Where the four differ, as
+    /// they would be shown, by more than the tolerance in some channel, in a view or where another view shows the same, the pixel is divided
+    /// into four with five samples more, and so on. Its colour is the mean of its parts, in linear light.
+    ///
+    /// It goes with one sample a pixel otherwise, with the filter `Box`, and with [`Method::Naive`], [`Method::Ideal`], [`Method::Bracket`] and
+    /// [`Method::Auto`]; what else is asked for is an error. Views that others are made from trace samples of a divided cell's corners again, a
+    /// quarter of what they trace: what others take over of them is not kept from level to level. Depth, ids and where a pixel came
+    /// from are those of one more ray through the pixel's centre; with [`GBuffer::None`] that ray is not traced, and the last two are
+    /// those of the sample in its upper left corner.
+    pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
+        self.adaptive = adaptive.into();
         self
     }
 
@@ -268,9 +309,33 @@ impl Options {
             within("occlusion", rays, 1..=MAX_SOFT_RAYS)?;
             above_zero("the radius of occlusion", radius)?;
         }
+        self.check_adaptive()?;
         match self.penumbra {
             Penumbra::Exact => Ok(()),
             Penumbra::Shared { deviations } => above_zero("the deviations of shared penumbrae", deviations),
+        }
+    }
+
+    /// # Errors
+    /// [`Error::Options`] for levels or a tolerance out of their range, and for what adaptive samples don't go with.
+    fn check_adaptive(&self) -> Result<(), Error> {
+        let Some(Adaptive { levels, tolerance }) = self.adaptive else { return Ok(()) };
+        let fault = |reason| Err(Error::Options { option: "adaptive", reason });
+        if !(2..=5).contains(&levels) {
+            return fault(format!("{levels} levels; there can be 2 to 5"));
+        }
+        if !(0.0..=255.0).contains(&tolerance) {
+            return fault(format!("a tolerance of {tolerance}; it must be 0 to 255"));
+        }
+        if self.samples != 1 {
+            return fault(format!("{} samples a pixel besides; take 1", self.samples));
+        }
+        if self.filter != Filter::Box {
+            return fault(format!("the filter {}; take {}", self.filter, Filter::Box));
+        }
+        match self.method {
+            Method::Naive | Method::Ideal | Method::Bracket(_) | Method::Auto => Ok(()),
+            method => fault(format!("the method {method}; take naive, ideal, a bracket or auto")),
         }
     }
 

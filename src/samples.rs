@@ -1,11 +1,15 @@
 //! Samples of a pixel, and the filters that weigh them (docs/DESIGN.md, section 3).
 
+mod cells;
 mod gather;
 
 use std::{fmt, str::FromStr};
 
-pub(crate) use self::gather::Gather;
-use crate::{Error, camera, rig::Eyes};
+pub(crate) use self::{
+    cells::{Between, Cells},
+    gather::{Centres, Gather},
+};
+use crate::{Error, Pose, camera, rig::Eyes};
 
 /// Samples of a pixel stand on a grid of so many rows and columns at most.
 const MAX_SIDE: u32 = 8;
@@ -86,8 +90,25 @@ impl Eyes {
     /// # Errors
     /// [`Error::Samples`] where these are more than directions in f32 tell apart.
     pub(crate) fn with_samples(&self, side: u32) -> Result<Self, Error> {
-        let mut pose = self.pose;
-        pose.size = pose.size.map(|pixels| pixels * side);
+        let size = self.pose.size.map(|pixels| pixels * side);
+        self.finer(Pose { size, ..self.pose }, side)
+    }
+
+    /// The same with a pixel for each sample of a lattice, so many from pixel to pixel, whose first and last ones stand on the picture's borders:
+    /// a screen that is larger by a sample.
+    ///
+    /// # Errors
+    /// As [`Eyes::with_samples`].
+    pub(crate) fn with_lattice(&self, side: u32) -> Result<Self, Error> {
+        let Pose { size, screen_size, .. } = self.pose;
+        let samples = size.map(|pixels| pixels * side);
+        let larger = |axis: usize| screen_size[axis] * (1.0 + 1.0 / samples[axis] as f32);
+        let pose = Pose { size: samples.map(|samples| samples + 1), screen_size: [larger(0), larger(1)], ..self.pose };
+        self.finer(pose, side)
+    }
+
+    /// Before a screen with so many samples from pixel to pixel.
+    fn finer(&self, mut pose: Pose, side: u32) -> Result<Self, Error> {
         pose.interaxial_px *= side as f32;
         let fault = |reason| Err(Error::Samples { samples: side * side, reason });
         let ([width, height], [across, down]) = (self.pose.size, pose.size);

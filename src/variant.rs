@@ -149,6 +149,8 @@ pub(crate) struct Variant {
     pub(crate) second: bool,
     /// Linear colour is kept.
     pub(crate) linear: bool,
+    /// Only pixels that a mask names are worked on.
+    pub(crate) masked: bool,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     /// Which shadow bits are taken over.
@@ -186,6 +188,7 @@ impl Variant {
         samples: false,
         second: false,
         linear: false,
+        masked: false,
         stack_size: 0,
         bits: ShadowReuse::Rays,
         count: false,
@@ -226,6 +229,7 @@ impl Variant {
             samples: false,
             second: false,
             linear: false,
+            masked: false,
             stack_size,
             bits: ShadowReuse::Rays,
             count: false,
@@ -235,7 +239,7 @@ impl Variant {
 
     /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
-        match kernel.touches {
+        let with = match kernel.touches {
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
             Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
@@ -251,7 +255,8 @@ impl Variant {
             },
             Touches::Shading => self,
             Touches::RayList => Self { bits: ShadowReuse::Rays, ..self.unlit() },
-        }
+        };
+        Self { masked: self.masked && kernel.minds_mask(), ..with }
     }
 
     /// Where the texels of a primitive stand that not all scenes have.

@@ -77,6 +77,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "verify",
     "view",
     "visibility",
+    "wanted",
 ];
 
 /// For which of a choice's values a section is there.

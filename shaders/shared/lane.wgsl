@@ -25,6 +25,7 @@ fn of_ray_u(u: U, ray: u32) -> u32 { return u; }
 fn of_ray_b(b: B, ray: u32) -> bool { return b; }
 fn with_ray(f: F, ray: u32, value: f32) -> F { return value; }
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return value; }
+fn without_ray(b: B, ray: u32) -> B { return false; }
 
 const RAY_BITS: u32 = 1u;
 fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
@@ -56,6 +57,7 @@ fn of_ray_u(u: U, ray: u32) -> u32 { return u[ray]; }
 fn of_ray_b(b: B, ray: u32) -> bool { return b[ray]; }
 fn with_ray(f: F, ray: u32, value: f32) -> F { return select(f, F(value), RAY_INDEX == U(ray)); }
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return select(u, U(value), RAY_INDEX == U(ray)); }
+fn without_ray(b: B, ray: u32) -> B { return b & (RAY_INDEX != U(ray)); }
 
 // A bit for each ray.
 const RAY_BITS: u32 = 4u;
@@ -103,7 +105,7 @@ fn block_pixels(id: vec3u) -> Pixels {
 }
 
 // Which of them are of the picture and of this dispatch's rows.
-fn inside_rows(pixels: Pixels) -> B {
+fn in_picture(pixels: Pixels) -> B {
     return (pixels.x < U(frame.image_size.x)) & (pixels.y < U(frame.row_end));
 }
 

@@ -20,6 +20,11 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     textureStore(source_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
 }
 
+// Nor is there one of a pixel that was not wanted: it vouches for nothing.
+fn keep_no_sample(pixel: vec2u) {
+    textureStore(source_samples, pixel, vec4u(0u, MISS, MISS, 0u));
+}
+
 //! if samples is read
 @group(1) @binding(15) var source_samples: texture_storage_2d<rgba32uint, read>;
 
@@ -40,3 +45,5 @@ fn second_sample(pixel: vec2u) -> SourceSample {
 //! if samples is none
 // No method takes shadow bits over.
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {}
+
+fn keep_no_sample(pixel: vec2u) {}

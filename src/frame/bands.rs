@@ -58,6 +58,11 @@ impl Bands {
         self.height.div_ceil(self.rows)
     }
 
+    /// Rows of all of them.
+    pub(crate) fn height(self) -> u32 {
+        self.height
+    }
+
     /// Rows of a frame's buffers.
     pub(crate) fn rows_kept(self) -> u32 {
         self.rows + 2 * self.halo
@@ -77,6 +82,12 @@ impl Bands {
 }
 
 impl Band {
+    /// The same of a picture of which bands are only those from this row on.
+    pub(crate) fn moved_down(self, top: u32) -> Self {
+        let moved = |rows: Range<u32>| rows.start + top..rows.end + top;
+        Self { rows: moved(self.rows), seen: moved(self.seen), first: self.first + top }
+    }
+
     /// Its rows from the one that buffers begin with.
     pub(crate) fn place(&self) -> Range<u32> {
         self.rows.start - self.first..self.rows.end - self.first

@@ -4,13 +4,14 @@ use std::{ops::ControlFlow, time::Duration};
 
 use super::{
     bands::Band,
+    mask::Mask,
     plan::{Launch, Plan, Stage, Step},
     targets::{FRAME_STRIDE, Target, Targets, samples_of},
 };
 use crate::{
     Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Kernel, Kernels, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches},
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
@@ -40,6 +41,8 @@ pub(crate) struct Driver<'a> {
     pub(crate) timestamps: Option<&'a mut Timestamps>,
     /// What threads keep from dispatch to dispatch, for kernels that go on.
     pub(crate) lanes: Option<Lanes>,
+    /// Which pixels of each view are wanted, where not all are, of the band at work.
+    pub(crate) masks: Vec<wgpu::TextureView>,
     /// The texture that a kernel writes, if it writes one.
     pub(crate) picture: Option<wgpu::TextureView>,
     /// Time of what the host did in place of a step.
@@ -54,6 +57,19 @@ impl Driver<'_> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
         }
+        Ok(())
+    }
+
+    /// The masks of a band. Those of the one before have been handed over with its commands.
+    pub(crate) async fn upload_masks(&mut self, masks: &[Mask], band: &Band) -> Result<(), Error> {
+        let gpu = self.gpu;
+        let upload = |mask: &Mask| {
+            let (width, texels) = mask.rows(band.first..band.seen.end);
+            gpu.filled_texture("wanted_pixels", width, texels)
+        };
+        let uploaded = gpu.checked(|| Ok(masks.iter().map(upload).collect())).await?;
+        let before = std::mem::replace(&mut self.masks, uploaded);
+        before.iter().for_each(|view| view.texture().destroy());
         Ok(())
     }
 
@@ -125,7 +141,7 @@ impl Driver<'_> {
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops it.
     pub(crate) fn tell(&mut self, pass: &'static str, more: f32) -> Result<(), Error> {
-        let done = ((self.rows_done as f32 + more) / self.targets.shape.size[1] as f32).min(1.0);
+        let done = ((self.rows_done as f32 + more) / self.targets.shape.bands.height() as f32).min(1.0);
         match (self.progress)(Progress { pass, done }) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Cancelled),
@@ -283,6 +299,8 @@ impl Driver<'_> {
             let texture = self.targets.samples(self.eyes.seconds[view]);
             (SECOND_SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
         });
+        let mask = kernel.reads_mask(&self.variant.of_kernel(kernel)).then(|| &self.masks[view]);
+        let mask = mask.map(|texture| (MASK_BINDING, wgpu::BindingResource::TextureView(texture)));
         let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());
         let picture = picture.map(|texture| (PICTURE_BINDING, wgpu::BindingResource::TextureView(texture)));
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
@@ -292,6 +310,7 @@ impl Driver<'_> {
             .chain(linear)
             .chain(samples)
             .chain(second)
+            .chain(mask)
             .chain(lanes)
             .chain(picture);
         bind_group_at(self.gpu, kernel.name, layout, resources)

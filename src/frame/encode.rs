@@ -98,7 +98,7 @@ impl Renderer {
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&variant);
         used.places.insert((Target::Unfinished, 0));
-        let targets = self.targets(self.shape(scene, &eyes, options, &plan), &used).await?;
+        let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1])), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
         let mut driver = super::driver(self, scene, &eyes, variant, &targets, options, &mut go_on);
         driver.timestamps = None; // nobody reads them
@@ -185,7 +185,7 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
         return Err(Error::Encoding { what, reason: "a part of it is the host's" });
     }
     let read_back = [
-        (options.samples != 1, "a pixel of several samples"),
+        (options.samples != 1 || options.adaptive.is_some(), "a pixel of several samples"),
         (options.linear, "linear colour"),
         (options.cost_map, "a map of costs"),
         (options.count, "counting"),

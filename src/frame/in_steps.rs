@@ -17,7 +17,8 @@ impl Driver<'_> {
             // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
             self.variant.traversal.rays = RaysPerLane::One;
         }
-        (self.variant.samples, self.variant.second) = (false, false);
+        // All pixels are, whatever is wanted: threads that had nothing to do would have to finish too.
+        (self.variant.samples, self.variant.second, self.variant.masked) = (false, false, false);
         let rows = self.rows_in_steps(steps);
         if self.lanes.is_none() {
             let block = self.variant.traversal.rays.block();

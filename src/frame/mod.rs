@@ -1,10 +1,12 @@
 //! One frame: its plan, the bands of rows that the plan is run on, the buffers between its steps, the driver that runs them, and what is
 //! read back.
 
+mod adaptive;
 mod bands;
 pub(crate) mod driver;
 mod encode;
 mod in_steps;
+pub(crate) mod mask;
 pub(crate) mod plan;
 mod read;
 mod rows;
@@ -34,6 +36,7 @@ use crate::{
 };
 use bands::{Band, Bands};
 use driver::Driver;
+use mask::Mask;
 use plan::{Made, Plan};
 use read::{Counts, ReadBack};
 use tally::Tally;
@@ -46,6 +49,38 @@ pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 /// Takes rows as they are done.
 #[cfg(target_arch = "wasm32")]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
+
+/// What is wanted of a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// Whether pictures are; else what they cost alone.
+    pub(crate) pictures: bool,
+    /// All rows, or a part.
+    pub(crate) part: Option<Part<'a>>,
+}
+
+/// Some rows of a picture.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub(crate) rows: (u32, u32),
+    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame makes.
+    pub(crate) masks: Option<&'a [Mask]>,
+}
+
+impl Wanted<'_> {
+    /// Of all rows.
+    pub(crate) fn all(pictures: bool) -> Self {
+        Self { pictures, part: None }
+    }
+
+    fn rows(&self, [_, height]: [u32; 2]) -> std::ops::Range<u32> {
+        self.part.map_or(0..height, |part| part.rows.0..part.rows.1)
+    }
+
+    fn masks(&self) -> Option<&[Mask]> {
+        self.part.and_then(|part| part.masks)
+    }
+}
 
 /// What a frame was made by, and what it cost.
 pub(crate) struct Done {
@@ -77,6 +112,7 @@ impl Done {
 struct Frame<'a> {
     driver: Driver<'a>,
     plan: Plan,
+    wanted: Wanted<'a>,
     read_back: ReadBack,
     /// To be filled.
     stagings: Vec<Staging>,
@@ -105,33 +141,35 @@ enum Landed {
 }
 
 impl Renderer {
-    /// All bands of a frame. Their rows go to `on_rows`, if `pictures` are wanted.
+    /// All bands of a frame. Their rows go to `on_rows`, if pictures are wanted.
     pub(crate) async fn frame<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
         eyes: &'a Eyes,
         options: &Options,
-        pictures: bool,
+        wanted: Wanted<'a>,
         progress: &'a mut OnProgress<'a>,
         on_rows: &'a mut OnRows<'a>,
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
         let (method, early, plan) = self.planned(scene, eyes, options);
-        let variant = self.variant(scene, eyes, options, &plan);
+        let masked = wanted.masks().is_some();
+        let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
         let mut used = plan.uses(&variant);
-        used.places.extend(pictures.then_some((Target::Packed, 0)));
-        let targets = self.targets(self.shape(scene, eyes, options, &plan), &used).await?;
-        let read_back = ReadBack::new(targets.shape, options.linear, pictures);
+        used.places.extend(wanted.pictures.then_some((Target::Packed, 0)));
+        let rows = wanted.rows(eyes.pose.size).len() as u32;
+        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows)), &used).await?;
+        let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
         // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
-        let mut stagings = std::mem::take(&mut self.cache.staging);
-        stagings.retain(|staging| staging.bytes() == bytes);
+        let mut stagings = self.cache.staging_of(bytes);
         let in_flight = targets.shape.bands.count().min(2) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
         stagings.extend(self.gpu.checked(make).await?);
         let mut frame = Frame {
             plan,
+            wanted,
             read_back,
             stagings,
             steps: self.steps,
@@ -144,7 +182,7 @@ impl Renderer {
         frame.run().await?;
         let done = frame.done(method, early, &used);
         let stagings = frame.stagings;
-        self.cache.staging = stagings;
+        self.cache.staging.extend(stagings);
         Ok(done)
     }
 
@@ -158,11 +196,12 @@ impl Renderer {
         (method, early, plan)
     }
 
-    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Shape {
+    /// Of a frame of so many rows.
+    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, (plan, rows): (&Plan, u32)) -> Shape {
         let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
         let band_pixels = self.band_pixels / rays.div_ceil(6);
         let views = eyes.sources.len();
-        let bands = Bands::new(eyes.pose.size, band_pixels, views, plan.reaches);
+        let bands = Bands::new([eyes.pose.size[0], rows], band_pixels, views, plan.reaches);
         Shape {
             size: eyes.pose.size,
             bands,
@@ -197,13 +236,13 @@ impl Renderer {
     }
 
     async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {
-        if let Some(targets) = self.cache.targets.as_ref().filter(|targets| targets.fit(shape, used)) {
-            return Ok(targets.clone());
+        if let Some(targets) = self.cache.fitting(shape, used) {
+            return Ok(targets);
         }
-        self.cache.targets = None; // the old ones' memory first
+        self.cache.make_room(self.cache.others());
         let make = || Targets::new(&self.gpu, shape, used);
         let targets = Arc::new(self.gpu.checked(make).await?);
-        self.cache.targets = Some(targets.clone());
+        self.cache.targets.push(targets.clone());
         Ok(targets)
     }
 }
@@ -252,6 +291,7 @@ fn driver<'a>(
         buffer_depth: 0,
         timestamps: renderer.timestamps.as_mut(),
         lanes: None,
+        masks: Vec::new(),
         picture: None,
         host: std::time::Duration::ZERO,
         rows_done: 0,
@@ -265,7 +305,8 @@ impl Frame<'_> {
         self.driver.begin(&self.plan).await?;
         let bands = self.driver.targets.shape.bands;
         let mut flight: Option<Flight> = None;
-        for band in (0..bands.count()).map(|index| bands.get(index)) {
+        let top = self.wanted.rows(self.driver.targets.shape.size).start;
+        for band in (0..bands.count()).map(|index| bands.get(index).moved_down(top)) {
             let next = if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? };
             if let Some(before) = flight.replace(next) {
                 self.land(before).await?;
@@ -279,6 +320,9 @@ impl Frame<'_> {
 
     /// A band by the frame's plan.
     async fn at_once(&mut self, band: Band) -> Result<Flight, Error> {
+        if let Some(masks) = self.wanted.masks() {
+            self.driver.upload_masks(masks, &band).await?;
+        }
         let commands = self.driver.band(&self.plan, &band).await?;
         self.take_off(band, commands, false).await
     }
@@ -351,7 +395,10 @@ impl Frame<'_> {
         let width = self.driver.targets.shape.size[0];
         let rows_of = |(view, counts): (usize, &Counts)| {
             let made = if in_steps { Made::Traced } else { counts.made(self.plan.made[view]) };
-            self.tallies[view].add(counts, band, width, made);
+            let masks = self.wanted.masks().filter(|_| !in_steps);
+            let all = u64::from(width) * u64::from(band.count());
+            let pixels = masks.map_or(all, |masks| masks[view].count(band.rows.clone()));
+            self.tallies[view].add(counts, pixels, made);
             self.read_back.rows(bytes, band, view, made, self.driver.scene)
         };
         let views: Vec<_> = counts.iter().enumerate().filter_map(rows_of).collect();

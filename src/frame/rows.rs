@@ -92,6 +92,17 @@ impl ViewRows {
         self.source.try_reserve_exact(pixels)
     }
 
+    /// The sources of so many rows from the top, and nothing else.
+    pub(crate) fn first_rows(&self, rows: u32) -> Self {
+        let pixels = (rows * self.view.width) as usize;
+        let of_these = self.shadow_source.len().min(pixels);
+        let mut first = Self::new(self.view.width);
+        first.view.height = rows;
+        first.source = self.source[..pixels].to_vec();
+        first.shadow_source = self.shadow_source[..of_these].to_vec();
+        first
+    }
+
     /// Takes off all but so many from the top.
     pub(crate) fn split_off(&mut self, rows: u32) -> Self {
         fn below<T>(list: &mut Vec<T>, place: usize) -> Vec<T> {

@@ -1,9 +1,9 @@
 //! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
 //! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
 
-use std::{collections::VecDeque, ops::ControlFlow};
+use std::ops::ControlFlow;
 
-use super::{Done, OnRows, Rows, ViewRows, targets::MOST_BYTES};
+use super::{Done, OnRows, Rows, Wanted, targets::MOST_BYTES};
 use crate::{
     Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene, message::counted, rig::Eyes,
     samples,
@@ -21,39 +21,55 @@ impl Renderer {
         on_rows: &mut OnRows<'_>,
     ) -> Result<Done, Error> {
         let side = samples::side_of(options.samples)?;
+        if options.adaptive.is_some() {
+            return self.adaptive(scene, eyes, options, pictures, progress, on_rows).await;
+        }
         if side == 1 {
-            return self.frame(scene, eyes, options, pictures, progress, on_rows).await;
+            return self.frame(scene, eyes, options, Wanted::all(pictures), progress, on_rows).await;
         }
         let finer = eyes.with_samples(side)?;
         let asks_centre = side % 2 == 0 && options.g_buffer != GBuffer::None;
         let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // a pixel, of both frames
-        let mut centres = VecDeque::new();
-        let mut centre = None;
+        let (mut centre, mut centres) = (None, None);
         if asks_centre {
             check_centres(eyes, options, pictures)?;
-            let mut keep = |rows: Rows| {
-                centres.push_back(Vec::from_iter(rows.views.into_iter().map(without_color)));
-                Ok(())
-            };
             let mut progress = part_of(progress, 0.0, rays.0, rays);
-            // With linear colour, which nobody asks for, its kernels are those of the other frame.
-            let options = Options { linear: true, ..options.clone() };
-            centre = Some(self.frame(scene, eyes, &options, pictures, &mut progress, &mut keep).await?);
+            let (done, kept) = self.centres(scene, eyes, options, pictures, &mut progress).await?;
+            (centre, centres) = (Some(done), Some(kept));
         }
-        let centres = asks_centre.then_some(centres);
         let mut gather = samples::Gather::new(eyes.pose.size, side, options, centres);
         let mut add = |rows: Rows| gather.add(&rows).map_or(Ok(()), &mut *on_rows);
         let mut progress = part_of(progress, rays.0, rays.1, rays);
         let g_buffer = if asks_centre { GBuffer::None } else { options.g_buffer };
         let finer_options = Options { linear: true, g_buffer, ..options.clone() };
-        let done = self.frame(scene, &finer, &finer_options, pictures, &mut progress, &mut add).await;
+        let done = self.frame(scene, &finer, &finer_options, Wanted::all(pictures), &mut progress, &mut add).await;
         let done = done.map_err(|error| of_samples(error, options.samples))?;
-        Ok(done.with(centre, eyes))
+        Ok(Done { eyes: eyes.clone(), ..centre.into_iter().fold(done, Done::with) })
+    }
+
+    /// A frame of one sample a pixel, in its centre.
+    pub(super) async fn centres(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        pictures: bool,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<(Done, samples::Centres), Error> {
+        let mut centres = samples::Centres::default();
+        let mut keep = |rows: Rows| {
+            centres.add(rows.views);
+            Ok(())
+        };
+        // With linear colour, which nobody asks for, its kernels are those of the other frames.
+        let options = Options { linear: true, ..options.clone() };
+        let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
+        Ok((done, centres))
     }
 }
 
 /// What shows a frame's progress as that of both: so many of the rays of a pixel, behind others.
-fn part_of(
+pub(super) fn part_of(
     progress: &mut OnProgress<'_>,
     before: f32,
     rays: f32,
@@ -62,15 +78,9 @@ fn part_of(
     move |Progress { pass, done }| progress(Progress { pass, done: (before + rays * done) / (all.0 + all.1) })
 }
 
-/// What a pixel's centre is asked for.
-fn without_color(mut rows: ViewRows) -> ViewRows {
-    (rows.view.rgba8, rows.view.linear) = (Vec::new(), Vec::new());
-    rows
-}
-
 /// # Errors
 /// [`Error::Limit`] if what pixels' centres show does not fit memory.
-fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
+pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
     let ([width, height], views) = (eyes.pose.size, eyes.sources.len());
     // Depth, two ids, sources and a cost.
     let needed = (u64::from(width) * u64::from(height)).saturating_mul(18 * views as u64);
@@ -91,7 +101,7 @@ fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), E
 }
 
 /// An error of the larger picture, whose size nobody gave.
-fn of_samples(error: Error, samples: u32) -> Error {
+pub(super) fn of_samples(error: Error, samples: u32) -> Error {
     match error {
         Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
             what: format!("{samples} samples a pixel: {what}"),
@@ -105,20 +115,18 @@ fn of_samples(error: Error, samples: u32) -> Error {
 }
 
 impl Done {
-    /// Of the eyes that were asked for, with what the frame of pixels' centres cost.
-    fn with(mut self, centre: Option<Self>, eyes: &Eyes) -> Self {
-        self.eyes = eyes.clone();
-        let Some(centre) = centre else { return self };
-        for (tally, other) in self.tallies.iter_mut().zip(&centre.tallies) {
+    /// With what another frame of the same picture cost.
+    pub(super) fn with(mut self, other: Self) -> Self {
+        for (tally, other) in self.tallies.iter_mut().zip(&other.tallies) {
             tally.work += other.work;
             tally.reused += other.reused;
             tally.bad += other.bad;
             tally.missed += other.missed;
             tally.lost_candidates += other.lost_candidates;
         }
-        self.in_steps |= centre.in_steps;
-        self.times = self.times.zip(centre.times).map(|(times, others)| sum(times, &others));
-        self.intermediate_bytes = self.intermediate_bytes.max(centre.intermediate_bytes);
+        self.in_steps |= other.in_steps;
+        self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
+        self.intermediate_bytes = self.intermediate_bytes.max(other.intermediate_bytes);
         self
     }
 }

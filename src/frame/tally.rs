@@ -1,6 +1,6 @@
 //! What a frame's views cost, band by band, and how they came about.
 
-use super::{bands::Band, plan::Made, read::Counts};
+use super::{plan::Made, read::Counts};
 use crate::{Choice, Gpu, Method, Pose, Rays, ShadowReuse, Work, auto::CostModel};
 
 /// Of one view.
@@ -20,9 +20,8 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Adds a band that was made so.
-    pub(crate) fn add(&mut self, counts: &Counts, band: &Band, width: u32, made: Made) {
-        let pixels = u64::from(width) * u64::from(band.count());
+    /// Adds a band of so many pixels that was made so.
+    pub(crate) fn add(&mut self, counts: &Counts, pixels: u64, made: Made) {
         let landed = pixels - counts.missed;
         let (primary, verification, reused) = match made {
             Made::Traced | Made::Chosen => (pixels, 0, 0),

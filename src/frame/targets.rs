@@ -268,10 +268,48 @@ fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
 /// Kept by a renderer from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Cache {
-    pub(crate) targets: Option<Arc<Targets>>,
+    /// The last one used stands last.
+    pub(crate) targets: Vec<Arc<Targets>>,
+    /// How many of them are kept besides the one at work.
+    others: usize,
     pub(crate) slots: Option<wgpu::Buffer>,
     /// None of them is mapped.
     pub(crate) staging: Vec<Staging>,
+}
+
+impl Cache {
+    /// As many targets, for frames of as many shapes in turn.
+    pub(crate) fn keep(&mut self, targets: usize) {
+        self.others = targets.saturating_sub(1);
+        self.make_room(targets);
+    }
+
+    /// Targets that will do for a frame.
+    pub(crate) fn fitting(&mut self, shape: Shape, used: &Used) -> Option<Arc<Targets>> {
+        let place = self.targets.iter().rposition(|targets| targets.fit(shape, used))?;
+        let found = self.targets.remove(place);
+        self.targets.push(found.clone());
+        Some(found)
+    }
+
+    /// How many targets are kept besides the one at work.
+    pub(crate) fn others(&self) -> usize {
+        self.others
+    }
+
+    /// Drops the oldest ones but so many: their memory goes first.
+    pub(crate) fn make_room(&mut self, left: usize) {
+        self.targets.drain(..self.targets.len().saturating_sub(left));
+    }
+
+    /// The staging buffers of that size; of others some are kept.
+    pub(crate) fn staging_of(&mut self, bytes: u64) -> Vec<Staging> {
+        let (fitting, mut others): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.staging).into_iter().partition(|staging| staging.bytes() == bytes);
+        others.drain(..others.len().saturating_sub(2 * self.others));
+        self.staging = others;
+        fitting
+    }
 }
 
 impl Drop for Cache {

@@ -6,7 +6,6 @@ use super::{Filter, Window};
 use crate::{
     Options, Tone, View,
     frame::{Rows, ViewRows},
-    output,
 };
 
 /// Filters a picture's samples as they come, row after row: it holds no more of them than the rows of pixels that a row of samples is
@@ -26,13 +25,16 @@ pub(crate) struct Gather {
     across: Vec<[f64; 3]>,
     /// From the first row that is not done to the last one that has a sample.
     begun: VecDeque<Begun>,
-    /// What each view shows in the centres of pixels that are not handed on yet, from the first row on.
-    centres: VecDeque<Vec<ViewRows>>,
+    centres: Centres,
     /// Whether that is taken from the samples; else it was there before.
     from_samples: bool,
     /// The first row that is not done.
     first: u32,
 }
+
+/// What each view shows in the centres of pixels that are not handed on yet, from the first row on: all but colour.
+#[derive(Default)]
+pub(crate) struct Centres(VecDeque<Vec<ViewRows>>);
 
 /// A row of pixels at work.
 struct Begun {
@@ -51,7 +53,7 @@ struct Sums {
 impl Gather {
     /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
     /// samples do that stand there, or to the right of there and below.
-    pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<VecDeque<Vec<ViewRows>>>) -> Self {
+    pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<Centres>) -> Self {
         Self {
             side,
             size,
@@ -72,7 +74,7 @@ impl Gather {
     pub(crate) fn add(&mut self, samples: &Rows) -> Option<Rows> {
         if self.from_samples {
             let picked = samples.views.iter().map(|view| self.picked(samples.first, view)).collect();
-            self.centres.push_back(picked);
+            self.centres.add(picked);
         }
         let mut done: Vec<Begun> = Vec::new();
         for row in 0..samples.views[0].view.height {
@@ -149,15 +151,12 @@ impl Gather {
 
     fn hand_on(&mut self, done: Vec<Begun>) -> Rows {
         let rows = done.len() as u32;
-        let mut views = self.next_centres(rows, done[0].views.len());
+        let mut views = self.centres.take(rows, done[0].views.len(), self.size[0]);
         let centre_costs: Vec<_> = views.iter_mut().map(|rows| std::mem::take(&mut rows.view.cost)).collect();
         for sums in done.into_iter().map(|begun| begun.views) {
             for (view, sums) in views.iter_mut().map(|rows| &mut rows.view).zip(sums) {
                 let linear = sums.colors.iter().map(|color| color.map(|value| value as f32));
-                view.rgba8.extend(linear.clone().map(|color| {
-                    let [red, green, blue] = color.map(|value| output::encode(self.tone.shown(value * self.exposure)));
-                    [red, green, blue, 255]
-                }));
+                view.rgba8.extend(linear.clone().map(|color| self.tone.rgba8(color, self.exposure)));
                 if self.linear {
                     view.linear.extend(linear.map(|[red, green, blue]| [red, green, blue, 1.0]));
                 }
@@ -169,17 +168,25 @@ impl Gather {
         }
         Rows { first: self.first - rows, views }
     }
+}
 
-    /// What so many views show in the centres of the next rows of pixels, without colour.
-    fn next_centres(&mut self, rows: u32, views: usize) -> Vec<ViewRows> {
-        let mut taken: Vec<_> = (0..views).map(|_| ViewRows::new(self.size[0])).collect();
+impl Centres {
+    /// Adds the next rows of each view.
+    pub(crate) fn add(&mut self, mut rows: Vec<ViewRows>) {
+        rows.iter_mut().for_each(|rows| (rows.view.rgba8, rows.view.linear) = (Vec::new(), Vec::new()));
+        self.0.push_back(rows);
+    }
+
+    /// The next rows of so many views of that width.
+    pub(crate) fn take(&mut self, rows: u32, views: usize, width: u32) -> Vec<ViewRows> {
+        let mut taken: Vec<_> = (0..views).map(|_| ViewRows::new(width)).collect();
         let mut missing = rows;
         while missing > 0 {
-            let mut next = self.centres.pop_front().expect("a pixel's centre is among its samples");
+            let mut next = self.0.pop_front().expect("a pixel's centre is among its samples");
             let height = next[0].view.height;
             if height > missing {
                 let below = next.iter_mut().map(|rows| rows.split_off(missing)).collect();
-                self.centres.push_front(below);
+                self.0.push_front(below);
             }
             missing -= height.min(missing);
             taken.iter_mut().zip(next).for_each(|(taken, next)| taken.append(next));

@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 23] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -91,6 +91,7 @@ impl Kernel {
             ("samples", samples),
             ("sources", if self.asks_second(with) { "two" } else { "one" }),
             ("linear", if with.linear { "kept" } else { "none" }),
+            ("wanted", if with.masked { "masked" } else { "all" }),
             ("checks", if self.name == RESOLVE_TRUSTED.name { "none" } else { "all" }),
         ]
     }

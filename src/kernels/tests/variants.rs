@@ -99,8 +99,8 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2]);
-    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts]: &[usize; 11]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2, 2]);
+    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, masked]: &[usize; 12]| {
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
@@ -130,6 +130,7 @@ pub(super) fn variants() -> Vec<Variant> {
             samples: kept & 1 == 1,
             second: kept & 2 == 2,
             linear: kept & 2 == 2,
+            masked: masked == 1,
             stack_size: 40,
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
             count: counting > 0,

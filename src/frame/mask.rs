@@ -1,0 +1,73 @@
+//! Which pixels of a view a frame works on, where not all are wanted.
+
+use std::ops::Range;
+
+use crate::bvh::Texel;
+
+/// A bit for each pixel of some rows of a view.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mask {
+    /// Texels of a row, each with the bits of 128 pixels, the first one in the lowest bit (`shaders/shared/wanted.wgsl`).
+    texels_across: u32,
+    /// Rows of the picture.
+    rows: Range<u32>,
+    texels: Vec<Texel>,
+}
+
+impl Mask {
+    /// Of rows of a picture so wide; no pixel is wanted.
+    pub(crate) fn new(width: u32, rows: Range<u32>) -> Self {
+        let texels_across = width.div_ceil(128);
+        let texels = vec![[0; 4]; texels_across as usize * rows.len()];
+        Self { texels_across, rows, texels }
+    }
+
+    /// The texel of a pixel of the picture, and the word and the bit in it.
+    fn place(&self, column: u32, row: u32) -> (usize, usize, u32) {
+        let texel = (row - self.rows.start) * self.texels_across + column / 128;
+        (texel as usize, (column / 32 % 4) as usize, 1 << (column % 32))
+    }
+
+    /// A pixel of the picture is wanted.
+    pub(crate) fn want(&mut self, column: u32, row: u32) {
+        let (texel, word, bit) = self.place(column, row);
+        self.texels[texel][word] |= bit;
+    }
+
+    #[cfg(test)]
+    pub(crate) fn wants(&self, column: u32, row: u32) -> bool {
+        let (texel, word, bit) = self.place(column, row);
+        self.texels[texel][word] & bit != 0
+    }
+
+    /// How many are in these rows.
+    pub(crate) fn count(&self, rows: Range<u32>) -> u64 {
+        self.texels_of(rows).iter().flatten().map(|word| u64::from(word.count_ones())).sum()
+    }
+
+    /// The texels of these rows, and how many make a row.
+    pub(crate) fn rows(&self, rows: Range<u32>) -> (u32, &[Texel]) {
+        (self.texels_across, self.texels_of(rows))
+    }
+
+    fn texels_of(&self, rows: Range<u32>) -> &[Texel] {
+        let place = |row: u32| ((row - self.rows.start) * self.texels_across) as usize;
+        &self.texels[place(rows.start)..place(rows.end)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_wanted_is_counted_by_rows() {
+        let mut mask = Mask::new(300, 70..75);
+        for (column, row) in [(0, 70), (127, 71), (128, 71), (299, 74), (299, 74)] {
+            mask.want(column, row);
+            assert!(mask.wants(column, row) && !mask.wants(column, 73));
+        }
+        assert_eq!([70..75, 70..71, 71..72, 72..74, 74..75].map(|rows| mask.count(rows)), [4, 1, 2, 0, 1]);
+        assert_eq!(mask.rows(71..72), (3, &[[0, 0, 0, 1 << 31], [1, 0, 0, 0], [0; 4]][..]));
+    }
+}
