@@ -5,12 +5,15 @@
 //! which it fails. Prints a table in Markdown and writes `results.csv` and `results.json`, whole or not at all. docs/ADELSON-HODGES.md
 //! says what comes of it. `cargo bench --bench adelson-hodges -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
 
+mod adaptive;
 mod closed;
 #[path = "../common/mod.rs"]
 mod common;
 mod counts;
 mod groups;
+mod lattice;
 mod measure;
+mod nine;
 mod options;
 mod panes;
 mod quanta;
@@ -43,6 +46,8 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
         rows.extend(match part {
             Part::Random => random::rows(&mut renderer, &plan)?,
             Part::Samples => samples::rows(&mut renderer, &plan)?,
+            Part::Nine => nine::rows(&mut renderer, &plan, &options.folder())?,
+            Part::Adaptive => adaptive::rows(&mut renderer, &plan)?,
             Part::Times => times::rows(&mut renderer, &plan)?,
             Part::Worst => worst::rows(&mut renderer, &plan)?,
         });

@@ -32,6 +32,10 @@ pub(crate) enum Part {
     Random,
     /// Several rays a pixel
     Samples,
+    /// Nine rays with aiming rays
+    Nine,
+    /// Adaptive samples
+    Adaptive,
     /// Time
     Times,
     /// Worst cases, scenes in which the method fails, table 4

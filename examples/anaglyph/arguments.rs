@@ -5,13 +5,14 @@ use std::{error::Error, path::PathBuf};
 use crate::{
     studio,
     values::{
-        CreaseAngle, OcclusionArgument, above_zero, crease_angle, missing_textures, occlusion, point, size, tone,
+        CreaseAngle, OcclusionArgument, above_zero, adaptive, crease_angle, missing_textures, occlusion, point, size,
+        tone,
     },
 };
 use clap::{Args, Parser};
 use stereotrace::{
-    AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures, ObjOptions,
-    Options, Scene, Sky, SkyMap, StereoCamera, Tone,
+    Adaptive, AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures,
+    ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera, Tone,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -47,7 +48,10 @@ pub(crate) struct Arguments {
     /// Samples a pixel, which smooth edges: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for an OBJ file, else 1]
     #[arg(long, value_name = "N")]
     samples: Option<u32>,
-    /// How they are weighed: box, tent or gauss
+    /// In their place more samples only where those in a pixel's corners differ by more than TOL of 255, at up to LEVELS levels, 2 to 5
+    #[arg(long, value_name = "TOL[:LEVELS]", value_parser = adaptive, conflicts_with = "samples", allow_hyphen_values = true)]
+    adaptive: Option<Adaptive>,
+    /// How samples are weighed: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
     /// Surfaces that a ray may come from, one behind the other, by reflection or refraction: 0 to 8
@@ -194,10 +198,10 @@ impl Arguments {
     pub(crate) fn reaching(&self, scene: &Scene) -> Self {
         let mut settled = self.clone();
         if self.is_flattered() {
-            if self.samples.is_none() {
+            if self.samples.is_none() && self.adaptive.is_none() {
                 settled.shadow_rays.get_or_insert(studio::RAYS);
+                settled.samples = Some(studio::SAMPLES);
             }
-            settled.samples.get_or_insert(studio::SAMPLES);
             if self.lights.is_none() && self.occlusion.is_none() {
                 let reach =
                     scene.bounds().map(|(low, high)| studio::REACH * low.distance(high)).filter(|reach| *reach > 0.0);
@@ -217,6 +221,7 @@ impl Arguments {
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
         let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).bounces(self.bounces);
+        let options = options.adaptive(self.adaptive);
         options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
     }
 

@@ -68,6 +68,9 @@ fn samples_are_those_that_are_asked_for() {
     let text = run(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
     // 16x12 pixels of 9 rays each.
     assert!(text.contains("left          1728 ") && text.contains("100.00% of the right eye identical"), "{text}");
+    let text = run(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
+    assert!(text.contains("100.00% of the right eye identical"), "{text}");
+    assert!(run(&["--adaptive", "8:6"]).contains("adaptive: 6 levels; there can be 2 to 5"));
     assert_eq!(run(&["--samples", "5"]), "invalid samples: 5 a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
 }
 
@@ -131,6 +134,7 @@ fn an_obj_file_is_flattered_unless_it_is_to_be_plain() {
     for (option, value, text) in [
         ("--occlusion", "16:NaN", "it must be a number above 0"),
         ("--occlusion", "x", "a number of rays like 16"),
+        ("--adaptive", "x", "it must be a tolerance like 8"),
         ("--light-radius", "-1", "it must be a number above 0"),
         ("--tone", "soft", "it must be clamp or filmic"),
     ] {

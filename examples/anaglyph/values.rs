@@ -1,6 +1,6 @@
 //! Values of options, and how they are read.
 
-use stereotrace::{MissingTextures, Tone, glam::Vec3};
+use stereotrace::{Adaptive, MissingTextures, Tone, glam::Vec3};
 
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +37,19 @@ pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     let (rays, radius) = text.split_once(':').map_or((text, None), |(rays, radius)| (rays, Some(radius)));
     let rays = rays.parse().map_err(|_| "it must be a number of rays like 16, or with a radius like 16:0.5")?;
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
+}
+
+/// Levels where none are said: up to 9 samples a pixel's side.
+const LEVELS: u32 = 4;
+
+pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {
+    let (tolerance, levels) =
+        text.split_once(':').map_or((text, None), |(tolerance, levels)| (tolerance, Some(levels)));
+    let levels = levels.map_or(Ok(LEVELS), str::parse);
+    let (Ok(tolerance), Ok(levels)) = (tolerance.parse(), levels) else {
+        return Err("it must be a tolerance like 8, or with a number of levels like 8:3".into());
+    };
+    Ok(Adaptive::new(levels, tolerance))
 }
 
 pub(crate) fn tone(text: &str) -> Result<Tone, String> {

@@ -184,8 +184,7 @@ impl<'a> Levels<'a> {
         for (from, to) in pairs.flat_map(|(view, source)| [(view, source), (source, view)]) {
             let apart = self.eyes.offsets[to] - self.eyes.offsets[from];
             let pose = &self.eyes.pose;
-            let between =
-                Between { parallax_px: apart * pose.interaxial_px, screen_distance: pose.screen_distance };
+            let between = Between { parallax_px: apart * pose.interaxial_px, screen_distance: pose.screen_distance };
             cells[from].seen_by(&cells[to], level, &differing[from], between, &mut divided[to]);
         }
         cells.iter_mut().zip(divided).for_each(|(cells, divided)| cells.divide(level, divided));

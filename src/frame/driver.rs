@@ -11,7 +11,9 @@ use super::{
 use crate::{
     Error, OnProgress, Progress, UploadedScene,
     gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches},
+    kernels::{
+        Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches,
+    },
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,

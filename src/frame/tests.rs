@@ -203,3 +203,61 @@ fn renderer_and_scene_may_cross_threads() {
     check::<Gpu>();
     check::<Error>();
 }
+
+/// A frame of a part of what is wanted: half of the left view's pixels, all of the right one's.
+fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: Method) -> Vec<Rows> {
+    let [width, height] = eyes.pose.size;
+    let rows = (10, height - 3);
+    let mut masks = vec![mask::Mask::new(width, rows.0..rows.1); 2];
+    for (row, column) in (rows.0..rows.1).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        masks[1].want(column, row);
+        if column / 16 % 2 == 0 {
+            masks[0].want(column, row);
+        }
+    }
+    let wanted = Wanted { pictures: true, part: Some(Part { rows, masks: Some(&masks) }) };
+    let mut found = Vec::new();
+    let mut keep = |rows| {
+        found.push(rows);
+        Ok(())
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let options = Options::new(method);
+    let frame = renderer.frame(scene, eyes, &options, wanted, &mut go_on, &mut keep);
+    let done = pollster::block_on(frame).unwrap();
+    assert_eq!(done.tallies[0].work.rays.primary, masks[0].count(rows.0..rows.1));
+    found
+}
+
+/// Half a frame's samples stand where another frame left its own.
+#[test]
+fn what_was_not_wanted_vouches_for_nothing() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let eyes = Eyes::pair(&builtin.camera(130, 83).pose().unwrap());
+    let mut scene = builtin.scene();
+    let mut used = renderer(USUAL);
+    let before = used.upload(&scene).unwrap();
+    scene.lights.iter_mut().for_each(|light| light.position.x = -light.position.x);
+    let uploaded = used.upload(&scene).unwrap();
+    let naive = part_of(&mut used, &uploaded, &eyes, Method::Naive);
+    for method in [Method::BRACKET, Method::VERIFIED] {
+        let mut fresh = renderer(USUAL);
+        let same = fresh.upload(&scene).unwrap();
+        let expected = part_of(&mut fresh, &same, &eyes, method);
+        // A frame of all pixels in the same buffers.
+        let all = Wanted { pictures: true, part: Some(Part { rows: (10, 80), masks: None }) };
+        let (mut go_on, mut drop_them) = (|_| ControlFlow::Continue(()), |_| Ok(()));
+        let options = Options::new(method);
+        let frame = used.frame(&before, &eyes, &options, all, &mut go_on, &mut drop_them);
+        pollster::block_on(frame).unwrap();
+        let found = part_of(&mut used, &uploaded, &eyes, method);
+        for ((found, expected), naive) in found.iter().zip(&expected).zip(&naive) {
+            let [found, expected, naive] = [found, expected, naive].map(|rows| &rows.views[1].view);
+            assert!(found == expected, "{method}");
+            assert!(found.primitive == naive.primitive && found.depth == naive.depth, "{method}");
+            let same = found.rgba8.iter().zip(&naive.rgba8).filter(|(a, b)| a == b).count();
+            println!("{method}: {same} of {} colours are naive's", naive.rgba8.len());
+            assert!(same * 1000 >= naive.rgba8.len() * 997, "{method}: {same}");
+        }
+    }
+}

@@ -88,7 +88,8 @@ impl Cells {
         let corners = self.corners(level, at).map(|(level, place)| level.shown[place]);
         (0..3).any(|channel| {
             let values = corners.map(|corner| corner[channel]);
-            let spread = |values: [u8; 4]| values.iter().max().zip(values.iter().min()).map(|(most, least)| most - least);
+            let spread =
+                |values: [u8; 4]| values.iter().max().zip(values.iter().min()).map(|(most, least)| most - least);
             spread(values).is_some_and(|spread| f32::from(spread) > tolerance)
         })
     }
@@ -278,7 +279,10 @@ mod tests {
         let between = Between { parallax_px: 6.0, screen_distance: 1.0 }; // 3 pixels at a depth of 2
         let mut found = vec![false; 16];
         left.seen_by(&right, 0, &left.differing(0, 0.0), between, &mut found);
-        assert_eq!(found.iter().enumerate().filter(|(_, found)| **found).map(|(at, _)| at).collect::<Vec<_>>(), [5, 13]);
+        assert_eq!(
+            found.iter().enumerate().filter(|(_, found)| **found).map(|(at, _)| at).collect::<Vec<_>>(),
+            [5, 13]
+        );
         // Hidden by something nearer.
         right.levels[0].depth.iter_mut().for_each(|depth| *depth = 1.9);
         let mut hidden = vec![false; 16];

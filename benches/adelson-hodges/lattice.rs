@@ -1,0 +1,31 @@
+//! Pictures of all samples in the corners of pixels, and between them.
+
+use stereotrace::{
+    Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair,
+    metrics::{self, Difference},
+};
+
+/// A camera that has a pixel for each sample, `side` of them from a pixel's corner to the next one; the first stands in the picture's
+/// upper left corner.
+pub(crate) fn camera(camera: StereoCamera, side: u32) -> Result<StereoCamera, Error> {
+    let pose = camera.pose()?;
+    let [width, height] = pose.size.map(|pixels| pixels * side);
+    let screen_width = f64::from(pose.screen_size[0]) * (1.0 + 1.0 / f64::from(width));
+    Ok(camera.size(width + 1, height + 1).screen_width(screen_width as f32).interaxial(pose.interaxial))
+}
+
+/// All of them, traced.
+pub(crate) fn samples(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera) -> Result<StereoPair, Error> {
+    let uploaded = renderer.upload(scene)?;
+    renderer.render(&uploaded, camera, &Options::new(Method::Naive).g_buffer(GBuffer::Depth))
+}
+
+/// How far colours of pixels are from the true ones.
+pub(crate) fn compare(found: &[[u8; 4]], truth: &[[u8; 4]], like: &StereoPair) -> Result<Difference, Error> {
+    let view = |rgba8: &[[u8; 4]]| {
+        let mut view = like.right.clone();
+        view.rgba8 = rgba8.to_vec();
+        view
+    };
+    metrics::compare(&view(found), &view(truth), &like.pose)
+}
