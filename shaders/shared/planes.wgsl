@@ -95,17 +95,30 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// Texture coordinates on a plane. The footprint is as lookup_at has it, down to any angle: else the horizon would flicker.
-fn plane_lookup(rays: Rays, hits: Hits, ray: u32) -> Lookup {
+// A texture's colour on a plane. Of a picture the footprint is as lookup_at has it, but down to any angle. A checkerboard's share is that of the box,
+// along its own axes, around the pixel's shadow, which towards the horizon is far longer than it is wide: a disc's reaches along a unit vector e of
+// the plane by sqrt(1 + (e.d / n.d)^2) of its radius, d being the ray's direction.
+fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let slot = of_ray_u(hits.slot, ray);
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
     let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
     let u = bitcast<vec3f>(primitive_texel(slot, 2u).xyz);
+    let v = cross(normal, u);
     let direction = of_ray3(rays.direction, ray);
-    let across = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
-    let side = across * inverseSqrt(max(abs(dot(normal, direction)), 1e-9));
     let from_point = direction * of_ray(hits.t, ray) - (point - rays.origin);
-    return Lookup(vec2f(dot(from_point, u), dot(from_point, cross(normal, u))), side * length(u), false);
+    let uv = vec2f(dot(from_point, u), dot(from_point, v));
+    let width = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
+    let slope = max(abs(dot(normal, direction)), 1e-9);
+    let head = table_texel(head_at);
+    if (head.x & 15u) != CHECKERBOARD {
+        return texture_color(head_at, Lookup(uv, width * inverseSqrt(slope) * length(u), false));
+    }
+    let slants = vec2f(dot(direction, u), dot(direction, v)) / slope;
+    let widths = min(width * sqrt(dot(u, u) + slants * slants) * f32(head.z), vec2f(64.0));
+    let wrap = head.x >> 4u;
+    let place = vec2f(near_unit(uv.x, wrap), near_unit(uv.y, wrap)) * f32(head.z);
+    let waves = wave_mean(place.x, widths.x, i32(head.z), wrap) * wave_mean(place.y, widths.y, i32(head.z), wrap);
+    return mix(bitcast<vec3f>(table_texel(head.y).xyz), bitcast<vec3f>(table_texel(head.y + 1u).xyz), 0.5 - 0.5 * waves);
 }
 
 //! if planes is some and primitives is triangles or spheres or mixed

@@ -39,13 +39,9 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
     let painted = vertex_color(rays, hits, surface, ray);
     if texture == 0u { return painted; }
-    var at: Lookup;
-    if of_ray_u(hits.slot, ray) < PLANES {
-        at = plane_lookup(rays, hits, ray);
-    } else {
-        at = lookup_at(rays, hits, surface, ray);
-    }
-    return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, at);
+    let head_at = table_texel(TEXTURES).w + texture - 1u;
+    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }
+    return painted * texture_color(head_at, lookup_at(rays, hits, surface, ray));
 }
 //! end
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DEFAULT_AMBIENT, Light, Scene, checks::check_light_count};
+use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
 use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -71,6 +71,8 @@ impl Scene {
         let (low, high) = (pose.eye - pose.screen_distance, pose.eye + pose.screen_distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
+        // Holes don't count: what is cut out is as good as whole.
+        near.materials = self.materials.iter().map(|material| Material { cutout: None, ..material.clone() }).collect();
         near.triangles.extend(self.triangles.iter().filter(|triangle| {
             let [a, b, c] = triangle.corners;
             meets(a.min(b).min(c), a.max(b).max(c))

@@ -7,7 +7,9 @@ use std::{
 
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 
-use super::{Ellipsoid, Material, MaterialId, Mesh, Plane, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object};
+use super::{
+    Ellipsoid, Material, MaterialId, Mesh, Plane, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object,
+};
 use crate::{Error, message::counted};
 
 /// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
