@@ -125,6 +125,7 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     let plane = nearest_plane(rays, t_min, t_max);
     let hits = traverse(rays, t_min, plane.t, false);
+    forget_planes();
     let nearer = hits.primitive != U(MISS);
     return Hits(hits.t, select(plane.primitive, hits.primitive, nearer), select(plane.slot, hits.slot, nearer));
 }
@@ -133,7 +134,14 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     let plane = nearest_plane(rays, t_min, t_max);
     let open = plane.primitive == U(MISS);
-    return select(plane.slot, traverse(rays, t_min, select(F(NEVER), t_max, open), true).slot, open);
+    let hits = traverse(rays, t_min, select(F(NEVER), t_max, open), true);
+    forget_planes();
+    return select(plane.slot, hits.slot, open);
+}
+
+// A traversal that goes on in the next dispatch asks planes again.
+fn forget_planes() {
+    if COUNT && paused { primitives_tested -= PLANES; }
 }
 
 fn met_at(slot: u32, rays: Rays) -> Found {
