@@ -58,11 +58,11 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(first.y, 0u, nodes_visited, primitives_tested);
 }
 
-// The nearest hits among so many listed primitives.
+// The nearest hits among planes and so many listed primitives.
 fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
     let scales = scales_of(rays);
     let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
-    var nearest = Hits(F(FAR), U(MISS), U(0u));
+    var nearest = nearest_plane(rays, F(0.0), F(FAR));
     var put_off = PutOff();
     var place = 0u;
     loop {

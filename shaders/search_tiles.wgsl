@@ -53,7 +53,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
     let found = found_in_tile(corner);
     search(tile, found, min(bound * DEEPER, FAR));
-    var anything = bound < FAR;
+    var anything = bound < FAR || meets_planes(tile);
     let given_up = steps > MOST_STEPS;
     anything |= given_up;
     lists.entries[found] = bitcast<u32>(bound);

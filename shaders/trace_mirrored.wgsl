@@ -102,10 +102,9 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     var ray = Pending(frame.target_eye, of_ray3(primary, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
     // What another view's sample hit is met anew by this pixel's own ray, where it is: else what is sent on would begin beside it.
-    let primitive = primitive_at(hits.slot);
     let own = Rays(ray.origin, primary);
     if COUNT { primitives_tested += 1u; }
-    let met = intersect(primitive, own, scales_of(own), F(0.0));
+    let met = met_at(hits.slot, own);
     hits.t = select(hits.t, met.t, met.hit & (met.t >= F(0.0)));
     var color = vec3f(0.0);
     var sent_rays = 0u;

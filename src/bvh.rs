@@ -63,11 +63,11 @@ pub(crate) struct PackedBvh {
     pub(crate) nodes: Vec<Texel>,
     /// Texels of a pair: two, or four with f32 boxes.
     pub(crate) pair_texels: usize,
-    /// Three texels a primitive in leaf order, four if the scene has vertex normals or ellipsoids.
+    /// Three texels a primitive in leaf order, behind the planes, which are in no leaf; four if the scene has vertex normals or ellipsoids.
     pub(crate) primitives: Vec<Texel>,
     /// Masks of what is cut out, as `cutouts::masks_of` has them.
     pub(crate) masks: Vec<Texel>,
-    /// The scene's id of each primitive, in leaf order.
+    /// The scene's id of each primitive, in the same order.
     pub(crate) ids: Vec<u32>,
     /// The connected component of each primitive by its id, as `scene::components` says.
     pub(crate) components: Arc<Vec<u32>>,
@@ -78,16 +78,18 @@ pub(crate) struct PackedBvh {
 }
 
 impl PackedBvh {
-    /// Of a scene that nothing can be hit of.
-    fn empty(kind: Boxes, components: Arc<Vec<u32>>) -> Self {
+    /// Of a scene of which nothing can be hit but planes.
+    fn without_tree(scene: &Scene, kind: Boxes, components: Arc<Vec<u32>>) -> Self {
         let pair_texels = 2 * child_texels(kind);
+        let mut primitives = Vec::new();
+        scene.plane_ids().for_each(|id| push_primitive(&mut primitives, scene, &components, id));
         Self {
             uniform: layout::Bvh::default(),
-            nodes: vec![[0; 4]; pair_texels], // which no kernel of an empty scene reads
+            nodes: vec![[0; 4]; pair_texels], // which no kernel of such a scene reads
             pair_texels,
-            primitives: Vec::new(),
+            primitives,
             masks: Vec::new(),
-            ids: Vec::new(),
+            ids: scene.plane_ids().collect(),
             components,
             world_boxes: false,
             stack_size: 8,
@@ -95,7 +97,7 @@ impl PackedBvh {
     }
 }
 
-/// The boxes of all primitives: of those that are not traced, empty.
+/// The boxes of all primitives: of those that are not traced and of planes, empty.
 fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners;
@@ -112,7 +114,9 @@ fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     };
     let spheres = scene.spheres().iter().map(move |one| around(one.center, DVec3::splat(f64::from(one.radius))));
     let ellipsoids = scene.ellipsoids().iter().map(move |one| around(one.center, one.half_extent()));
-    triangles.chain(spheres).chain(ellipsoids)
+    // No box holds a plane: rays ask planes beside the tree (shaders/shared/planes.wgsl).
+    let planes = std::iter::repeat_n(Aabb::empty(), scene.planes().len());
+    triangles.chain(spheres).chain(ellipsoids).chain(planes)
 }
 
 fn is_empty(aabb: &Aabb) -> bool {
@@ -127,10 +131,10 @@ fn is_empty(aabb: &Aabb) -> bool {
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes): (Vec<u32>, Vec<Aabb>) = (0..).zip(boxes_of(scene)).filter(|(_, aabb)| !is_empty(aabb)).unzip();
     let components = Arc::new(components::of(scene));
-    if ids.is_empty() {
-        return Ok(PackedBvh::empty(kind, components));
-    }
     check_materials(scene)?;
+    if ids.is_empty() {
+        return Ok(PackedBvh::without_tree(scene, kind, components));
+    }
     if ids.len() > MAX_SLOTS {
         let reason = format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len());
         return Err(Error::Scene { element: "geometry".into(), reason });
@@ -149,6 +153,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         primitives: Vec::new(),
         packed: Vec::new(),
     };
+    scene.plane_ids().for_each(|id| packer.push(id));
     let depth = packer.pack_nodes();
     // The root's sentinel, a link a level, and what is left of a leaf that is interrupted.
     let stack_size = (depth + 2).next_multiple_of(8);
@@ -253,7 +258,7 @@ struct Packer<'a> {
     grid: Grid,
     nodes: Vec<Texel>,
     primitives: Vec<Texel>,
-    /// Ids of what is packed, in order.
+    /// Ids of what is packed, in order: planes first.
     packed: Vec<u32>,
 }
 
@@ -307,10 +312,14 @@ impl Packer<'_> {
         let link = LEAF | (count - 1) << 28 | self.packed.len() as u32;
         for index in first..first + count {
             let id = self.ids[self.tree.primitive_indices[index as usize] as usize];
-            self.packed.push(id);
-            push_primitive(&mut self.primitives, self.scene, self.components, id);
+            self.push(id);
         }
         link
+    }
+
+    fn push(&mut self, id: u32) {
+        self.packed.push(id);
+        push_primitive(&mut self.primitives, self.scene, self.components, id);
     }
 }
 

@@ -138,8 +138,8 @@ pub use rig::{Rig, RigView, Views};
 pub use samples::Filter;
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Scene, Sky, SkyMap, Sphere, Texture, TextureId,
-    TextureKind, Triangle, Wrap,
+    Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
+    TextureId, TextureKind, Triangle, Wrap,
 };
 #[cfg(feature = "obj")]
 pub use scene::{MissingTextures, ObjOptions};

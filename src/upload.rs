@@ -57,7 +57,7 @@ pub struct UploadedScene {
 #[non_exhaustive]
 pub enum Update {
     /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives moved. Where no primitive changed,
-    /// lights, materials and sky alone are uploaded. The scene must have as many triangles, spheres and ellipsoids as when the tree was built, and
+    /// lights, materials and sky alone are uploaded. The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built, and
     /// none that was without area or an exact copy of another then and is traced now.
     Refit,
     /// The tree is built anew.
@@ -149,7 +149,7 @@ impl Renderer {
     }
 
     /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`], [`Scene::set_mesh`],
-    /// [`Scene::set_sphere`], [`Scene::set_ellipsoid`]), was added, or is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
+    /// [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]), was added, or is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
     /// a scene uploaded anew. What is left of an update that failed for the want of memory is to be uploaded anew.
     ///
     /// # Errors

@@ -115,6 +115,8 @@ pub(crate) struct Variant {
     pub(crate) spheres: bool,
     /// Some of them are ellipsoids: then spheres are traced as such.
     pub(crate) ellipsoids: bool,
+    /// Planes, which are in no tree.
+    pub(crate) planes: u32,
     pub(crate) normals: bool,
     /// Primitives have texture coordinates, and colours at their corners.
     pub(crate) uv: bool,
@@ -168,6 +170,7 @@ impl Variant {
         triangles: false,
         spheres: false,
         ellipsoids: false,
+        planes: 0,
         normals: false,
         uv: false,
         colors: false,
@@ -204,17 +207,19 @@ impl Variant {
     pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
         let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
         let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();
+        let planes = scene.planes().len() as u32;
         Self {
             traversal,
             triangles,
             spheres: balls,
             ellipsoids: !scene.ellipsoids().is_empty(),
+            planes,
             normals: scene.has_normals(),
             uv: !scene.uv().is_empty(),
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
-            mirrors: (triangles || balls) && scene.materials().iter().any(Material::sends_rays),
+            mirrors: (triangles || balls || planes > 0) && scene.materials().iter().any(Material::sends_rays),
             cutouts: triangles && scene.is_cut_out(),
             lights: !scene.lights.is_empty(),
             shadows: Shadows::of(scene),
@@ -287,7 +292,12 @@ impl Variant {
 
     /// Whether there is light that is asked for by more than a ray.
     pub(crate) fn is_soft(&self) -> bool {
-        (self.soft_lights || self.occlusion_rays > 0) && (self.triangles || self.spheres)
+        (self.soft_lights || self.occlusion_rays > 0) && (self.has_tree() || self.planes > 0)
+    }
+
+    /// Whether there is anything to hit but planes.
+    pub(crate) fn has_tree(&self) -> bool {
+        self.triangles || self.spheres
     }
 
     pub(crate) fn soft_role(&self, kernel: &Kernel) -> SoftRole {

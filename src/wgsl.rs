@@ -18,6 +18,7 @@
 //! //! end
 //! ```
 //!
+//! What depends on several choices says so: `//! if sky is map and lights is none`.
 //! A section ends at the next one, at `//! end`, or with its file. What is chosen, `src/variant.rs` says and nobody else.
 
 use std::{collections::HashMap, sync::LazyLock};
@@ -61,6 +62,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "linear",
     "lists",
     "materials",
+    "planes",
     "primitives",
     "ray_list",
     "reprojection",
@@ -80,7 +82,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "wanted",
 ];
 
-/// For which of a choice's values a section is there.
+/// For which of a choice's values a section is there: of several choices, all must be so.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Condition {
     pub(crate) choice: &'static str,
@@ -94,6 +96,11 @@ impl Condition {
         Some(Self { choice: choice.trim(), values: values.split(" or ").map(str::trim).collect() })
     }
 
+    /// Of `planes is some and sky is gradient or map`.
+    fn all_of(text: &'static str) -> Option<Vec<Self>> {
+        text.split(" and ").map(Self::of).collect()
+    }
+
     fn holds(&self, choices: &[Choice]) -> bool {
         choices.iter().any(|(choice, value)| *choice == self.choice && self.values.contains(value))
     }
@@ -105,7 +112,7 @@ pub(crate) struct Definition {
     pub(crate) file: &'static str,
     /// Its first one, from 1.
     pub(crate) line: usize,
-    pub(crate) when: Option<Condition>,
+    pub(crate) when: Vec<Condition>,
     text: &'static str,
     /// Words that may be names of other definitions.
     uses: Vec<&'static str>,
@@ -139,7 +146,7 @@ pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
         }
         for &index in LIBRARY.by_name.get(name).into_iter().flatten() {
             let Definition { when, uses, .. } = &LIBRARY.definitions[index];
-            if !taken[index] && when.as_ref().is_none_or(|condition| condition.holds(choices)) {
+            if !taken[index] && when.iter().all(|condition| condition.holds(choices)) {
                 taken[index] = true;
                 wanted.extend(uses);
             }
@@ -172,13 +179,13 @@ pub(crate) fn shared() -> &'static [Definition] {
 /// The top-level definitions of a file, each with the condition of its section.
 pub(crate) fn definitions(part: Part) -> Vec<Definition> {
     let mut found = Vec::new();
-    let mut when = None;
+    let mut when = Vec::new();
     let mut words = Vec::new();
     let mut begin = 0;
     let mut depth = 0;
     for (at, word) in words_of(part.text) {
         if let Some(marker) = word.strip_prefix("//!") {
-            when = marker.trim().strip_prefix("if ").and_then(Condition::of);
+            when = marker.trim().strip_prefix("if ").and_then(Condition::all_of).unwrap_or_default();
         }
         if word.starts_with("//") {
             continue;

@@ -1,8 +1,8 @@
 //! The scenes in which each feature is off, unused and on.
 
 use stereotrace::{
-    AmbientOcclusion, Ellipsoid, Finish, GBuffer, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky,
-    Sphere, StereoCamera, Texture,
+    AmbientOcclusion, Ellipsoid, Finish, GBuffer, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene,
+    Sky, Sphere, StereoCamera, Texture,
     glam::{Mat3, Vec3, Vec3Swizzles},
 };
 
@@ -99,7 +99,8 @@ fn with_sky(mut scene: Scene) -> Scene {
 
 /// Each feature with its states, the first of which is off.
 pub(crate) fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
-    geometry_and_light(size).into_iter().chain(surfaces(size)).chain(many_rays(size)).collect()
+    let rest = surfaces(size).into_iter().chain(many_rays(size)).chain([("planes", planes(size))]);
+    geometry_and_light(size).into_iter().chain(rest).collect()
 }
 
 /// A third of the picture is sky.
@@ -168,6 +169,22 @@ fn many_rays(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 4] {
             ],
         ),
         ("occlusion", vec![plainly("off", terrain(0)), of("on: 16 rays", terrain(0), &ahead(size), &occluded)]),
+    ]
+}
+
+/// Planes, one behind the eye or so many below the terrain.
+fn planes(size: [u32; 2]) -> Vec<Variant> {
+    let with = |name, planes: &[Plane]| {
+        let mut scene = terrain(0);
+        planes.iter().for_each(|&plane| scene.add_plane(plane).expect("a plane with a normal"));
+        of(name, scene, &ahead(size), &plain())
+    };
+    let ground = |below: u8| Plane::new(-f32::from(below) * Vec3::Y, Vec3::Y, MaterialId(0));
+    vec![
+        with("off", &[]),
+        with("unused: one behind the eye", &[Plane::new(9.0 * Vec3::Z, Vec3::Z, MaterialId(0))]),
+        with("on: a ground below the terrain", &[ground(1)]),
+        with("on: eight of them", &Vec::from_iter((1..9).map(ground))),
     ]
 }
 

@@ -29,7 +29,7 @@ const ENVIRONMENT: &str =
 #[command(name = "anaglyph", after_help = ENVIRONMENT)]
 pub(crate) struct Arguments {
     /// An OBJ file, or builtin:NAME with spheres, hall, fence, hidden, near, grazing, random-20, random-100,
-    /// random-125, random-125-both or random-1000
+    /// random-125, random-125-both, random-1000, three-spheres, three-spheres-mirrors or three-spheres-textured
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
     /// Folder to write into

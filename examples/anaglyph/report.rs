@@ -118,8 +118,12 @@ impl Report<'_> {
             0 => String::new(),
             count => format!(", {}", counted(count, "ellipsoid", "ellipsoids")),
         };
+        let planes = match self.scene.planes().len() {
+            0 => String::new(),
+            count => format!(", {}", counted(count, "plane", "planes")),
+        };
         let (spheres, lights) = (counted(spheres, "sphere", "spheres"), counted(lights, "light", "lights"));
-        format!("{name}: {triangles}{dropped}, {spheres}{ellipsoids}, {lights}")
+        format!("{name}: {triangles}{dropped}, {spheres}{ellipsoids}{planes}, {lights}")
     }
 
     fn method_line(&self) -> String {

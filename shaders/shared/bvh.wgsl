@@ -79,7 +79,7 @@ struct Surface {
     from_outside: bool,        // the ray comes from the side on which its corners run counterclockwise, or from outside a ball
 }
 
-// Lowest bit of a component: of a sphere or an ellipsoid.
+// Lowest bit of a component: of a sphere or an ellipsoid; and of a plane, which has as little to do with triangles.
 const IS_SPHERE: u32 = 1u;
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;
@@ -302,7 +302,8 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     return smallest(select(F(NO_ENTRY), entry, entry <= exit));
 }
 
-// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS.
+//! if planes is none
+// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS. Where there are planes: planes.wgsl.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }
@@ -311,6 +312,7 @@ fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
 var<private> nodes_visited: u32;
 var<private> primitives_tested: u32;
 
+//! if primitives is triangles or spheres or mixed and planes is none
 // The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER leaves
 // a ray out.
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
@@ -322,7 +324,7 @@ fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
 
-//! if primitives is none
+//! if primitives is none and planes is none
 // No traversal in the kernel: nothing is ever hit.
 
 const nodes_visited: u32 = 0u;

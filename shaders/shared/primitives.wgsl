@@ -26,7 +26,13 @@ fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32)
     return look_again_triangle(origin, direction, primitive);
 }
 
+//! if primitives is triangles and planes is none
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return triangle_surface(rays, hits, ray);
+}
+
+//! if primitives is triangles and planes is some
+fn surface_in_tree(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return triangle_surface(rays, hits, ray);
 }
 
@@ -40,7 +46,13 @@ fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32)
     return -1.0;
 }
 
+//! if primitives is spheres and planes is none
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return sphere_surface(rays, hits, ray);
+}
+
+//! if primitives is spheres and planes is some
+fn surface_in_tree(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return sphere_surface(rays, hits, ray);
 }
 
@@ -68,6 +80,7 @@ fn look_again(primitive: Primitive, origin: vec3f, direction: vec3f, t_min: f32)
     return look_again_triangle(origin, direction, primitive);
 }
 
+//! if primitives is mixed and planes is none
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
     if (primitive_texel(of_ray_u(hits.slot, ray), 1u).w & IS_SPHERE) != 0u {
         return sphere_surface(rays, hits, ray);
@@ -75,7 +88,15 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return triangle_surface(rays, hits, ray);
 }
 
-//! if primitives is none
+//! if primitives is mixed and planes is some
+fn surface_in_tree(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    if (primitive_texel(of_ray_u(hits.slot, ray), 1u).w & IS_SPHERE) != 0u {
+        return sphere_surface(rays, hits, ray);
+    }
+    return triangle_surface(rays, hits, ray);
+}
+
+//! if primitives is none and planes is none
 fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(vec3f(0.0), vec3f(0.0), 0u, 0u, 0.0, vec3f(0.0), 0.0, true);
 }

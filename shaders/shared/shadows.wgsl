@@ -14,11 +14,19 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
     return any_slot(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));
 }
 
+//! if shadows is from_light and planes is none
 // Whether a primitive stands in the way of one of the rays, as traversal would find it.
 fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
     if COUNT { primitives_tested += 1u; }
     let rays = Rays(ray.light, ray.direction);
     let found = intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
+    return of_ray_b(found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance), index);
+}
+
+//! if shadows is from_light and planes is some
+fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
+    if COUNT { primitives_tested += 1u; }
+    let found = met_at(slot, Rays(ray.light, ray.direction));
     return of_ray_b(found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance), index);
 }
 

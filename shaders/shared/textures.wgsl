@@ -25,13 +25,23 @@ struct Lookup {
     width: f32,    // of the ray's footprint, in units of uv
     round: bool,   // on a ball: closed around, and its poles are ends whatever the texture's wrap
 }
-//! if textures is some
+//! if textures is some and planes is none
 // What textures and vertex colours multiply the albedo by where a ray hits.
 fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
     let painted = vertex_color(rays, hits, surface, ray);
     if texture == 0u { return painted; }
     return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
+}
+
+//! if textures is some and planes is some
+fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
+    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
+    let painted = vertex_color(rays, hits, surface, ray);
+    if texture == 0u { return painted; }
+    let head_at = table_texel(TEXTURES).w + texture - 1u;
+    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }
+    return painted * texture_color(head_at, lookup_at(rays, hits, surface, ray));
 }
 //! end
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {

@@ -1,4 +1,4 @@
-//! Primitives in the words that shaders/shared/primitives.wgsl and ellipsoid.wgsl read.
+//! Primitives in the words that shaders/shared/primitives.wgsl, ellipsoid.wgsl and planes.wgsl read.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::{
     variant::TexelPlaces,
 };
 
-/// Lowest bit of `w` of a primitive's second texel, see shaders/shared/bvh.wgsl, and the highest one (cutouts.wgsl); the others are its
+/// Lowest bit of `w` of a primitive's second texel, which planes have too, see shaders/shared/bvh.wgsl, and the highest one (cutouts.wgsl); the others are its
 /// component.
 const IS_SPHERE: u32 = 1;
 const IS_CUT_OUT: u32 = 1 << 31;
@@ -18,7 +18,8 @@ const IS_CUT_OUT: u32 = 1 << 31;
 /// Where a triangle that is cut out has its holes: its material and its texture coordinates.
 type Holes = Option<(u32, [[u32; 2]; 3])>;
 
-/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes; and its holes.
+/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes, or a
+/// plane's point, normal and u axis; and its holes.
 pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
     match scene.primitive(id) {
         Primitive::Triangle(triangle) => {
@@ -31,6 +32,9 @@ pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
         Primitive::Ellipsoid(one) => {
             let [x, y, z] = [one.axes.x_axis, one.axes.y_axis, one.axes.z_axis].map(words);
             (2, [words(one.center), x, y, z], None)
+        }
+        Primitive::Plane(one) => {
+            (3, [words(one.point), words(one.unit_normal()), words(one.u_per_unit()), [0; 3]], None)
         }
     }
 }
@@ -75,6 +79,10 @@ pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, compone
             [texel(words(one.center), id), radius, [0, 0, 0, one.material.0], [0; 4]]
         }
         Primitive::Ellipsoid(one) => ellipsoid(one.center, one.to_sphere(), one.material.0),
+        Primitive::Plane(one) => {
+            let normal = texel(words(one.unit_normal()), component | IS_SPHERE);
+            [texel(words(one.point), id), normal, texel(words(one.u_per_unit()), one.material.0), [0; 4]]
+        }
     };
     let TexelPlaces { uv, colors, count } = places(scene);
     primitives.extend_from_slice(&all[..uv]);

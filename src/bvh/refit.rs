@@ -21,13 +21,13 @@ use crate::{
 pub(crate) struct TreeShape {
     /// Both links of each pair. Pairs stand behind those above them.
     links: Arc<Vec<[u32; 2]>>,
-    /// The scene's id of each primitive, in leaf order.
+    /// The scene's id of each primitive, planes first, then in leaf order.
     ids: Arc<Vec<u32>>,
     /// Primitives that were left out, each with the one that it was an exact copy of.
     copies: Arc<Vec<(u32, u32)>>,
     stack_size: u32,
-    /// Of triangles, spheres and ellipsoids.
-    counts: [usize; 3],
+    /// Of triangles, spheres, ellipsoids and planes.
+    counts: [usize; 4],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
 }
@@ -36,15 +36,15 @@ fn stamps(scene: &Scene) -> [Stamp; 2] {
     [scene.triangles_stamp, scene.spheres_stamp]
 }
 
-/// How many triangles, spheres and ellipsoids there are.
-fn counts(scene: &Scene) -> [usize; 3] {
-    [scene.triangles().len(), scene.spheres().len(), scene.ellipsoids().len()]
+/// How many triangles, spheres, ellipsoids and planes there are.
+fn counts(scene: &Scene) -> [usize; 4] {
+    [scene.triangles().len(), scene.spheres().len(), scene.ellipsoids().len(), scene.planes().len()]
 }
 
 impl TreeShape {
     /// Of what was built of this scene.
     pub(crate) fn of(scene: &Scene, packed: &PackedBvh) -> Self {
-        let has_pairs = !packed.ids.is_empty();
+        let has_pairs = packed.ids.len() > scene.planes().len();
         let pairs = packed.nodes.chunks_exact(packed.pair_texels).filter(|_| has_pairs);
         Self {
             links: Arc::new(pairs.map(|pair| [pair[0][3], pair[packed.pair_texels / 2][3]]).collect()),
@@ -79,7 +79,7 @@ impl TreeShape {
         let same_triangles = self.stamps[0] == scene.triangles_stamp && self.counts == counts(scene);
         let components = if same_triangles { self.components.clone() } else { Arc::new(components::of(scene)) };
         let Some(&stand_in) = self.ids.iter().find(|&&id| !is_empty(&boxes[id as usize])) else {
-            return Ok(PackedBvh::empty(kind, components));
+            return Ok(PackedBvh::without_tree(scene, kind, components));
         };
         let pairs = self.pair_boxes(&boxes);
         let root = pairs[0][0].union(&pairs[0][1]);
@@ -93,7 +93,7 @@ impl TreeShape {
                 nodes.extend(grid.pack(kind, low.into(), high.into(), link));
             }
         }
-        let is_traced = |id: u32| !is_empty(&boxes[id as usize]);
+        let is_traced = |id: u32| !is_empty(&boxes[id as usize]) || scene.plane_ids().contains(&id);
         let ids: Vec<u32> = self.ids.iter().map(|&id| if is_traced(id) { id } else { stand_in }).collect();
         let mut primitives = Vec::with_capacity(ids.len() * texels_of_each(scene));
         ids.iter().for_each(|&id| push_primitive(&mut primitives, scene, &components, id));
@@ -132,9 +132,10 @@ impl TreeShape {
         let fault = |element: String, reason: String| {
             Err(Error::Scene { element, reason: format!("{reason}; use Update::Rebuild") })
         };
-        let count = |[triangles, spheres, ellipsoids]: [usize; 3]| match ellipsoids {
-            0 => format!("{triangles} triangles and {spheres} spheres"),
-            _ => format!("{triangles} triangles, {spheres} spheres and {ellipsoids} ellipsoids"),
+        let count = |[triangles, spheres, ellipsoids, planes]: [usize; 4]| match (ellipsoids, planes) {
+            (0, 0) => format!("{triangles} triangles and {spheres} spheres"),
+            (_, 0) => format!("{triangles} triangles, {spheres} spheres and {ellipsoids} ellipsoids"),
+            _ => format!("{triangles} triangles, {spheres} spheres, {ellipsoids} ellipsoids and {planes} planes"),
         };
         let now = counts(scene);
         if now != self.counts {

@@ -176,6 +176,7 @@ fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, 
             let rows = ellipsoid.to_sphere().rows;
             rows.iter().map(|&row| row * row.dot(from(ellipsoid.center))).sum()
         }
+        Primitive::Plane(plane) => plane.unit_normal(),
     };
     let normal = normal.normalize();
     if normal.dot(direction) > 0.0 { -normal } else { normal }

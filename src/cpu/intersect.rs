@@ -1,4 +1,4 @@
-//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl and cutouts.wgsl, and a search through all primitives in place of the BVH.
+//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl, planes.wgsl and cutouts.wgsl, and a search through all primitives in place of the BVH.
 
 use glam::Vec3;
 
@@ -7,10 +7,10 @@ use super::{
     double_float::{Two, Two3, dot, plane_t},
 };
 use crate::{
-    Ellipsoid, MISS, Scene,
+    Ellipsoid, MISS, Plane, Scene,
     bvh::{reach_bits, shortest_edge_first},
     large::LARGE,
-    scene::ToSphere,
+    scene::{PLANE_REACH, ToSphere},
 };
 
 /// `CANCELLED` of ellipsoid.wgsl.
@@ -151,6 +151,16 @@ pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid,
     meet(mapped(&map, center - origin), mapped(&map, direction), map.radius, t_min)
 }
 
+/// The ray's t at a plane, or `None` where it begins in it, runs along it, or meets it farther than [`PLANE_REACH`] away
+/// (shaders/shared/planes.wgsl). It is below 0 where the ray goes away from it.
+pub fn intersect_plane(origin: Vec3, direction: Vec3, plane: &Plane) -> Option<f32> {
+    let normal = plane.unit_normal();
+    let height = dot(Two3::new(normal), Two3::difference(plane.point, origin)).hi;
+    let across = direction.x * normal.x + direction.y * normal.y + direction.z * normal.z;
+    let length = direction.dot(direction).sqrt();
+    (height != 0.0 && across.abs() * PLANE_REACH >= height.abs() * length).then(|| height / across)
+}
+
 fn meet(to_center: Vec3, direction: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     let per_length_squared = 1.0 / direction.dot(direction);
     let middle = to_center.dot(direction) * per_length_squared;
@@ -188,7 +198,8 @@ pub fn closest_hit(scene: &Scene, origin: Vec3, direction: Vec3, t_min: f32, t_m
         scene.spheres().iter().map(|sphere| intersect_sphere(origin, direction, sphere.center, sphere.radius, t_min));
     let mut best = (t_max, MISS);
     let ellipsoids = scene.ellipsoids().iter().map(|one| intersect_ellipsoid(origin, direction, one, t_min));
-    for (id, t) in triangles.chain(spheres).chain(ellipsoids).enumerate() {
+    let planes = scene.planes().iter().map(|plane| intersect_plane(origin, direction, plane));
+    for (id, t) in triangles.chain(spheres).chain(ellipsoids).chain(planes).enumerate() {
         let Some(t) = t.filter(|&t| t >= t_min) else { continue };
         if t < best.0 || (t == best.0 && (id as u32) < best.1) {
             best = (t, id as u32);

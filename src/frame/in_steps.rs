@@ -110,8 +110,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        AmbientOcclusion, BvhBuild, Finish, GBuffer, Gpu, Light, Material, Mesh, Method, Options, Progress, Ray,
-        Renderer, Scene, Sphere, StereoCamera, StereoPair, Texture, Traversal,
+        AmbientOcclusion, BvhBuild, Finish, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options, Plane,
+        Progress, Ray, Renderer, Scene, Sphere, StereoCamera, StereoPair, Texture, Traversal,
         glam::{Vec2, Vec3},
         random::Random,
         scene::builtin::Builtin,
@@ -142,12 +142,22 @@ mod tests {
         scene
     }
 
-    /// A hall by its own lights, spheres among triangles under a gradient, and lights so far off that rays start at surfaces.
+    /// A ground and a wall, under a lamp.
+    fn planes_alone() -> Scene {
+        let mut scene = Scene::new();
+        for (point, normal) in [(Vec3::ZERO, Vec3::Y), (-5.0 * Vec3::Z, Vec3::new(0.3, 0.1, 1.0))] {
+            scene.add_plane(Plane::new(point, normal, MaterialId(0))).unwrap();
+        }
+        scene.lights = vec![Light::point(Vec3::new(1.0, 4.0, 2.0), Vec3::ONE)];
+        scene
+    }
+
+    /// A hall by its own lights, spheres among triangles under a gradient, lights so far off that rays start at surfaces, and planes.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
         let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
         by_far_lights.lights.push(far);
-        let (hall, near) = (Builtin::Hall, Builtin::Near);
+        let (hall, near, three) = (Builtin::Hall, Builtin::Near, Builtin::ThreeSpheresTextured);
         let mut by_a_ball = Builtin::Near.scene();
         by_a_ball
             .lights
@@ -165,6 +175,8 @@ mod tests {
             ("near by a ball, occluded", by_a_ball, near.camera(37, 23)),
             ("near by far lights", by_far_lights, near.camera(37, 23)),
             ("near behind a fence", behind_a_fence(&near.camera(37, 23)), near.camera(37, 23)),
+            ("three spheres on a plane", three.scene(), three.camera(37, 23)),
+            ("planes alone", planes_alone(), three.camera(37, 23)),
             ("nothing", Scene::new(), hall.camera(9, 5)),
         ]
     }
@@ -220,7 +232,9 @@ mod tests {
         for (name, scene, camera) in scenes() {
             assert_alike(name, &scene, &camera, &mut renderer, false);
         }
-        assert_alike("hall, counted", &Builtin::Hall.scene(), &Builtin::Hall.camera(37, 23), &mut renderer, true);
+        for builtin in [Builtin::Hall, Builtin::ThreeSpheresTextured] {
+            assert_alike("counted", &builtin.scene(), &builtin.camera(37, 23), &mut renderer, true);
+        }
     }
 
     #[test]

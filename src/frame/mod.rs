@@ -431,13 +431,13 @@ impl Frame<'_> {
     }
 }
 
-/// The method that views are made by: without interaxial all are equal, and where there is nothing to hit there is nothing to
+/// The method that views are made by: without interaxial all are equal, and where there is no tree there is nothing to
 /// bracket.
 fn effective(method: Method, eyes: &Eyes, scene: &UploadedScene) -> Method {
     match method {
         Method::Naive => Method::Naive,
         _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
-        Method::Auto | Method::Bracket(_) if scene.ids.is_empty() => Method::Naive,
+        Method::Auto | Method::Bracket(_) if !scene.variant.has_tree() => Method::Naive,
         method => method,
     }
 }

@@ -228,7 +228,7 @@ fn sections_ask_for_choices_and_values_that_there_are() {
     let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| kernel.choices(&with)));
     let there: BTreeSet<_> = all.flatten().collect();
     for definition in wgsl::shared() {
-        if let Some(Condition { choice, values }) = &definition.when {
+        for Condition { choice, values } in &definition.when {
             let known = values.iter().all(|value| there.contains(&(*choice, *value)));
             assert!(known, "{}:{}: {choice} is {values:?}", definition.file, definition.line);
         }

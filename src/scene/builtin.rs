@@ -1,4 +1,5 @@
-//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, and four of ellipsoids.
+//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, five of ellipsoids, and three
+//! spheres on an infinite ground.
 
 mod hall;
 mod random;
@@ -13,7 +14,7 @@ use glam::Vec3;
 pub use self::{random::RandomObjects, spheres::spheres_turned};
 use self::{
     shapes::Shape,
-    spheres::{CLOUD_SCREEN, spheres},
+    spheres::{CLOUD_SCREEN, spheres, three_camera, three_spheres},
 };
 use super::{Light, Material, MaterialId, Scene};
 use crate::{Error, StereoCamera};
@@ -58,6 +59,12 @@ pub enum Builtin {
     Random125Both,
     /// The same of a thousand.
     Random1000,
+    /// Three stacked spheres on an infinite plane under one lamp, after Raghuvanshi and Dhande: shadows and highlights.
+    ThreeSpheres,
+    /// The same with spheres that mirror one another.
+    ThreeSpheresMirrors,
+    /// And with checkerboards on all.
+    ThreeSpheresTextured,
 }
 
 impl Builtin {
@@ -74,6 +81,9 @@ impl Builtin {
         Self::Random125,
         Self::Random125Both,
         Self::Random1000,
+        Self::ThreeSpheres,
+        Self::ThreeSpheresMirrors,
+        Self::ThreeSpheresTextured,
     ];
 
     /// The name it has on a command line.
@@ -90,6 +100,9 @@ impl Builtin {
             Self::Random125 => "random-125",
             Self::Random125Both => "random-125-both",
             Self::Random1000 => "random-1000",
+            Self::ThreeSpheres => "three-spheres",
+            Self::ThreeSpheresMirrors => "three-spheres-mirrors",
+            Self::ThreeSpheresTextured => "three-spheres-textured",
         }
     }
 
@@ -107,6 +120,9 @@ impl Builtin {
             Self::Random125 => RandomObjects::new(125, SEED).scene(),
             Self::Random125Both => RandomObjects::new(125, SEED).shares(0.1, 0.1).scene(),
             Self::Random1000 => RandomObjects::new(1000, SEED).scene(),
+            Self::ThreeSpheres => three_spheres(false, false),
+            Self::ThreeSpheresMirrors => three_spheres(true, false),
+            Self::ThreeSpheresTextured => three_spheres(true, true),
         }
     }
 
@@ -122,6 +138,7 @@ impl Builtin {
             Self::Random20 | Self::Random100 | Self::Random125 | Self::Random125Both | Self::Random1000 => {
                 random::camera()
             }
+            Self::ThreeSpheres | Self::ThreeSpheresMirrors | Self::ThreeSpheresTextured => three_camera(),
         };
         camera.size(width, height).interaxial_pixels(INTERAXIAL_SHARE * width as f32)
     }
@@ -265,7 +282,7 @@ mod tests {
         for &builtin in Builtin::ALL {
             let scene = builtin.scene();
             scene.check().unwrap();
-            assert_eq!(scene.lights.len(), 5, "{builtin}");
+            assert_eq!(scene.lights.len(), if scene.planes().is_empty() { 5 } else { 1 }, "{builtin}");
             let total: f32 = scene.lights.iter().map(|light| light.intensity.max_element()).sum();
             assert!((1.1..1.3).contains(&total), "{builtin}: {total}");
             assert_eq!(scene.degenerate_count(), 0, "{builtin}");

@@ -57,7 +57,7 @@ impl Scene {
         for (index, material) in self.materials.iter().enumerate() {
             check(format!("material {index} '{}'", material.name), self.check_surface(material))?;
         }
-        self.check_cut_out_balls()?;
+        self.check_cut_out_others()?;
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
@@ -97,15 +97,17 @@ impl Scene {
     }
 
     /// Only triangles can be cut out.
-    fn check_cut_out_balls(&self) -> Result<(), Error> {
+    fn check_cut_out_others(&self) -> Result<(), Error> {
         if !self.is_cut_out() {
             return Ok(());
         }
         let is_cut_out = |id: MaterialId| self.materials[id.0 as usize].cutout.is_some();
         let spheres = self.spheres.iter().map(|sphere| sphere.material).enumerate();
         let ellipsoids = self.ellipsoids.iter().map(|ellipsoid| ellipsoid.material).enumerate();
-        let mut balls = spheres.map(|ball| ("sphere", ball)).chain(ellipsoids.map(|ball| ("ellipsoid", ball)));
-        match balls.find(|(_, (_, material))| is_cut_out(*material)) {
+        let planes = self.planes.iter().map(|plane| plane.material).enumerate();
+        let balls = spheres.map(|ball| ("sphere", ball)).chain(ellipsoids.map(|ball| ("ellipsoid", ball)));
+        let mut others = balls.chain(planes.map(|plane| ("plane", plane)));
+        match others.find(|(_, (_, material))| is_cut_out(*material)) {
             None => Ok(()),
             Some((kind, (index, MaterialId(material)))) => {
                 let reason = format!("its material {material} has a cut-out; only triangles can be cut out");

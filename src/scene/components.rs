@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 use super::Scene;
 
 /// The connected component of each primitive, as the least primitive id in it. Triangles hang together where corners have equal
-/// positions (welded, whatever the file's own vertices and groups); every sphere and ellipsoid is its own.
+/// positions (welded, whatever the file's own vertices and groups); every sphere, ellipsoid and plane is its own.
 pub(crate) fn of(scene: &Scene) -> Vec<u32> {
     let triangles = scene.triangles();
     let mut above: Vec<u32> = (0..scene.primitive_count() as u32).collect();

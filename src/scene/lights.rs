@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DEFAULT_AMBIENT, Light, Scene, checks::check_light_count};
+use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
 use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -21,7 +21,7 @@ impl Scene {
     /// to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
     ///
     /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
-    /// light would be inside a sphere or an ellipsoid that the eyes are not in, it keeps its place beside the eyes, drawn
+    /// light would be inside a sphere or an ellipsoid that the eyes are not in, or behind a plane, it keeps its place beside the eyes, drawn
     /// towards them to nine tenths of the way to the first thing between.
     ///
     /// # Errors
@@ -53,7 +53,7 @@ impl Scene {
         Ok(())
     }
 
-    /// A sphere or an ellipsoid has one of the points in it and not the other.
+    /// A sphere or an ellipsoid has one of the points in it and not the other, or a plane stands between them.
     fn enclosed(&self, point: Vec3, eye: Vec3) -> bool {
         let of_ellipsoids = || self.ellipsoids.iter().any(|one| one.holds(point) && !one.holds(eye));
         let of_spheres = || {
@@ -62,7 +62,8 @@ impl Scene {
                 inside(point) && !inside(eye)
             })
         };
-        of_spheres() || of_ellipsoids()
+        let of_planes = || self.planes.iter().any(|plane| plane.height_of(point) * plane.height_of(eye) <= 0.0);
+        of_spheres() || of_ellipsoids() || of_planes()
     }
 
     /// The primitives that may stand between the eyes and a light.
@@ -70,6 +71,8 @@ impl Scene {
         let (low, high) = (pose.eye - pose.screen_distance, pose.eye + pose.screen_distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
+        // Holes don't count: what is cut out is as good as whole.
+        near.materials = self.materials.iter().map(|material| Material { cutout: None, ..material.clone() }).collect();
         near.triangles.extend(self.triangles.iter().filter(|triangle| {
             let [a, b, c] = triangle.corners;
             meets(a.min(b).min(c), a.max(b).max(c))
@@ -81,6 +84,7 @@ impl Scene {
             let [low, high] = one.corners();
             meets(low, high)
         }));
+        near.planes.clone_from(&self.planes);
         near
     }
 }

@@ -1,4 +1,4 @@
-//! What is rendered: triangle meshes, spheres and ellipsoids, materials, lights, ambient light and a sky.
+//! What is rendered: triangle meshes, spheres, ellipsoids and planes, materials, lights, ambient light and a sky.
 
 mod beside;
 pub mod builtin;
@@ -12,6 +12,7 @@ mod mesh;
 mod moving;
 #[cfg(feature = "obj")]
 mod obj;
+mod plane;
 mod sky;
 mod smooth;
 pub mod suite;
@@ -26,6 +27,7 @@ pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 #[cfg(feature = "obj")]
 pub use obj::{MissingTextures, ObjOptions};
+pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 
@@ -94,10 +96,11 @@ pub(crate) enum Primitive<'a> {
     Triangle(&'a Triangle),
     Sphere(&'a Sphere),
     Ellipsoid(&'a Ellipsoid),
+    Plane(&'a Plane),
 }
 
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
-/// their number), then spheres, then ellipsoids.
+/// their number), then spheres, then ellipsoids, then planes.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
@@ -124,6 +127,7 @@ pub struct Scene {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     ellipsoids: Vec<Ellipsoid>,
+    planes: Vec<Plane>,
     mesh_objects: Vec<Object>,
     beside: Beside,
     /// How many of the triangles that are traced are smooth.
@@ -132,7 +136,7 @@ pub struct Scene {
     dropped: usize,
     /// How many meshes were warned of for it.
     dropping_meshes: usize,
-    /// Renewed when triangles change, or spheres or ellipsoids: equal ones are of equal primitives.
+    /// Renewed when triangles change, or spheres, ellipsoids or planes: equal ones are of equal primitives.
     pub(crate) triangles_stamp: Stamp,
     pub(crate) spheres_stamp: Stamp,
 }
@@ -156,6 +160,7 @@ impl Scene {
             triangles: Vec::new(),
             spheres: Vec::new(),
             ellipsoids: Vec::new(),
+            planes: Vec::new(),
             mesh_objects: Vec::new(),
             beside: Beside::default(),
             smooth: 0,
@@ -224,7 +229,7 @@ impl Scene {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
 
-    /// The axis-aligned box around all primitives that can be hit, or `None` if there are none.
+    /// The axis-aligned box around all primitives that can be hit but planes, or `None` if there are none.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
@@ -235,9 +240,9 @@ impl Scene {
         })
     }
 
-    /// Number of primitive ids: triangles (dropped ones too), then spheres and ellipsoids.
+    /// Number of primitive ids: triangles (dropped ones too), then spheres, ellipsoids and planes.
     pub fn primitive_count(&self) -> usize {
-        self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
+        self.triangles.len() + self.ball_count() + self.planes.len()
     }
 
     /// A primitive by its id, which must be there.
@@ -247,8 +252,16 @@ impl Scene {
         match self.triangles.get(index) {
             Some(triangle) => Primitive::Triangle(triangle),
             None if index < triangles + spheres => Primitive::Sphere(&self.spheres[index - triangles]),
-            None => Primitive::Ellipsoid(&self.ellipsoids[index - triangles - spheres]),
+            None if index < triangles + self.ball_count() => {
+                Primitive::Ellipsoid(&self.ellipsoids[index - triangles - spheres])
+            }
+            None => Primitive::Plane(&self.planes[index - triangles - self.ball_count()]),
         }
+    }
+
+    /// Number of spheres and ellipsoids.
+    fn ball_count(&self) -> usize {
+        self.spheres.len() + self.ellipsoids.len()
     }
 
     /// Triangles without area, which are counted and not traced.
@@ -276,12 +289,12 @@ impl Scene {
         self.smooth > 0
     }
 
-    /// Number of objects: meshes, then spheres and ellipsoids.
+    /// Number of objects: meshes, then spheres, ellipsoids and planes.
     pub fn object_count(&self) -> usize {
-        self.mesh_objects.len() + self.spheres.len() + self.ellipsoids.len()
+        self.mesh_objects.len() + self.ball_count() + self.planes.len()
     }
 
-    /// The object of a primitive: meshes count first, in the order they were added, then spheres, then ellipsoids.
+    /// The object of a primitive: meshes count first, in the order they were added, then spheres, ellipsoids and planes.
     /// [`MISS`](crate::MISS) for numbers out of range.
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
@@ -294,7 +307,7 @@ impl Scene {
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
     }
 
-    /// The name of an object: its mesh's, empty for spheres, ellipsoids and for numbers out of range.
+    /// The name of an object: its mesh's, empty for spheres, ellipsoids, planes and for numbers out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
     }

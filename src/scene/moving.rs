@@ -7,7 +7,9 @@ use std::{
 
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 
-use super::{Ellipsoid, Material, MaterialId, Mesh, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object};
+use super::{
+    Ellipsoid, Material, MaterialId, Mesh, Plane, Scene, Sphere, Triangle, checks::check_coordinate, mesh::Object,
+};
 use crate::{Error, message::counted};
 
 /// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
@@ -26,9 +28,9 @@ impl Stamp {
 
 impl Scene {
     /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and again adds up
-    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`], [`Scene::set_sphere`] or
-    /// [`Scene::set_ellipsoid`]. Triangles that it
-    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does.
+    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`], [`Scene::set_sphere`],
+    /// [`Scene::set_ellipsoid`] or [`Scene::set_plane`]. Triangles that it
+    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does. A plane's texture is turned and scaled as its u axis is, and not sheared.
     ///
     /// ```
     /// use stereotrace::{MaterialId, Scene, Sphere, glam::{Affine3A, Vec3}};
@@ -44,7 +46,7 @@ impl Scene {
     /// [`Error::Scene`] for an object that is not there, where a coordinate becomes infinite, no number or larger than
     /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor that is not the same
     /// in all directions, or sheared: what may become an ellipsoid is to be added as one. Of an ellipsoid's map the errors are those of
-    /// [`Scene::add_ellipsoid`]. The scene then stays as it was.
+    /// [`Scene::add_ellipsoid`], of a plane those of [`Scene::add_plane`]. The scene then stays as it was.
     pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
         match self.place_of(object)? {
             Place::Sphere(index) => {
@@ -61,6 +63,7 @@ impl Scene {
                 let axes = Mat3::from(transform.matrix3) * ellipsoid.axes;
                 self.set_ellipsoid(object, Ellipsoid { center, axes, ..ellipsoid })
             }
+            Place::Plane(index) => self.set_plane(object, transformed_plane(&self.planes[index], transform)),
             Place::Triangles(range) => {
                 let moved = self.triangles[range.clone()].iter().map(|triangle| transformed(triangle, transform));
                 let moved: Vec<Triangle> = moved.collect();
@@ -131,6 +134,22 @@ impl Scene {
         Ok(())
     }
 
+    /// Puts another plane in the place of a plane, as the same object: planes count behind all others.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] as [`Scene::add_plane`], and for an object that is not there or is no plane. The scene then stays as it
+    /// was.
+    pub fn set_plane(&mut self, object: u32, plane: Plane) -> Result<(), Error> {
+        let index = match self.place_of(object)? {
+            Place::Plane(index) => index,
+            other => return Err(other.refuses(object)),
+        };
+        self.check_plane(index, &plane)?;
+        self.planes[index] = plane;
+        self.spheres_stamp = Stamp::new();
+        Ok(())
+    }
+
     /// Puts another material in the place of one.
     ///
     /// # Errors
@@ -160,17 +179,23 @@ impl Scene {
             Some(begin) => Place::Triangles(begin..first(object + 1).unwrap_or(self.triangles.len())),
             None => {
                 let index = object - self.mesh_objects.len();
-                index.checked_sub(self.spheres.len()).map_or(Place::Sphere(index), Place::Ellipsoid)
+                let (spheres, balls) = (self.spheres.len(), self.ball_count());
+                match index {
+                    _ if index < spheres => Place::Sphere(index),
+                    _ if index < balls => Place::Ellipsoid(index - spheres),
+                    _ => Place::Plane(index - balls),
+                }
             }
         })
     }
 }
 
-/// Where an object's primitives stand among triangles, spheres or ellipsoids.
+/// Where an object's primitives stand among triangles, spheres, ellipsoids or planes.
 enum Place {
     Triangles(Range<usize>),
     Sphere(usize),
     Ellipsoid(usize),
+    Plane(usize),
 }
 
 impl Place {
@@ -180,6 +205,7 @@ impl Place {
             Self::Triangles(_) => "it is a mesh: use set_mesh",
             Self::Sphere(_) => "it is a sphere: use set_sphere",
             Self::Ellipsoid(_) => "it is an ellipsoid: use set_ellipsoid",
+            Self::Plane(_) => "it is a plane: use set_plane",
         };
         Error::Scene { element: format!("object {object}"), reason: reason.into() }
     }
@@ -205,18 +231,31 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
 }
 
 /// Normals go by the cofactors: by the inverse transposed, but for a factor, and they are there where the inverse is not.
-fn transformed(triangle: &Triangle, transform: &Affine3A) -> Triangle {
+fn transformed_normal(normal: Vec3, transform: &Affine3A) -> Vec3 {
     let [x, y, z] = axes(transform);
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
     let side = if x.dot(cofactors[0]) < 0.0 { -1.0 } else { 1.0 };
-    let normal = |normal: Vec3| {
-        let [a, b, c] = normal.as_dvec3().to_array();
-        (side * (cofactors[0] * a + cofactors[1] * b + cofactors[2] * c)).normalize_or_zero().as_vec3()
-    };
+    let [a, b, c] = normal.as_dvec3().to_array();
+    (side * (cofactors[0] * a + cofactors[1] * b + cofactors[2] * c)).normalize_or_zero().as_vec3()
+}
+
+fn transformed(triangle: &Triangle, transform: &Affine3A) -> Triangle {
     Triangle {
         corners: triangle.corners.map(|corner| transform.transform_point3(corner)),
-        normals: triangle.normals.map(normal),
+        normals: triangle.normals.map(|normal| transformed_normal(normal, transform)),
         material: triangle.material,
+    }
+}
+
+/// A tile grows as what of the u axis lies in the plane does.
+fn transformed_plane(plane: &Plane, transform: &Affine3A) -> Plane {
+    let u_axis = transform.transform_vector3(plane.u_per_unit());
+    Plane {
+        point: transform.transform_point3(plane.point),
+        normal: transformed_normal(plane.normal, transform),
+        u_axis,
+        tile: plane.tile * plane.tile * u_axis.length(),
+        ..*plane
     }
 }
 

@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 25] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -39,7 +39,7 @@ impl Kernel {
             SkyKind::Map => "map",
         };
         let shadows = match with.shadows {
-            _ if primitives == "none" || !with.lights => "none", // points among them
+            _ if (primitives == "none" && with.planes == 0) || !with.lights => "none", // points among them
             Shadows::None => "none",
             Shadows::FromLight => "from_light",
             Shadows::FromSurface => "from_surface",
@@ -69,6 +69,7 @@ impl Kernel {
         let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
         [
             ("primitives", primitives),
+            ("planes", if with.planes > 0 { "some" } else { "none" }),
             ("cutouts", if with.cutouts { "some" } else { "none" }),
             ("texels", texels),
             // Spheres alone take as many texels as triangles without vertex normals.
@@ -108,8 +109,12 @@ impl Kernel {
         // What mirrors show needs less.
         let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
         let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
+        let planes = match with.planes {
+            0 => String::new(),
+            count => format!("const PLANES: u32 = {count}u;\n"),
+        };
         format!(
-            "const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
+            "{planes}const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
              const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
              const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
              const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\

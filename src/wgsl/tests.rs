@@ -34,14 +34,17 @@ fn comments_members_numbers_and_a_definition_s_own_names_are_not_used() {
 
 #[test]
 fn sections_end_at_the_next_one_at_an_end_and_with_the_file() {
-    let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n//! end\nconst D = 1;";
+    let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n//! end\nconst D = 1;\n\
+                //! if sky is map and lights is none\nconst E = 1;";
     let found = definitions(part(text));
     let when = |name| found.iter().find(|found| found.name == name).unwrap().when.clone();
-    assert_eq!((when("A"), when("D")), (None, None));
-    assert_eq!(when("B"), Some(Condition { choice: "sky", values: vec!["map"] }));
-    assert_eq!(when("C"), Some(Condition { choice: "sky", values: vec!["constant", "gradient"] }));
-    assert!(when("C").unwrap().holds(&[("lights", "none"), ("sky", "gradient")]));
-    assert!(!when("C").unwrap().holds(&[("lights", "gradient"), ("sky", "map")]));
+    let condition = |choice, values: &[&'static str]| Condition { choice, values: values.to_vec() };
+    assert_eq!((when("A"), when("D")), (vec![], vec![]));
+    assert_eq!(when("B"), [condition("sky", &["map"])]);
+    assert_eq!(when("C"), [condition("sky", &["constant", "gradient"])]);
+    assert_eq!(when("E"), [condition("sky", &["map"]), condition("lights", &["none"])]);
+    assert!(when("C")[0].holds(&[("lights", "none"), ("sky", "gradient")]));
+    assert!(!when("C")[0].holds(&[("lights", "gradient"), ("sky", "map")]));
 }
 
 #[test]
@@ -62,7 +65,7 @@ fn every_line_of_a_text_is_told_by_file_and_line() {
 fn markers_stand_in_shared_files_and_are_whole() {
     for (line, file) in SHARED.iter().flat_map(|part| part.text.lines().map(|line| (line, part.file))) {
         let marker = line.split_once("//!").map(|(_, marker)| marker.trim());
-        let condition = |marker: &'static str| Condition::of(marker.strip_prefix("if ")?);
+        let condition = |marker: &'static str| Condition::all_of(marker.strip_prefix("if ")?);
         assert!(marker.is_none_or(|marker| marker == "end" || condition(marker).is_some()), "{file}: {line}");
     }
 }

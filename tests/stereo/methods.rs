@@ -132,8 +132,11 @@ fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
     }
 }
 
-/// Whether an object is a mirror or of glass, of the one built-in scene that has some: what it shows is each eye's own.
+/// Whether an object is a mirror or of glass, of the built-in scenes that have some: what it shows is each eye's own.
 fn sends_rays(builtin: Builtin, primitive: u32) -> bool {
+    if matches!(builtin, Builtin::ThreeSpheresMirrors | Builtin::ThreeSpheresTextured) {
+        return primitive < 3;
+    }
     static SCENE: LazyLock<Scene> = LazyLock::new(|| Builtin::Random125Both.scene());
     if builtin != Builtin::Random125Both {
         return false;

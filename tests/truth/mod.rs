@@ -31,11 +31,19 @@ struct Ellipsoid {
     albedo: DVec3,
 }
 
+/// A plane through a point, by the unit normal that is traced: rounded to f32.
+struct Plane {
+    point: DVec3,
+    normal: DVec3,
+    albedo: DVec3,
+}
+
 /// A scene in double precision.
 pub struct Truth {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     ellipsoids: Vec<Ellipsoid>,
+    planes: Vec<Plane>,
     lights: Vec<(DVec3, DVec3)>,
     shadows: bool,
     ambient: DVec3,
@@ -84,11 +92,17 @@ impl Truth {
             inverse: one.axes.as_dmat3().inverse(),
             albedo: albedo(one.material),
         };
+        let plane = |one: &stereotrace::Plane| Plane {
+            point: one.point.as_dvec3(),
+            normal: one.normal.as_dvec3().normalize().as_vec3().as_dvec3(),
+            albedo: albedo(one.material),
+        };
         let Sky::Constant(sky) = scene.sky else { panic!("skies of one colour only") };
         Self {
             triangles: scene.triangles().iter().enumerate().map(triangle).collect(),
             spheres: scene.spheres().iter().map(sphere).collect(),
             ellipsoids: scene.ellipsoids().iter().map(ellipsoid).collect(),
+            planes: scene.planes().iter().map(plane).collect(),
             lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
             shadows: scene.shadows,
             ambient: scene.rendered_ambient().as_dvec3(),
@@ -111,7 +125,15 @@ impl Truth {
             let [near, far] = hits.unwrap_or([f64::NAN; 2]);
             offer(Some(if near > 0.0 { near } else { far }), self.triangles.len() + id);
         }
+        for (id, plane) in self.planes.iter().enumerate() {
+            offer(plane.hit(origin, direction), self.first_plane() + id);
+        }
         best
+    }
+
+    /// The id of the first plane.
+    fn first_plane(&self) -> usize {
+        self.triangles.len() + self.spheres.len() + self.ellipsoids.len()
     }
 
     /// Where spheres are met, and then ellipsoids.
@@ -130,6 +152,9 @@ impl Truth {
         let mut quadrics = quadrics.filter(|(id, _)| (self.triangles.len() + id) as u32 != own);
         triangles.into_iter().any(|(_, triangle)| triangle.hit(from, direction).is_some_and(between))
             || quadrics.any(|(_, hits)| hits.is_some_and(|t| t.into_iter().any(between)))
+            || self.planes.iter().enumerate().any(|(id, plane)| {
+                (self.first_plane() + id) as u32 != own && plane.hit(from, direction).is_some_and(between)
+            })
     }
 
     /// What a ray sees, shaded as DESIGN, section 3, says.
@@ -142,6 +167,10 @@ impl Truth {
         let point = origin + direction * t;
         let (normal, albedo) = match self.triangles.get(primitive as usize) {
             Some(triangle) => (triangle.normal.normalize(), triangle.albedo),
+            None if primitive as usize >= self.first_plane() => {
+                let plane = &self.planes[primitive as usize - self.first_plane()];
+                (plane.normal.normalize(), plane.albedo)
+            }
             None => {
                 let index = primitive as usize - self.triangles.len();
                 match self.spheres.get(index) {
@@ -191,6 +220,14 @@ impl Triangle {
         };
         let there = inside && across != 0.0 && !self.cutout.as_ref().is_some_and(is_hole);
         there.then(|| self.normal.dot(a) / across)
+    }
+}
+
+impl Plane {
+    /// t, below 0 behind the ray; nothing where it is met farther away than 1e8 units.
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
+        let t = self.normal.dot(self.point - origin) / self.normal.dot(direction);
+        (t.is_finite() && t != 0.0 && t.abs() * direction.length() <= 1e8).then_some(t)
     }
 }
 

@@ -99,56 +99,57 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2, 2]);
-    let with =
-        |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, masked]: &[usize; 12]| {
-            let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
-                (traversals[traversal], kinds[kind]);
-            Variant {
-                traversal,
-                triangles,
-                spheres,
-                ellipsoids,
-                normals,
-                // What a scene has none of, textures of balls, and of triangles, with and without the others.
-                uv: [2, 5].contains(&surfaces),
-                colors: [3, 5].contains(&surfaces),
-                textures: ![0, 4].contains(&surfaces),
-                shine: surfaces > 3,
-                mirrors: surfaces % 2 == 1,
-                cutouts: triangles && cutouts == 1,
-                lights: light > 0,
-                shadows: shadows[light.saturating_sub(1)],
-                // No soft light, lights, occlusion, both; what is never hidden among them.
-                soft_lights: soft % 2 == 1,
-                casts: soft == 0 || light % 2 == 1,
-                shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
-                occlusion_rays: if soft > 1 { 32 } else { 0 },
-                shares: soft > 0 && bits == 1,
-                sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
-                world_boxes,
-                close: close == 1,
-                samples: kept & 1 == 1,
-                second: kept & 2 == 2,
-                linear: kept & 2 == 2,
-                masked: masked == 1,
-                stack_size: 40,
-                bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
-                count: counting > 0,
-                cost_map: counting > 1,
-            }
-        };
-    // What the scenes of spheres alone are paired with, a scene without primitives is paired with too.
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2, 2, 3]);
+    let with = |row: &[usize; 13]| {
+        let &[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, masked, planes] = row;
+        let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
+            (traversals[traversal], kinds[kind]);
+        Variant {
+            traversal,
+            triangles,
+            spheres,
+            ellipsoids,
+            planes: [0, 1, 8][planes],
+            normals,
+            // What a scene has none of, textures of balls, and of triangles, with and without the others.
+            uv: [2, 5].contains(&surfaces),
+            colors: [3, 5].contains(&surfaces),
+            textures: ![0, 4].contains(&surfaces),
+            shine: surfaces > 3,
+            mirrors: surfaces % 2 == 1,
+            cutouts: triangles && cutouts == 1,
+            lights: light > 0,
+            shadows: shadows[light.saturating_sub(1)],
+            // No soft light, lights, occlusion, both; what is never hidden among them.
+            soft_lights: soft % 2 == 1,
+            casts: soft == 0 || light % 2 == 1,
+            shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
+            occlusion_rays: if soft > 1 { 32 } else { 0 },
+            shares: soft > 0 && bits == 1,
+            sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
+            world_boxes,
+            close: close == 1,
+            samples: kept & 1 == 1,
+            second: kept & 2 == 2,
+            linear: kept & 2 == 2,
+            masked: masked == 1,
+            stack_size: 40,
+            bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
+            count: counting > 0,
+            cost_map: counting > 1,
+        }
+    };
+    // What the scenes of spheres alone are paired with, a scene without primitives, or of planes alone, is paired with too.
     let spheres_alone = rows.iter().filter(|row| row[1] == 0);
     let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without primitives has no tiles to bound.
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a tree has no tiles to bound.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
-        all.retain(|with| with.triangles || with.spheres);
+        all.retain(|with| with.has_tree() || with.planes > 0);
         all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
     }
     if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED, &SHADE_HITS].iter().any(|known| known.name == kernel.name) {
@@ -158,7 +159,7 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         .iter()
         .any(|known| known.name == kernel.name)
     {
-        all.retain(|with| with.triangles || with.spheres);
+        all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
     }
     all

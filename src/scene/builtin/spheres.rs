@@ -1,9 +1,9 @@
-//! A cloud of a thousand spheres, at rest and turned.
+//! A cloud of a thousand spheres, at rest and turned; and three on an infinite ground.
 
 use glam::Vec3;
 
 use super::{lamp, paint};
-use crate::{Error, Scene, Sky, Sphere, random::Random};
+use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, random::Random};
 
 pub(super) const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
@@ -76,4 +76,50 @@ pub(super) fn spheres() -> Scene {
         lamp([0.0, 3.0, 16.0], 0.2, [1.0, 1.0, 1.0]),
     ];
     scene
+}
+
+/// Two spheres side by side on an infinite ground and a third one on both, under one lamp, as Raghuvanshi and Dhande have them in three
+/// configurations: with shadows alone, with reflections among the spheres too, and with textures besides.
+pub(super) fn three_spheres(reflecting: bool, textured: bool) -> Scene {
+    const RADIUS: f32 = 1.0;
+    let mut scene = Scene::new();
+    scene.sky = Sky::Gradient { nadir: Vec3::new(0.62, 0.68, 0.74), zenith: Vec3::new(0.16, 0.32, 0.62) };
+    let white = Vec3::splat(0.85);
+    let colors = [[178, 42, 38], [40, 96, 168], [214, 160, 48]];
+    for (color, [x, y]) in colors.into_iter().zip([[-1.0, 1.0], [1.0, 1.0], [0.0, 1.0 + 3.0_f32.sqrt()]]) {
+        let id = paint(&mut scene, "sphere", color);
+        let texture = textured.then(|| scene.add_texture(squares(scene.materials[id.0 as usize].albedo, white, 16)));
+        let material = &mut scene.materials[id.0 as usize];
+        if let Some(texture) = texture {
+            *material = material.clone().texture(texture);
+            material.albedo = Vec3::ONE;
+        }
+        (material.specular, material.exponent) = (Vec3::splat(0.35), 60.0);
+        if reflecting {
+            material.finish = Finish::Mirror { fresnel: false };
+            material.albedo *= 0.6;
+        }
+        let center = RADIUS * Vec3::new(x, y, 0.0);
+        scene.add_sphere(Sphere::new(center, RADIUS, id)).expect("it has a radius");
+    }
+    let mut ground = paint(&mut scene, "ground", [150, 156, 142]);
+    if textured {
+        let paved = scene.add_texture(squares(Vec3::splat(0.75), Vec3::new(0.12, 0.16, 0.14), 2));
+        ground = scene.add_material(super::Material::new(Vec3::ONE).texture(paved).name("ground"));
+    }
+    scene.add_plane(Plane::new(Vec3::ZERO, Vec3::Y, ground).tile(3.0)).expect("it has a normal");
+    scene.ambient = Some(Vec3::splat(0.15));
+    scene.lights = vec![lamp([-4.0, 7.0, 5.0], 1.15, [1.0, 0.97, 0.9])];
+    scene
+}
+
+fn squares(first: Vec3, second: Vec3, squares: u32) -> Texture {
+    Texture::checkerboard(first, second, squares).expect("colours are within 0 to 1")
+}
+
+/// The camera of the three spheres: the horizon is in its picture.
+pub(super) fn three_camera() -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(1.2, 2.4, 8.5), Vec3::new(0.0, 1.5, 0.0))
+        .screen_distance(8.0)
+        .vertical_fov_degrees(35.0)
 }

@@ -1,0 +1,176 @@
+// Infinite planes: few, and in no box of the tree. They have the first places among the primitives, and every ray asks all of them before it
+// goes through the tree, with what it found as its bound. Their ids are the last, so that of equal t what stands in the tree wins.
+
+//! if planes is none
+// There is none.
+
+fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
+    return Hits(t_max, U(MISS), U(0u));
+}
+
+fn meets_planes(tile: Tile) -> bool {
+    return false;
+}
+
+// What rays find of a primitive of any kind.
+fn met_at(slot: u32, rays: Rays) -> Found {
+    return intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
+}
+
+//! if planes is some
+// A plane's texels: a point (xyz) and its id; its unit normal and its component; what texture coordinates u are products with, and its
+// material.
+
+// Farther from where a ray begins there is no plane: what it meets there could not send rays on through the tree's boxes.
+const PLANE_REACH: f32 = 1e8;
+
+// How far a plane is above a point, along its normal. A sum of two f32: a plane's own point may be far from where rays meet it.
+fn plane_above(slot: u32, origin: vec3f) -> f32 {
+    let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
+    let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
+    return dot_two3(Two3(normal, vec3f(0.0)), difference3(point, origin)).hi;
+}
+
+// Rays that begin in the plane, or run along it, don't meet it. t is below 0 where they go away from it.
+fn intersect_plane(slot: u32, rays: Rays) -> Found {
+    let above = plane_above(slot, rays.origin);
+    let across = along(rays.direction, bitcast<vec3f>(primitive_texel(slot, 1u).xyz));
+    let length = sqrt(dot3(rays.direction, rays.direction));
+    let hit = B(above != 0.0) & (abs(across) * PLANE_REACH >= abs(above) * length);
+    return Found(hit, F(above) / select(F(1.0), across, hit), B(false));
+}
+
+// The nearest hits of planes with t in [t_min, t_max], as closest_hit has them.
+fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
+    var hits = Hits(t_max, U(MISS), U(0u));
+    var slot = 0u;
+    loop {
+        let found = intersect_plane(slot, rays);
+        let id = primitive_texel(slot, 0u).w;
+        let hit = found.hit & is_nearer(hits, found.t, t_min, id);
+        hits.t = select(hits.t, found.t, hit);
+        hits.primitive = select(hits.primitive, U(id), hit);
+        hits.slot = select(hits.slot, U(slot), hit);
+        slot += 1u;
+        if slot >= PLANES { break; }
+    }
+    cut_short |= slot < PLANES;
+    if COUNT { primitives_tested += PLANES; }
+    return hits;
+}
+
+// Of the length of a tile's longest ray: more than the rounding of how fast rays come nearer to a plane.
+const PLANE_SLACK: f32 = 1.0 / 524288.0;
+
+// Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest in a corner.
+fn meets_planes(tile: Tile) -> bool {
+    let first = vec2f(tile.corner) + 0.5;
+    let last = first + vec2f(tile.size) - 1.0;
+    var slot = 0u;
+    loop {
+        let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
+        let towards = select(normal, -normal, plane_above(slot, frame.target_eye) < 0.0);
+        let columns = vec2f(first.x, last.x) * dot(towards, frame.step_x);
+        let rows = vec2f(first.y, last.y) * dot(towards, frame.step_y);
+        let fastest = dot(towards, frame.target_corner) + max(columns.x, columns.y) + max(rows.x, rows.y);
+        if fastest >= -frame.longest * PLANE_SLACK { return true; }
+        slot += 1u;
+        if slot >= PLANES { break; }
+    }
+    return slot < PLANES;
+}
+
+// Whether anything is hit with t in [t_min, t_max].
+fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
+    return any_slot(rays, t_min, t_max) != U(MISS);
+}
+
+fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    let slot = of_ray_u(hits.slot, ray);
+    let second = primitive_texel(slot, 1u);
+    let material = primitive_texel(slot, 2u).w;
+    let direction = of_ray3(rays.direction, ray);
+    let outward = bitcast<vec3f>(second.xyz);
+    let normal = towards_viewer(outward, direction);
+    return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
+}
+
+// A texture's colour on a plane. Of a picture the footprint is as lookup_at has it, but down to any angle. A checkerboard's share is that of the box,
+// along its own axes, around the pixel's shadow, which towards the horizon is far longer than it is wide: a disc's reaches along a unit vector e of
+// the plane by sqrt(1 + (e.d / n.d)^2) of its radius, d being the ray's direction.
+fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
+    let slot = of_ray_u(hits.slot, ray);
+    let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
+    let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
+    let u = bitcast<vec3f>(primitive_texel(slot, 2u).xyz);
+    let v = cross(normal, u);
+    let direction = of_ray3(rays.direction, ray);
+    let from_point = direction * of_ray(hits.t, ray) - (point - rays.origin);
+    let uv = vec2f(dot(from_point, u), dot(from_point, v));
+    let width = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
+    let slope = max(abs(dot(normal, direction)), 1e-9);
+    let head = table_texel(head_at);
+    if (head.x & 15u) != CHECKERBOARD {
+        return texture_color(head_at, Lookup(uv, width * inverseSqrt(slope) * length(u), false));
+    }
+    let slants = vec2f(dot(direction, u), dot(direction, v)) / slope;
+    let widths = min(width * sqrt(dot(u, u) + slants * slants) * f32(head.z), vec2f(64.0));
+    let wrap = head.x >> 4u;
+    let place = vec2f(near_unit(uv.x, wrap), near_unit(uv.y, wrap)) * f32(head.z);
+    let waves = wave_mean(place.x, widths.x, i32(head.z), wrap) * wave_mean(place.y, widths.y, i32(head.z), wrap);
+    return mix(bitcast<vec3f>(table_texel(head.y).xyz), bitcast<vec3f>(table_texel(head.y + 1u).xyz), 0.5 - 0.5 * waves);
+}
+
+//! if planes is some and primitives is triangles or spheres or mixed
+fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
+    let plane = nearest_plane(rays, t_min, t_max);
+    let hits = traverse(rays, t_min, plane.t, false);
+    forget_planes();
+    let nearer = hits.primitive != U(MISS);
+    return Hits(hits.t, select(plane.primitive, hits.primitive, nearer), select(plane.slot, hits.slot, nearer));
+}
+
+// What meets a plane need not ask the tree.
+fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
+    let plane = nearest_plane(rays, t_min, t_max);
+    let open = plane.primitive == U(MISS);
+    let hits = traverse(rays, t_min, select(F(NEVER), t_max, open), true);
+    forget_planes();
+    return select(plane.slot, hits.slot, open);
+}
+
+// A traversal that goes on in the next dispatch asks planes again.
+fn forget_planes() {
+    if COUNT && paused { primitives_tested -= PLANES; }
+}
+
+fn met_at(slot: u32, rays: Rays) -> Found {
+    if slot < PLANES { return intersect_plane(slot, rays); }
+    return intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
+}
+
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    if of_ray_u(hits.slot, ray) < PLANES { return plane_surface(rays, hits, ray); }
+    return surface_in_tree(rays, hits, ray);
+}
+
+//! if planes is some and primitives is none
+const nodes_visited: u32 = 0u;
+var<private> primitives_tested: u32;
+
+fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
+    return nearest_plane(rays, t_min, t_max);
+}
+
+fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
+    let plane = nearest_plane(rays, t_min, t_max);
+    return select(plane.slot, U(MISS), plane.primitive == U(MISS));
+}
+
+fn met_at(slot: u32, rays: Rays) -> Found {
+    return intersect_plane(slot, rays);
+}
+
+fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
+    return plane_surface(rays, hits, ray);
+}
