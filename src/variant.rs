@@ -136,6 +136,8 @@ pub(crate) struct Variant {
     /// Rays to each of them, and into the surroundings; 0 for no such light.
     pub(crate) shadow_rays: u32,
     pub(crate) occlusion_rays: u32,
+    /// The surroundings are asked for the sky's light, in place of ambient light.
+    pub(crate) sky_light: bool,
     /// Views take over shares of them, besides bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
@@ -179,6 +181,7 @@ impl Variant {
         casts: true,
         shadow_rays: 0,
         occlusion_rays: 0,
+        sky_light: false,
         shares: false,
         sky: SkyKind::Constant,
         world_boxes: false,
@@ -219,6 +222,7 @@ impl Variant {
             casts: scene.shadows,
             shadow_rays: 0,
             occlusion_rays: 0,
+            sky_light: false,
             shares: false,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
@@ -271,6 +275,7 @@ impl Variant {
             casts: true,
             shadow_rays: 0,
             occlusion_rays: 0,
+            sky_light: false,
             shares: false,
             sky: SkyKind::Constant,
             samples: false,

@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 23] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 24] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -61,6 +61,12 @@ impl Kernel {
             SoftRole::Asked => "asked",
             SoftRole::Followed => "followed",
         };
+        let surroundings = match (soft, with.sky) {
+            ("none" | "skipped", _) => "none",
+            _ if !with.sky_light => "ambient",
+            (_, SkyKind::Constant | SkyKind::Gradient) => "cosine",
+            (_, SkyKind::Map) => "map",
+        };
         let bits = match with.bits {
             ShadowReuse::Rays => "none",
             ShadowReuse::Two => "two",
@@ -86,6 +92,7 @@ impl Kernel {
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("shadows", shadows),
             ("soft", soft),
+            ("surroundings", surroundings),
             ("visibility", visibility),
             ("bits", bits),
             ("samples", samples),
