@@ -90,7 +90,8 @@ impl AmbientOcclusion {
 pub enum Penumbra {
     /// What both samples beside a point see fully, or not at all. In a penumbra the view traces its own rays.
     Exact,
-    /// Shares too, their mean where they differ by no more than chance explains; of occlusion and the first lights that are not points, six together. With
+    /// Shares too, their mean where they differ by no more than chance explains, and by no more than twice that from the next samples': in narrower penumbrae the
+    /// view traces its own rays. Of the sky or occlusion and the first lights that are not points, six together. With
     /// [`ShadowReuse::Two`](crate::ShadowReuse) only; else as `Exact`.
     Shared {
         /// Standard deviations of the difference of two shares that still are chance, above 0.
