@@ -206,7 +206,10 @@ fn material_of(material: &Material) -> [Texel; 4] {
     let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
     [
         texel(material.albedo, texture | finish << 24),
-        texel(material.specular, material.exponent.to_bits()),
+        texel(
+            material.specular,
+            if material.normalised { -1.0 - material.exponent } else { material.exponent }.to_bits(),
+        ),
         texel(material.emission, opacity.to_bits()),
         texel(transmission, f32::to_bits(index)),
     ]

@@ -123,6 +123,8 @@ pub(crate) struct Variant {
     pub(crate) textures: bool,
     /// Some material has highlights or gives off light.
     pub(crate) shine: bool,
+    /// Some highlights conserve energy.
+    pub(crate) normalised: bool,
     /// Some surface sends rays on: a mirror, glass or a veil.
     pub(crate) mirrors: bool,
     /// Some material, and so some triangle maybe, is cut out.
@@ -173,6 +175,7 @@ impl Variant {
         colors: false,
         textures: false,
         shine: false,
+        normalised: false,
         mirrors: false,
         cutouts: false,
         lights: false,
@@ -214,6 +217,7 @@ impl Variant {
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
+            normalised: scene.materials().iter().any(Material::shines_normalised),
             mirrors: (triangles || balls) && scene.materials().iter().any(Material::sends_rays),
             cutouts: triangles && scene.is_cut_out(),
             lights: !scene.lights.is_empty(),
@@ -268,6 +272,7 @@ impl Variant {
         Self {
             textures: false,
             shine: false,
+            normalised: false,
             mirrors: false,
             lights: false,
             shadows: Shadows::None,

@@ -223,6 +223,40 @@ fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
     }
 }
 
+/// Of two lights whose penumbrae are a pixel or two wide.
+#[test]
+fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
+    let mut renderer = Renderer::new(gpu());
+    let camera = Builtin::Hall.camera(150, 101);
+    let mut scene = Builtin::Hall.scene();
+    let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).unwrap();
+    scene.place_lights(2, &camera).unwrap();
+    for light in &mut scene.lights {
+        *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
+    }
+    let uploaded = renderer.upload(&scene).unwrap();
+    let mut render = |options: Options| renderer.render(&uploaded, &camera, &options.linear(true)).unwrap();
+    let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
+    for seed in 1..=16 {
+        for (sum, color) in limit.iter_mut().zip(&render(naive().shadow_rays(32).seed(seed)).right.linear) {
+            (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 16.0);
+        }
+    }
+    let mut rms = |options: Options| {
+        let pair = render(options);
+        let squares: f64 = errors_of(&pair.right, &limit).map(|off| off * off).sum();
+        ((squares / limit.len() as f64).sqrt(), pair.statistics.right.rays.shadow)
+    };
+    let (of_naive, _) = rms(naive());
+    let (exact, exact_rays) = rms(Options::new(Method::BRACKET).penumbra(Penumbra::Exact));
+    let (shared, shared_rays) = rms(Options::new(Method::BRACKET));
+    let rays = shared_rays as f64 / exact_rays as f64;
+    let text = format!("hall: {shared:.5}, exact {exact:.5}, naive {of_naive:.5}; rays {rays:.3} of exact's");
+    println!("{text}");
+    // Without what is asked of the samples beside and of grooves, 0.987 of the exact rule's error; 0.940 with it.
+    assert!(shared < 0.96 * exact && rays < 0.65, "{text}");
+}
+
 fn camera_pixels(camera: &StereoCamera) -> usize {
     let [width, height] = camera.pose().unwrap().size;
     width as usize * height as usize

@@ -197,18 +197,6 @@ fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     return rays;
 }
 
-// Highlights of what comes along the rays, as `highlight` makes them.
-fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
-    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
-    let n = aim.shading_normal;
-    // Of the directions to the light, mirrored, as of those from it.
-    let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
-    let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
-    let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
-    let lit = rays.wanted & (mirrored > vec4f(0.0));
-    return select(vec4f(0.0), pow(max(mirrored, vec4f(1e-30)), vec4f(of_ray(surfaces.exponent, ray))), lit);
-}
-
 fn bits_of_four(four: vec4<bool>) -> u32 {
     let n = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), four);
     return (n.x | n.y) | (n.z | n.w);

@@ -49,6 +49,11 @@ impl Kernel {
             "shade_listed" | "trace_soft_asked" => "taken_or_traced",
             _ => "traced",
         };
+        let shine = match (with.shine, with.normalised) {
+            (false, _) => "none",
+            (true, false) => "some",
+            (true, true) => "normalised",
+        };
         let mirrors = match self.name {
             _ if !with.mirrors => "none",
             "trace_mirrored" => "followed",
@@ -86,7 +91,7 @@ impl Kernel {
             ("uv", if with.uv { "some" } else { "none" }),
             ("colors", if with.colors { "some" } else { "none" }),
             ("textures", if with.textures { "some" } else { "none" }),
-            ("shine", if with.shine { "some" } else { "none" }),
+            ("shine", shine),
             ("mirrors", mirrors),
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),

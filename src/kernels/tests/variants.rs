@@ -99,7 +99,7 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 6, 2]);
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2]);
     let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts]: &[usize; 11]| {
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
@@ -112,8 +112,9 @@ pub(super) fn variants() -> Vec<Variant> {
             // What a scene has none of, textures of balls, and of triangles, with and without the others.
             uv: [2, 5].contains(&surfaces),
             colors: [3, 5].contains(&surfaces),
-            textures: ![0, 4].contains(&surfaces),
+            textures: ![0, 4, 6].contains(&surfaces),
             shine: surfaces > 3,
+            normalised: surfaces > 5,
             mirrors: surfaces % 2 == 1,
             cutouts: triangles && cutouts == 1,
             lights: light > 0,
