@@ -3,7 +3,7 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds. Errors are the right
 //! view's mean and root mean square distance from a converged picture, the mean of naive's over many seeds with 32 rays each, in linear
 //! light; naive's own is noise. Counts and errors are those of half the width and height. `cargo bench --bench soft -- NAME…` takes other
-//! scenes: built-in ones, or folders of OBJ files.
+//! scenes: built-in ones, or folders of OBJ files. `--counts` leaves out the times.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -11,7 +11,8 @@ mod common;
 use std::error::Error;
 
 use stereotrace::{
-    AmbientOcclusion, Gpu, Light, MAX_SOFT_RAYS, Method, Options, Penumbra, Renderer, StereoPair, metrics::compare,
+    AmbientOcclusion, Gpu, Light, MAX_SOFT_RAYS, Method, Options, Penumbra, Renderer, Scene, Sky, SkyMap, StereoPair,
+    glam::Vec3, metrics::compare,
 };
 
 use crate::common::{
@@ -33,18 +34,32 @@ enum Softness {
     Lights(f32),
     /// How far occlusion reaches.
     Occlusion(f32),
+    /// The sky, in place of ambient light.
+    SkyGradient,
+    SkyMap,
 }
 
-const ALL: [(&str, Softness); 4] = [
+const ALL: [(&str, Softness); 7] = [
     ("2 lights, radius 0.002", Softness::Lights(0.002)),
+    ("2 lights, radius 0.005", Softness::Lights(0.005)),
     ("2 lights, radius 0.01", Softness::Lights(0.01)),
     ("2 lights, radius 0.05", Softness::Lights(0.05)),
     ("occlusion to 0.1, 2 points", Softness::Occlusion(0.1)),
+    ("sky of a gradient, 2 points", Softness::SkyGradient),
+    ("sky with a sun, 2 points", Softness::SkyMap),
 ];
+
+/// Columns of a sky that is a picture.
+const SKY_WIDTH: u32 = 1024;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let quick = is_quick();
-    let (side, rounds, seeds) = if quick { (48, 1, 2) } else { (600, 5, 32) };
+    let counts_alone = std::env::args().any(|argument| argument == "--counts");
+    let (side, rounds, seeds) = match (quick, counts_alone) {
+        (true, _) => (48, 1, 2),
+        (false, true) => (600, 0, 32),
+        (false, false) => (600, 5, 32),
+    };
     let names = scenes_named(&["hall", "sponza_4x"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
@@ -81,6 +96,29 @@ fn methods(base: &Options) -> [(&'static str, Options); 3] {
     ]
 }
 
+/// Makes a scene's light soft, and says what to render it with.
+fn soften(scene: &mut Scene, softness: Softness) -> Result<Options, Box<dyn Error>> {
+    let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high));
+    let mut base = Options::new(Method::Naive);
+    match softness {
+        Softness::Lights(radius) => {
+            for light in &mut scene.lights {
+                *light = Light::sphere(light.position, radius * diagonal, light.intensity);
+            }
+        }
+        Softness::Occlusion(reach) => base = base.occlusion(AmbientOcclusion::new(16, reach * diagonal)),
+        Softness::SkyGradient => {
+            scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.5, 0.7, 1.0) };
+            base = base.sky_rays(16);
+        }
+        Softness::SkyMap => {
+            scene.sky = Sky::Map(SkyMap::procedural(SKY_WIDTH)?);
+            base = base.sky_rays(16);
+        }
+    }
+    Ok(base)
+}
+
 fn measure(
     renderer: &mut Renderer,
     bench: &BenchScene,
@@ -91,20 +129,11 @@ fn measure(
 ) -> Result<(), Box<dyn Error>> {
     let BenchScene { name, scene, camera } = bench;
     let mut scene = scene.clone();
-    let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high));
-    let mut base = Options::new(Method::Naive);
-    match softness {
-        Softness::Lights(radius) => {
-            for light in &mut scene.lights {
-                *light = Light::sphere(light.position, radius * diagonal, light.intensity);
-            }
-        }
-        Softness::Occlusion(reach) => base = base.occlusion(AmbientOcclusion::new(16, reach * diagonal)),
-    }
+    let base = soften(&mut scene, softness)?;
     let uploaded = renderer.upload(&scene)?;
     let methods = methods(&base);
-    let mut times = vec![Vec::new(); methods.len()];
-    for round in 0..=rounds {
+    let mut times = vec![if rounds > 0 { Vec::new() } else { vec![f64::NAN] }; methods.len()];
+    for round in (0..=rounds).filter(|_| rounds > 0) {
         for index in order(round, methods.len()) {
             let statistics = renderer.trace(&uploaded, camera, &methods[index].1)?;
             let total = statistics.times.map_or(f64::NAN, |times| times.total().as_secs_f64());
@@ -154,6 +183,7 @@ fn converged(
     seeds: u32,
 ) -> Result<Vec<[f64; 3]>, stereotrace::Error> {
     let mut base = base.clone().linear(true).shadow_rays(MAX_SOFT_RAYS);
+    base.sky_rays = base.sky_rays.map(|_| MAX_SOFT_RAYS);
     base.occlusion = base.occlusion.map(|occlusion| AmbientOcclusion::new(MAX_SOFT_RAYS, occlusion.radius));
     let mut sum = Vec::new();
     for seed in 1..=seeds {

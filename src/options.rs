@@ -29,6 +29,8 @@ pub struct Options {
     pub shadow_rays: u32,
     /// Whether ambient light is kept off by what stands near; `None` where nothing is said: it reaches all.
     pub occlusion: Option<AmbientOcclusion>,
+    /// By how many rays surfaces are lit by the sky, in place of ambient light; `None` where nothing is said: by none.
+    pub sky_rays: Option<u32>,
     /// What of these rays' answers a view takes over from its source.
     pub penumbra: Penumbra,
     /// Of the random numbers that shift these rays. The same seed makes the same picture to the bit.
@@ -113,7 +115,8 @@ impl Adaptive {
 pub enum Penumbra {
     /// What both samples beside a point see fully, or not at all. In a penumbra the view traces its own rays.
     Exact,
-    /// Shares too, their mean where they differ by no more than chance explains; of occlusion and the first lights that are not points, six together. With
+    /// Shares too, their mean where they differ by no more than chance explains, and by no more than twice that from the next samples': in narrower penumbrae the
+    /// view traces its own rays. Of the sky or occlusion and the first lights that are not points, six together. With
     /// [`ShadowReuse::Two`](crate::ShadowReuse) only; else as `Exact`.
     Shared {
         /// Standard deviations of the difference of two shares that still are chance, above 0.
@@ -136,7 +139,7 @@ impl Penumbra {
     }
 }
 
-/// The most rays that a pixel asks a light that is not a point, or its surroundings; more samples a pixel ask more.
+/// The most rays that a pixel asks a light that is not a point, its surroundings, or the sky; more samples a pixel ask more.
 pub const MAX_SOFT_RAYS: u32 = 32;
 
 /// The most that [`Options::bounces`] may be.
@@ -170,6 +173,7 @@ impl Options {
             adaptive: None,
             shadow_rays: 16,
             occlusion: None,
+            sky_rays: None,
             penumbra: Penumbra::default(),
             seed: 0,
             exposure: 0.0,
@@ -255,6 +259,24 @@ impl Options {
         self
     }
 
+    /// Whether [`Scene::sky`](crate::Scene::sky) lights surfaces, by so many rays, 1 to [`MAX_SOFT_RAYS`]; what they meet keeps its light off. A
+    /// diffuse surface then shows `albedo / π ∫ L(ω) V(ω) cos θ dω` over all it faces: its albedo under a sky of 1 that nothing hides. What
+    /// mirrors show is lit by a quarter of the rays. Rays leave by the cosine; of a [`SkyMap`](crate::SkyMap) every other one by its brightness,
+    /// so that a sun of few pixels makes no noise.
+    ///
+    /// It takes the place of ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added in such a frame, whoever gave it, and there is nothing
+    /// for [`Options::occlusion`] to keep off, so frames that ask for both are errors. Highlights are the lights' alone, as without it; mirrors and
+    /// glass show the sky itself. A sky map shows its sun already: a light in its place would be a second one.
+    pub fn sky_rays(mut self, rays: impl Into<Option<u32>>) -> Self {
+        self.sky_rays = rays.into();
+        self
+    }
+
+    /// What is asked of a point's surroundings: how much of ambient light they leave, or of the sky.
+    pub(crate) fn surroundings(&self) -> Option<AmbientOcclusion> {
+        self.sky_rays.map(|rays| AmbientOcclusion::new(rays, f32::INFINITY)).or(self.occlusion)
+    }
+
     /// What of these rays' answers a view takes over from its source.
     pub fn penumbra(mut self, penumbra: Penumbra) -> Self {
         self.penumbra = penumbra;
@@ -310,6 +332,13 @@ impl Options {
             above_zero("the radius of occlusion", radius)?;
         }
         self.check_adaptive()?;
+        if let Some(rays) = self.sky_rays {
+            within("sky_rays", rays, 1..=MAX_SOFT_RAYS)?;
+            if self.occlusion.is_some() {
+                let reason = "the sky (sky_rays) takes the place of ambient light, which it would keep off; ask for one of the two";
+                return Err(Error::Options { option: "occlusion", reason: reason.into() });
+            }
+        }
         match self.penumbra {
             Penumbra::Exact => Ok(()),
             Penumbra::Shared { deviations } => above_zero("the deviations of shared penumbrae", deviations),

@@ -1,8 +1,8 @@
 //! The shading table: what shading reads of a scene, a texel each (`shaders/shared/{shade,materials,textures}.wgsl`).
 
-use std::iter;
+use std::{iter, sync::OnceLock};
 
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use half::f16;
 
 use crate::{
@@ -15,6 +15,9 @@ use crate::{
 /// Texels before the lights.
 const HEAD: usize = 3;
 
+/// Rec. 709's, of linear colours.
+const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
 /// `CHECKERBOARD` of textures.wgsl.
 const CHECKERBOARD: u32 = 1;
 
@@ -24,13 +27,27 @@ pub(crate) struct Pictures {
     at: usize,
     sky: Option<SkyMap>,
     textures: Vec<Texture>,
+    /// Whether the sky's texels have its weights.
+    weighed: OnceLock<()>,
 }
 
 impl Pictures {
     pub(crate) fn of(scene: &Scene) -> Self {
         let sky = if let Sky::Map(map) = &scene.sky { Some(map.clone()) } else { None };
         let textures = if scene.is_textured() { scene.textures().to_vec() } else { Vec::new() };
-        Self { at: ShadingTable::of(scene).before_pictures(), sky, textures }
+        Self { at: ShadingTable::of(scene).before_pictures(), sky, textures, weighed: OnceLock::new() }
+    }
+
+    /// The texels of a sky that has not its weights yet, and the place of the first one.
+    pub(crate) fn sky_to_weigh(&self) -> Option<(usize, impl Iterator<Item = Texel> + Send + use<'_>)> {
+        let sky = self.sky.as_ref().filter(|_| self.weighed.get().is_none())?;
+        let weights = weights_of(sky);
+        let weighed = |(pixel, weight): (&Vec3, f32)| texel(*pixel, weight.to_bits());
+        Some((self.at, sky.pixels().iter().zip(weights).map(weighed)))
+    }
+
+    pub(crate) fn set_weighed(&self) {
+        let _ = self.weighed.set(());
     }
 
     /// Whether a table has the same ones at the same place.
@@ -121,6 +138,47 @@ fn sky_pixels(scene: &Scene) -> &[Vec3] {
     if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
 }
 
+/// What rays towards a sky are chosen by (sky_light.wgsl): of each pixel the share of its row's weight up to and including it; where that is 1 of
+/// itself, in the last column, the share of all weight up to and including the row; and in the last row's place, where that is 1 too, the mean weight.
+fn weights_of(sky: &SkyMap) -> Vec<f32> {
+    let [width, height] = sky.size().map(|side| side as usize);
+    let mut shares = Vec::with_capacity(width * height);
+    let mut rows = Vec::with_capacity(height);
+    let mut total = 0.0;
+    for (row, pixels) in sky.pixels().chunks(width).enumerate() {
+        let first = shares.len();
+        let mut sum = 0.0;
+        let weight = row_weight(row, height);
+        let sums = pixels.iter().map(|pixel| {
+            sum += weight * pixel.as_dvec3().dot(BRIGHTNESS);
+            sum
+        });
+        let sums: Vec<f64> = sums.collect();
+        shares.extend(sums.iter().map(|upto| share_of(*upto, sum)));
+        debug_assert_eq!(shares.len(), first + width);
+        total += sum;
+        rows.push(total);
+    }
+    for (row, upto) in rows.iter().enumerate() {
+        shares[row * width + width - 1] = share_of(*upto, total);
+    }
+    if let Some(last) = shares.last_mut() {
+        *last = (total / (width * height) as f64) as f32;
+    }
+    shares
+}
+
+fn share_of(part: f64, whole: f64) -> f32 {
+    if whole > 0.0 { (part / whole) as f32 } else { 0.0 }
+}
+
+/// By which a row's pixels are smaller than those at the horizon, near enough: as `row_weight` of sky_light.wgsl has it.
+fn row_weight(row: usize, rows: usize) -> f64 {
+    let down = (row as f64 + 0.5) / rows as f64;
+    let arc = 4.0 * down * (1.0 - down);
+    arc * (0.775 + 0.225 * arc)
+}
+
 /// A light's texels (soft.wgsl).
 fn light_of(light: &Light) -> [Texel; 4] {
     let (kind, place, size, sides) = match light.shape {
@@ -148,7 +206,10 @@ fn material_of(material: &Material) -> [Texel; 4] {
     let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
     [
         texel(material.albedo, texture | finish << 24),
-        texel(material.specular, material.exponent.to_bits()),
+        texel(
+            material.specular,
+            if material.normalised { -1.0 - material.exponent } else { material.exponent }.to_bits(),
+        ),
         texel(material.emission, opacity.to_bits()),
         texel(transmission, f32::to_bits(index)),
     ]

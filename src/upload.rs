@@ -111,6 +111,14 @@ impl UploadedScene {
         Ok(())
     }
 
+    /// Adds to a sky that is a picture what rays are chosen by, where its light is first asked for: to words of its texels that nothing else reads.
+    pub(crate) async fn weigh_sky(&self) -> Result<(), Error> {
+        let Some((first, texels)) = self.pictures.sky_to_weigh() else { return Ok(()) };
+        self.gpu.fill_from(&self.texels[1], first, texels).await?;
+        self.pictures.set_weighed(); // another frame's weights are the same
+        Ok(())
+    }
+
     /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
     pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
         let lights = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() };
@@ -163,12 +171,12 @@ impl Renderer {
         let table_fits = self.gpu.texel_capacity(traversal.fetch) >= ShadingTable::of(scene).count() as u64;
         let same_geometry = uploaded.shape.is_of(scene) && uploaded.cutouts == cutouts_of(scene);
         if how == Update::Refit && same_geometry && table_fits {
-            let (table, shading) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
+            let (table, shading, pictures) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
             uploaded.lights = positions(scene);
             uploaded.soft = SoftLights::of(scene);
-            (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, Pictures::of(scene));
+            (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, pictures);
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -208,7 +216,7 @@ impl Renderer {
         let texels = GeometryTexels::new(&packed, fetch);
         let room = before.map(|before| &before.texels[0]);
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
-        let (table, shading) = self.bring_table(scene, fetch, before).await?;
+        let (table, shading, pictures) = self.bring_table(scene, fetch, before).await?;
         let bind = || {
             let bvh = match packed.masks.is_empty() {
                 true => gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform)),
@@ -225,7 +233,7 @@ impl Renderer {
             geometry: gpu.checked(bind).await?,
             shading,
             texels: [geometry, table],
-            pictures: Pictures::of(scene),
+            pictures,
             cutouts: cutouts_of(scene),
             object_table: OnceLock::new(),
             variant: Variant::of(scene, traversal, &packed),
@@ -253,20 +261,21 @@ impl Renderer {
         scene: &Scene,
         fetch: Fetch,
         before: Option<&UploadedScene>,
-    ) -> Result<(Arc<Texels>, wgpu::BindGroup), Error> {
+    ) -> Result<(Arc<Texels>, wgpu::BindGroup, Pictures), Error> {
         let table = ShadingTable::of(scene);
         let count = table.count();
         let is_there = |before: &&UploadedScene| before.pictures.are_those_of(scene);
         let room = before.map(|before| &before.texels[1]).filter(|room| room.has_room(count, fetch));
-        let stays = room.is_some() && before.filter(is_there).is_some();
-        let written = if stays { table.before_pictures() } else { count };
+        let staying = before.filter(is_there).filter(|_| room.is_some()).map(|before| &before.pictures);
+        let written = if staying.is_some() { table.before_pictures() } else { count };
+        let pictures = staying.cloned().unwrap_or_else(|| Pictures::of(scene));
         let table = self.written("shading_table", room, count, table.texels().take(written), fetch).await?;
         let bind = || {
             let layout = &self.kernels.layouts(fetch).table;
             Ok(bind_group(&self.gpu, "shading_table", layout, std::iter::once(table.binding())))
         };
         let group = self.gpu.checked(bind).await?;
-        Ok((table, group))
+        Ok((table, group, pictures))
     }
 
     /// Writes texels to where there is room for so many, or to a place of their own.

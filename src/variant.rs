@@ -125,6 +125,8 @@ pub(crate) struct Variant {
     pub(crate) textures: bool,
     /// Some material has highlights or gives off light.
     pub(crate) shine: bool,
+    /// Some highlights conserve energy.
+    pub(crate) normalised: bool,
     /// Some surface sends rays on: a mirror, glass or a veil.
     pub(crate) mirrors: bool,
     /// Some material, and so some triangle maybe, is cut out.
@@ -138,6 +140,8 @@ pub(crate) struct Variant {
     /// Rays to each of them, and into the surroundings; 0 for no such light.
     pub(crate) shadow_rays: u32,
     pub(crate) occlusion_rays: u32,
+    /// The surroundings are asked for the sky's light, in place of ambient light.
+    pub(crate) sky_light: bool,
     /// Views take over shares of them, besides bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
@@ -176,6 +180,7 @@ impl Variant {
         colors: false,
         textures: false,
         shine: false,
+        normalised: false,
         mirrors: false,
         cutouts: false,
         lights: false,
@@ -184,6 +189,7 @@ impl Variant {
         casts: true,
         shadow_rays: 0,
         occlusion_rays: 0,
+        sky_light: false,
         shares: false,
         sky: SkyKind::Constant,
         world_boxes: false,
@@ -219,6 +225,7 @@ impl Variant {
             colors: !scene.colors().is_empty(),
             textures: scene.is_textured(),
             shine: scene.materials().iter().any(Material::shines),
+            normalised: scene.materials().iter().any(Material::shines_normalised),
             mirrors: (triangles || balls || planes > 0) && scene.materials().iter().any(Material::sends_rays),
             cutouts: triangles && scene.is_cut_out(),
             lights: !scene.lights.is_empty(),
@@ -227,6 +234,7 @@ impl Variant {
             casts: scene.shadows,
             shadow_rays: 0,
             occlusion_rays: 0,
+            sky_light: false,
             shares: false,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
@@ -274,6 +282,7 @@ impl Variant {
         Self {
             textures: false,
             shine: false,
+            normalised: false,
             mirrors: false,
             lights: false,
             shadows: Shadows::None,
@@ -281,6 +290,7 @@ impl Variant {
             casts: true,
             shadow_rays: 0,
             occlusion_rays: 0,
+            sky_light: false,
             shares: false,
             sky: SkyKind::Constant,
             samples: false,

@@ -70,6 +70,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "shade",
     "shadows",
     "sky",
+    "sky_light",
     "soft",
     "sphere",
     "textures",

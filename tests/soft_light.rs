@@ -2,57 +2,14 @@
 
 mod common;
 
-use common::{gpu, is_exact};
-use stereotrace::{
-    AmbientOcclusion, Error, GBuffer, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sky, Sphere,
-    StereoCamera, StereoPair, View, glam::Vec3, scene::builtin::Builtin,
+use common::{
+    floor::{errors, floor, light_on_floor, naive},
+    gpu, is_exact,
 };
-
-/// A white floor at y = 0 under a black sky, without ambient light.
-fn floor() -> Scene {
-    let mut scene = Scene::new();
-    let white = scene.add_material(Material::new(Vec3::ONE));
-    let corner = |x: f32, z: f32| Vec3::new(40.0 * x, 0.0, 40.0 * z);
-    let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    scene.add_mesh(&Mesh::new(corners, vec![[0, 2, 1], [0, 3, 2]]).materials(vec![white; 2])).unwrap();
-    scene.sky = Sky::Constant(Vec3::ZERO);
-    scene.ambient = Some(Vec3::ZERO);
-    scene
-}
-
-/// What the floor shows, seen straight from above, so that a pixel's place follows from its row and column: `[x, z, light]`.
-fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds: u32) -> Vec<[f64; 3]> {
-    let mut renderer = Renderer::new(gpu());
-    let uploaded = renderer.upload(scene).unwrap();
-    let size = 48;
-    let up = 30.0;
-    let camera = StereoCamera::look_at(Vec3::new(0.0, up, 0.0), Vec3::ZERO)
-        .up(Vec3::NEG_Z)
-        .size(size, size)
-        .screen_width(2.0 * half)
-        .interaxial(0.0);
-    let mut sum = vec![0.0; (size * size) as usize];
-    for seed in 0..seeds {
-        let options = options.clone().linear(true).g_buffer(GBuffer::None).seed(seed);
-        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
-        sum.iter_mut().zip(&pair.left.linear).for_each(|(sum, color)| *sum += f64::from(color[0]) / f64::from(seeds));
-    }
-    let place = |index: usize| (2.0 * (index as f64 + 0.5) / f64::from(size) - 1.0) * f64::from(half);
-    let pixel = |(index, &light): (usize, &f64)| [place(index % size as usize), place(index / size as usize), light];
-    sum.iter().enumerate().map(pixel).collect()
-}
-
-fn naive() -> Options {
-    Options::new(Method::Naive)
-}
-
-/// The largest and the root mean square difference from a closed form.
-fn errors(pixels: &[[f64; 3]], form: impl Fn(f64, f64) -> f64) -> (f64, f64) {
-    let off = pixels.iter().map(|&[x, z, light]| (light - form(x, z)).abs());
-    let (largest, squares) =
-        off.fold((0.0_f64, 0.0), |(largest, squares), off| (largest.max(off), squares + off * off));
-    (largest, (squares / pixels.len() as f64).sqrt())
-}
+use stereotrace::{
+    AmbientOcclusion, Error, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sphere, StereoCamera,
+    StereoPair, View, glam::Vec3, scene::builtin::Builtin,
+};
 
 /// The integral of h / r over a rectangle from the origin to (a, b) at the height h.
 fn corner_integral(a: f64, b: f64, h: f64) -> f64 {
@@ -264,6 +221,40 @@ fn shared_penumbrae_are_no_farther_from_the_limit_than_naives_noise() {
         assert!(of_shared < 1.05 * of_naive && rays < 0.3 && gross < 0.002, "{text}");
         assert!(share_off(&naive.right, &limit, 0.1) == 0.0);
     }
+}
+
+/// Of two lights whose penumbrae are a pixel or two wide.
+#[test]
+fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
+    let mut renderer = Renderer::new(gpu());
+    let camera = Builtin::Hall.camera(150, 101);
+    let mut scene = Builtin::Hall.scene();
+    let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).unwrap();
+    scene.place_lights(2, &camera).unwrap();
+    for light in &mut scene.lights {
+        *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
+    }
+    let uploaded = renderer.upload(&scene).unwrap();
+    let mut render = |options: Options| renderer.render(&uploaded, &camera, &options.linear(true)).unwrap();
+    let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
+    for seed in 1..=16 {
+        for (sum, color) in limit.iter_mut().zip(&render(naive().shadow_rays(32).seed(seed)).right.linear) {
+            (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 16.0);
+        }
+    }
+    let mut rms = |options: Options| {
+        let pair = render(options);
+        let squares: f64 = errors_of(&pair.right, &limit).map(|off| off * off).sum();
+        ((squares / limit.len() as f64).sqrt(), pair.statistics.right.rays.shadow)
+    };
+    let (of_naive, _) = rms(naive());
+    let (exact, exact_rays) = rms(Options::new(Method::BRACKET).penumbra(Penumbra::Exact));
+    let (shared, shared_rays) = rms(Options::new(Method::BRACKET));
+    let rays = shared_rays as f64 / exact_rays as f64;
+    let text = format!("hall: {shared:.5}, exact {exact:.5}, naive {of_naive:.5}; rays {rays:.3} of exact's");
+    println!("{text}");
+    // Without what is asked of the samples beside and of grooves, 0.987 of the exact rule's error; 0.940 with it.
+    assert!(shared < 0.96 * exact && rays < 0.65, "{text}");
 }
 
 fn camera_pixels(camera: &StereoCamera) -> usize {

@@ -105,6 +105,9 @@ pub(crate) struct Arguments {
     /// Let what stands near keep ambient light off: by N rays a sample, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     occlusion: Option<OcclusionArgument>,
+    /// Light surfaces by the sky in place of ambient light: by N rays a sample, 1 to 32. What they meet keeps its light off
+    #[arg(long, value_name = "N", conflicts_with = "occlusion")]
+    sky_light: Option<u32>,
     /// Brighten pictures by so many stops, or darken them
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
     exposure: f32,
@@ -202,7 +205,7 @@ impl Arguments {
                 settled.shadow_rays.get_or_insert(studio::RAYS);
                 settled.samples = Some(studio::SAMPLES);
             }
-            if self.lights.is_none() && self.occlusion.is_none() {
+            if self.lights.is_none() && self.occlusion.is_none() && self.sky_light.is_none() {
                 let reach =
                     scene.bounds().map(|(low, high)| studio::REACH * low.distance(high)).filter(|reach| *reach > 0.0);
                 settled.occlusion =
@@ -221,8 +224,8 @@ impl Arguments {
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
         let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).bounces(self.bounces);
-        let options = options.adaptive(self.adaptive);
-        options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
+        let options = options.adaptive(self.adaptive).shadow_rays(self.shadow_rays.unwrap_or(16));
+        options.occlusion(occlusion).sky_rays(self.sky_light).exposure(self.exposure).tone(self.tone)
     }
 
     fn limits(&self) -> Limits {

@@ -130,6 +130,11 @@ fn an_obj_file_is_flattered_unless_it_is_to_be_plain() {
     assert!(primary(&plain) == 16 * 12 && plain.contains(", 5 lights\n") && !plain.contains("trace_soft"), "{plain}");
     let asked = run(&["--method", "naive", "--samples", "1", "--lights", "2"]);
     assert!(primary(&asked) == 16 * 12 && asked.contains(", 2 lights\n") && !asked.contains("trace_soft"), "{asked}");
+    let by_sky = run(&["--method", "naive", "--samples", "1", "--sky-light", "4", "--plain"]);
+    assert!(primary(&by_sky) == 16 * 12 && by_sky.contains("trace_soft"), "{by_sky}");
+    assert!(run(&["--sky-light", "33"]).contains("sky_rays: 33; there can be 1 to 32"));
+    let both = Arguments::try_parse_from(["anaglyph", "--sky-light", "4", "--occlusion", "4"]).unwrap_err().to_string();
+    assert!(both.contains("cannot be used with"), "{both}");
     assert!(run(&["--occlusion", "0"]).contains("occlusion: 0; there can be 1 to 32"));
     for (option, value, text) in [
         ("--occlusion", "16:NaN", "it must be a number above 0"),

@@ -1,7 +1,7 @@
 // What a surface is made of: its texels of the shading table, behind the lights'.
 
 // Texels of a material: albedo, and one more than its texture's number with its finish above that; then specular colour and Phong's
-// exponent; then what it gives off, and its opacity; then what it lets through, and its index of refraction. Where all are dull, the
+// exponent, or -1 less that where highlights are normalised; then what it gives off, and its opacity; then what it lets through, and its index of refraction. Where all are dull, the
 // first alone.
 const MATERIAL_ALBEDO: u32 = 0u;
 const MATERIAL_SPECULAR: u32 = 1u;
@@ -41,6 +41,61 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let cosine = dot3(mirrored, to_eye) / sqrt(dot3(to_eye, to_eye));
     // pow of 0 is left open where the exponent is 0 too.
     return times3(surfaces.specular, select(F(0.0), pow(max(cosine, F(1e-30)), surfaces.exponent), cosine > F(0.0)));
+}
+
+//! if shine is none or some
+// Highlights of what comes along the rays, as `highlight` makes them.
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
+    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
+    let n = aim.shading_normal;
+    // Of the directions to the light, mirrored, as of those from it.
+    let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
+    let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
+    let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
+    let lit = rays.wanted & (mirrored > vec4f(0.0));
+    return select(vec4f(0.0), pow(max(mirrored, vec4f(1e-30)), vec4f(of_ray(surfaces.exponent, ray))), lit);
+}
+
+//! if shine is normalised
+// The same where some highlights are normalised: those whose exponent is below 0. Their colour is scaled so that all of the lobe has its share of the light that comes
+// (Lafortune & Willems 1994).
+fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
+    let specular = material_texel(material, MATERIAL_SPECULAR);
+    let emission = material_texel(material, MATERIAL_EMISSION);
+    let exponent = bitcast<f32>(specular.w);
+    let scale = select(1.0, 0.5 * (phong_exponent(exponent) + 2.0), exponent < 0.0);
+    var shining = surfaces;
+    shining.specular = with_ray3(surfaces.specular, ray, bitcast<vec3f>(specular.xyz) * scale);
+    shining.exponent = with_ray(surfaces.exponent, ray, exponent);
+    shining.emission = with_ray3(surfaces.emission, ray, bitcast<vec3f>(emission.xyz));
+    return shining;
+}
+
+fn phong_exponent(exponent: f32) -> f32 { return select(exponent, -1.0 - exponent, exponent < 0.0); }
+
+fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
+    let to_eye = minus3(all3(eye), surfaces.point);
+    let facing = -dot3(surfaces.shading_normal, from_light);
+    let mirrored = add3(from_light, times3(surfaces.shading_normal, 2.0 * facing));
+    let cosine = dot3(mirrored, to_eye) / sqrt(dot3(to_eye, to_eye));
+    let normalised = surfaces.exponent < F(0.0);
+    let lobe = pow(max(cosine, F(1e-30)), select(surfaces.exponent, -1.0 - surfaces.exponent, normalised));
+    let seen = select(lobe, lobe * max(facing, F(0.0)), normalised);
+    return times3(surfaces.specular, select(F(0.0), seen, cosine > F(0.0)));
+}
+
+// Highlights of what comes along the rays, as `highlight` makes them.
+fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
+    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
+    let n = aim.shading_normal;
+    // Of the directions to the light, mirrored, as of those from it.
+    let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
+    let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
+    let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
+    let lit = rays.wanted & (mirrored > vec4f(0.0));
+    let exponent = of_ray(surfaces.exponent, ray);
+    let lobe = pow(max(mirrored, vec4f(1e-30)), vec4f(phong_exponent(exponent)));
+    return select(vec4f(0.0), select(lobe, lobe * cosine, exponent < 0.0), lit);
 }
 
 //! if mirrors is none

@@ -160,7 +160,8 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     return aim;
 }
 
-fn four_rays(aim: Aim, group: u32) -> Four {
+// As a source's shape spreads them.
+fn spread_four(aim: Aim, group: u32) -> Four {
     let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
     let u = fract((vec4f(index) + 0.5) / f32(aim.count) + aim.spin.x);
     let v = fract(vec4f(reverseBits(index) >> vec4u(8u)) / 16777216.0 + aim.spin.y);
@@ -176,6 +177,11 @@ fn four_rays(aim: Aim, group: u32) -> Four {
     let x = aim.base.x * straight + aim.along.x * p + aim.up.x * q;
     let y = aim.base.y * straight + aim.along.y * p + aim.up.y * q;
     let z = aim.base.z * straight + aim.along.z * p + aim.up.z * q;
+    return facing_four(aim, index, x, y, z);
+}
+
+// Rays along four ways, but for those that lead below the surface.
+fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     let far = sqrt(x * x + y * y + z * z);
     var rays = Four(x / far, y / far, z / far, far, vec4f(1.0), index < vec4u(aim.count));
     if aim.kind == SUN { rays.far = vec4f(FAR); }
@@ -189,18 +195,6 @@ fn four_rays(aim: Aim, group: u32) -> Four {
     }
     rays.weight = select(vec4f(0.0), rays.weight, rays.wanted);
     return rays;
-}
-
-// Highlights of what comes along the rays, as `highlight` makes them.
-fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
-    let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
-    let n = aim.shading_normal;
-    // Of the directions to the light, mirrored, as of those from it.
-    let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
-    let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
-    let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
-    let lit = rays.wanted & (mirrored > vec4f(0.0));
-    return select(vec4f(0.0), pow(max(mirrored, vec4f(1e-30)), vec4f(of_ray(surfaces.exponent, ray))), lit);
 }
 
 fn bits_of_four(four: vec4<bool>) -> u32 {
@@ -228,47 +222,61 @@ fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light {
     var ray = 0u;
     loop {
         if of_ray_b(lit, ray) {
-            let aim = aim_at(surfaces, eye, light, ray);
-            var known = known_share(light, slot, aim.count, ray);
-            if is_never_hidden(aim.kind) { known = 1.0; }
-            var mask = 0u;
-            if known < 0.0 { mask = mask_of(aim, slot, ray); }
-            var sums = Shares(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
-            var group = 0u;
-            loop {
-                let rays = four_rays(aim, group);
-                let open = four_of_bits(mask >> (4u * group));
-                sums.all += rays.weight;
-                sums.open += select(vec4f(0.0), rays.weight, open);
-                if SHINE && aim.kind != SURROUNDINGS {
-                    let shine = four_highlights(rays, aim, surfaces, eye, ray);
-                    sums.all_shine += shine;
-                    sums.open_shine += select(vec4f(0.0), shine, open);
-                }
-                group += 1u;
-                if 4u * group >= aim.count { break; }
-            }
-            let all = sum_of_four(sums.all);
-            var diffuse = sum_of_four(sums.open);
-            var shine = sum_of_four(sums.open_shine);
-            if known >= 0.0 {
-                diffuse = all * known;
-                shine = sum_of_four(sums.all_shine) * known;
-            } else {
-                keep_share(light, slot, ray, diffuse, all);
-            }
-            var intensity = shading_vector(AMBIENT);
-            if aim.kind != SURROUNDINGS { intensity = shading_vector(LIGHTS + LIGHT_TEXELS * light + 1u); }
-            result.diffuse = with_ray3(result.diffuse, ray, intensity * (diffuse / f32(aim.count)));
-            if SHINE {
-                let color = of_ray3(surfaces.specular, ray) * intensity;
-                result.shine = with_ray3(result.shine, ray, color * (shine / f32(aim.count)));
-            }
+            let arrived = arrived_from(surfaces, eye, light, slot, ray);
+            result.diffuse = with_ray3(result.diffuse, ray, arrived.diffuse);
+            if SHINE { result.shine = with_ray3(result.shine, ray, arrived.shine); }
         }
         ray += 1u;
         if ray >= RAYS { break; }
     }
     return result;
+}
+
+// To one of these points.
+struct Arrived {
+    diffuse: vec3f,
+    shine: vec3f,
+}
+
+// From a source that is as bright in all directions.
+fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
+    let aim = aim_at(surfaces, eye, light, ray);
+    var known = known_share(light, slot, aim.count, ray);
+    if is_never_hidden(aim.kind) { known = 1.0; }
+    var mask = 0u;
+    if known < 0.0 { mask = mask_of(aim, slot, ray); }
+    var sums = Shares(vec4f(0.0), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    var group = 0u;
+    loop {
+        let rays = four_rays(aim, group);
+        let open = four_of_bits(mask >> (4u * group));
+        sums.all += rays.weight;
+        sums.open += select(vec4f(0.0), rays.weight, open);
+        if SHINE && aim.kind != SURROUNDINGS {
+            let shine = four_highlights(rays, aim, surfaces, eye, ray);
+            sums.all_shine += shine;
+            sums.open_shine += select(vec4f(0.0), shine, open);
+        }
+        group += 1u;
+        if 4u * group >= aim.count { break; }
+    }
+    let all = sum_of_four(sums.all);
+    var diffuse = sum_of_four(sums.open);
+    var shine = sum_of_four(sums.open_shine);
+    if known >= 0.0 {
+        diffuse = all * known;
+        shine = sum_of_four(sums.all_shine) * known;
+    } else {
+        keep_share(light, slot, ray, diffuse, all);
+    }
+    var intensity = shading_vector(AMBIENT);
+    if aim.kind != SURROUNDINGS { intensity = shading_vector(LIGHTS + LIGHT_TEXELS * light + 1u); }
+    var arrived = Arrived(intensity * (diffuse / f32(aim.count)), vec3f(0.0));
+    if SHINE {
+        let color = of_ray3(surfaces.specular, ray) * intensity;
+        arrived.shine = color * (shine / f32(aim.count));
+    }
+    return arrived;
 }
 
 //! if soft is masked

@@ -117,7 +117,7 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 }
 
 // Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how they differ, the mean
-// of theirs. -1 where they don't tell.
+// of theirs, unless the penumbra is narrow. -1 where they don't tell.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if (of_ray_u(taken.known, ray) & bit) != 0u { return select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u); }
@@ -125,9 +125,41 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;
     let b = (of_ray_u(taken.shares_after, ray) >> (SHARE_BITS * slot)) & UNASKED;
     if a == UNASKED || b == UNASKED { return -1.0; }
+    // Where both see all of it or nothing, and it is not known for all that, the point lies in a groove between them (bits.wgsl).
+    if bit != 0u && a == b && (a == 0u || a == ALL_OPEN) { return -1.0; }
     let before = f32(a) / f32(ALL_OPEN);
     let after = f32(b) / f32(ALL_OPEN);
-    let mean = 0.5 * (before + after);
-    let by_chance = frame.share_tolerance * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
-    return select(-1.0, mix(before, after, of_ray(taken.way, ray)), abs(before - after) <= max(by_chance, 1.0 / f32(count)));
+    if !is_chance(before, after, frame.share_tolerance, count) || is_narrow(slot, before, after, count, ray) { return -1.0; }
+    return mix(before, after, of_ray(taken.way, ray));
+}
+
+// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
+fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
+    let mean = 0.5 * (a + b);
+    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
+    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
+}
+
+// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
+// most, and what two of them have in common says little of what lies between.
+const NARROW: f32 = 2.0;
+
+// Whether that is so of one of the two samples beside a point and its neighbour on the other side.
+fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {
+    let pixel = pixel_of_ray(dice, ray);
+    let first = place_between(nearest_source(), pixel, view[pixel_index(pixel)].depth).first;
+    let component = source_sample(first).component;
+    var narrow = false;
+    if first.x > 0u { narrow = is_unlike(vec2u(first.x - 1u, first.y), component, slot, before, count); }
+    if first.x + 2u < frame.image_size.x {
+        narrow |= is_unlike(vec2u(first.x + 2u, first.y), component, slot, after, count);
+    }
+    return narrow;
+}
+
+fn is_unlike(pixel: vec2u, component: u32, slot: u32, share: f32, count: u32) -> bool {
+    let sample = source_sample(pixel);
+    let other = (sample.other >> (SHARE_BITS * slot)) & UNASKED;
+    let asked = sample.component == component && other != UNASKED;
+    return asked && !is_chance(f32(other) / f32(ALL_OPEN), share, NARROW * frame.share_tolerance, count);
 }

@@ -92,6 +92,9 @@ impl Renderer {
     ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
+        if options.sky_rays.is_some() {
+            scene.weigh_sky().await?;
+        }
         let eyes = rig.eyes()?;
         let (.., plan) = self.planned(scene, &eyes, options);
         check(&self.gpu, options, &plan, &eyes)?;

@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use crate::{
         AmbientOcclusion, BvhBuild, Finish, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options, Plane,
-        Progress, Ray, Renderer, Scene, Sphere, StereoCamera, StereoPair, Texture, Traversal,
+        Progress, Ray, Renderer, Scene, Sky, SkyMap, Sphere, StereoCamera, StereoPair, Texture, Traversal,
         glam::{Vec2, Vec3},
         random::Random,
         scene::builtin::Builtin,
@@ -164,6 +164,8 @@ mod tests {
             .iter_mut()
             .skip(1)
             .for_each(|light| *light = Light::sphere(light.position, 0.2, light.intensity));
+        let mut under_a_sun = near.scene();
+        under_a_sun.sky = Sky::Map(SkyMap::procedural(64).unwrap());
         let mut with_glass = near.scene();
         let glass = Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true };
         let glass = with_glass.add_material(Material::new(Vec3::ZERO).specular(Vec3::ONE).finish(glass));
@@ -173,6 +175,7 @@ mod tests {
             ("hall", hall.scene(), hall.camera(37, 23)),
             ("near", near.scene(), near.camera(37, 23)),
             ("near by a ball, occluded", by_a_ball, near.camera(37, 23)),
+            ("near under a sun", under_a_sun, near.camera(37, 23)),
             ("near by far lights", by_far_lights, near.camera(37, 23)),
             ("near behind a fence", behind_a_fence(&near.camera(37, 23)), near.camera(37, 23)),
             ("three spheres on a plane", three.scene(), three.camera(37, 23)),
@@ -212,7 +215,11 @@ mod tests {
     /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
         let occlusion = name.ends_with("occluded").then(|| AmbientOcclusion::new(5, 1.0));
-        let options = |method| Options { cost_map: costs, ..Options::new(method).linear(true).occlusion(occlusion) };
+        let sky_rays = name.ends_with("sun").then_some(5);
+        let options = |method| {
+            let options = Options::new(method).linear(true).occlusion(occlusion).sky_rays(sky_rays);
+            Options { cost_map: costs, ..options }
+        };
         let uploaded = renderer.upload(scene).unwrap();
         renderer.steps = Steps::default();
         let expected = shown(renderer.render(&uploaded, camera, &options(Method::Naive)).unwrap());

@@ -153,6 +153,9 @@ impl Renderer {
     ) -> Result<Done, Error> {
         scene.belongs_to(&self.gpu)?;
         options.check()?;
+        if options.sky_rays.is_some() {
+            scene.weigh_sky().await?;
+        }
         let (method, early, plan) = self.planned(scene, eyes, options);
         let masked = wanted.masks().is_some();
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
@@ -219,7 +222,7 @@ impl Renderer {
         let (bits, samples) = (plan.bits, plan.samples);
         let second = samples && eyes.has_seconds();
         let shadow_rays = if counting.soft_lights { options.shadow_rays } else { 0 };
-        let occlusion_rays = options.occlusion.map_or(0, |occlusion| occlusion.rays);
+        let occlusion_rays = options.surroundings().map_or(0, |occlusion| occlusion.rays);
         let soft = shadow_rays + occlusion_rays > 0;
         Variant {
             linear: options.linear,
@@ -229,6 +232,7 @@ impl Renderer {
             second,
             shadow_rays,
             occlusion_rays,
+            sky_light: options.sky_rays.is_some(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
             ..counting
@@ -270,7 +274,7 @@ fn driver<'a>(
         words_read: targets.shape.words_read(),
         soft_sources: targets.shape.soft_sources,
         seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-        occlusion_radius: options.occlusion.map_or(0.0, |occlusion| occlusion.radius),
+        occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
         share_tolerance: options.penumbra.tolerance(),
         exposure: options.exposure.exp2(),
         filmic: u32::from(options.tone == Tone::Filmic),

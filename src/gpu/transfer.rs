@@ -106,10 +106,24 @@ impl Gpu {
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub(crate) async fn fill(&self, room: &Texels, texels: impl Iterator<Item = Texel>) -> Result<(), Error> {
+        self.fill_from(room, 0, texels).await
+    }
+
+    /// The same from another place on.
+    ///
+    /// # Errors
+    /// As [`Gpu::fill`].
+    pub(crate) async fn fill_from(
+        &self,
+        room: &Texels,
+        begin: usize,
+        texels: impl Iterator<Item = Texel>,
+    ) -> Result<(), Error> {
         let write = |first: usize, texels: &[Texel]| match room {
-            Texels::Texture(view) => self.write_rows(view.texture(), first / TEXTURE_WIDTH as usize, texels),
+            Texels::Texture(view) => self.write_rows(view.texture(), begin + first, texels),
             Texels::Buffer(buffer) => {
-                self.queue.write_buffer(buffer, (first * size_of::<Texel>()) as u64, bytemuck::cast_slice(texels));
+                let offset = ((begin + first) * size_of::<Texel>()) as u64;
+                self.queue.write_buffer(buffer, offset, bytemuck::cast_slice(texels));
             }
         };
         self.in_pieces(texels, write).await
@@ -155,13 +169,15 @@ impl Gpu {
         self.texture(label, [width, height], TEXELS, usage, &[])
     }
 
-    /// Writes texels from a row on. The last row may be short.
-    fn write_rows(&self, texture: &wgpu::Texture, first_row: usize, texels: &[Texel]) {
-        let write = |row: usize, texels: &[Texel], width: u32, rows: usize| {
+    /// Writes texels to a texture's rows from a place on. The first row and the last one may be short.
+    fn write_rows(&self, texture: &wgpu::Texture, first: usize, texels: &[Texel]) {
+        let write = |at: usize, texels: &[Texel], rows: usize| {
+            let (x, y) = (at % texture.width() as usize, at / texture.width() as usize);
+            let width = (texels.len() / rows) as u32;
             let target = wgpu::TexelCopyTextureInfo {
                 texture,
                 mip_level: 0,
-                origin: wgpu::Origin3d { x: 0, y: row as u32, z: 0 },
+                origin: wgpu::Origin3d { x: x as u32, y: y as u32, z: 0 },
                 aspect: wgpu::TextureAspect::All,
             };
             let layout =
@@ -169,14 +185,16 @@ impl Gpu {
             let size = wgpu::Extent3d { width, height: rows as u32, depth_or_array_layers: 1 };
             self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
         };
-        let width = texture.width();
-        let full = texels.len() / width as usize;
-        let (whole, rest) = texels.split_at(full * width as usize);
-        if !whole.is_empty() {
-            write(first_row, whole, width, full);
-        }
-        if !rest.is_empty() {
-            write(first_row + full, rest, rest.len() as u32, 1);
+        let width = texture.width() as usize;
+        // What is left of a row that is begun already.
+        let (begun, texels) = texels.split_at(((width - first % width) % width).min(texels.len()));
+        let rows = texels.len() / width;
+        let (whole, rest) = texels.split_at(rows * width);
+        let behind = first + begun.len();
+        for (at, texels, rows) in [(first, begun, 1), (behind, whole, rows), (behind + whole.len(), rest, 1)] {
+            if !texels.is_empty() {
+                write(at, texels, rows);
+            }
         }
     }
 

@@ -87,13 +87,14 @@ impl Scene {
                 return Err(format!("{what} {id} of {}", counted(self.textures.len(), "texture", "textures")));
             }
         }
-        match material.most_returned() {
-            Some(returned) if returned.max_element() > MOST_RETURNED => Err(format!(
-                "it adds more light than it gets: albedo and what it reflects or lets through are {returned} together; each \
-                 channel can be at most 1"
-            )),
-            _ => Ok(()),
+        let returned = material.most_returned();
+        if returned.max_element() <= MOST_RETURNED {
+            return Ok(());
         }
+        Err(format!(
+            "it adds more light than it gets: albedo and what it reflects or lets through are {returned} together; each \
+             channel can be at most 1"
+        ))
     }
 
     /// Only triangles can be cut out.
@@ -190,6 +191,11 @@ mod tests {
         let plain = || Material::new(Vec3::splat(0.5)).name("jade");
         let glass = |index, transmission| plain().finish(Finish::Glass { index, transmission, fresnel: true });
         let mirror = Finish::Mirror { fresnel: false };
+        // Of one that reflects by its specular colour at any angle.
+        let glass_of = |albedo, specular, transmission| {
+            let finish = Finish::Glass { index: 1.5, transmission: Vec3::splat(transmission), fresnel: false };
+            Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular)).finish(finish).name("jade")
+        };
         let said = |material: Material| {
             let mut scene = Scene::new();
             scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8).unwrap());
@@ -223,6 +229,19 @@ mod tests {
             assert!(message.contains("material 1 'jade'") && message.contains(expected), "{expected}: {message}");
         }
         for material in [
+            Material::new(Vec3::new(0.5, 1.5, 0.5)).name("jade"),
+            plain().specular(Vec3::splat(0.6)).normalised(true),
+            glass_of(0.4, 0.4, 0.5),
+        ] {
+            let message = said(material).unwrap_err();
+            assert!(
+                message.contains("material 1 'jade'") && message.contains("adds more light than it gets"),
+                "{message}"
+            );
+        }
+        for material in [
+            plain().specular(Vec3::splat(0.5)).normalised(true),
+            glass_of(0.4, 0.4, 0.3),
             plain().specular(Vec3::ONE).exponent(0.0).opacity(0.0).emission(Vec3::splat(15.0)),
             plain().specular(Vec3::splat(0.5)).finish(mirror).texture(TextureId(0)).cutout(TextureId(0)),
             Material::new(Vec3::splat(0.7)).specular(Vec3::splat(0.3)).finish(mirror),

@@ -60,6 +60,8 @@ pub struct Material {
     pub specular: Vec3,
     /// Phong's exponent: the larger, the smaller a highlight; 0 to 10000. MTL's `Ns`.
     pub exponent: f32,
+    /// Whether highlights are of as much light as [`Material::specular`] says, as [`Material::normalised`] has it. MTL's are not.
+    pub normalised: bool,
     /// Radiance that it gives off by itself, linear RGB. It lights nothing else. MTL's `Ke`.
     pub emission: Vec3,
     /// What it does with light beside scattering it. MTL's `illum`.
@@ -80,6 +82,7 @@ impl Material {
             opacity: 1.0,
             specular: Vec3::ZERO,
             exponent: Self::DEFAULT_EXPONENT,
+            normalised: false,
             emission: Vec3::ZERO,
             finish: Finish::Matte,
         }
@@ -121,6 +124,17 @@ impl Material {
         self
     }
 
+    /// Whether highlights conserve energy, so that [`Material::specular`] is the share of a light that they send on. A light of intensity I then adds
+    /// `I specular (n + 2)/2 max(0, r·v)ⁿ max(0, n·l)` for the exponent n (Lafortune & Willems 1994, "Using the Modified Phong Reflectance
+    /// Model": a reflectance of `specular (n + 2)/2π max(0, r·v)ⁿ`, alike in both directions), whose sum over all directions is `specular` where light comes
+    /// straight from above, and less the more of the lobe the surface cuts off. Albedo and specular may then be at most 1 together in each channel. By MTL's
+    /// Phong, where nothing is said, it is `I specular max(0, r·v)ⁿ`, of which straight above `2 specular / (n + 1)` of the light comes back: of small highlights hardly
+    /// any, of exponents below 1 more than `specular`. What mirrors and glass reflect of their surroundings stays what it is; lights' highlights on them change alike.
+    pub fn normalised(mut self, normalised: bool) -> Self {
+        self.normalised = normalised;
+        self
+    }
+
     /// Radiance that it gives off, linear RGB. Black where nothing is said.
     pub fn emission(mut self, emission: Vec3) -> Self {
         self.emission = emission;
@@ -138,18 +152,81 @@ impl Material {
         self.emission != Vec3::ZERO || self.specular != Vec3::ZERO
     }
 
+    /// Whether it has highlights that conserve energy.
+    pub(crate) fn shines_normalised(&self) -> bool {
+        self.normalised && self.specular != Vec3::ZERO
+    }
+
     /// Whether rays go on from it: a mirror, glass, or a veil that hides only a share of what is behind it.
     pub(crate) fn sends_rays(&self) -> bool {
         self.finish != Finish::Matte || self.opacity < 1.0
     }
 
-    /// The most that a mirror or glass sends back of the light of each channel: what it scatters, and the larger of what it
-    /// reflects and what it lets through.
-    pub(super) fn most_returned(&self) -> Option<Vec3> {
+    /// The most that it sends back of the light of each channel: what it scatters, and what it reflects and lets through. Highlights that don't conserve energy
+    /// are left out.
+    pub(super) fn most_returned(&self) -> Vec3 {
+        let (albedo, reflected) = (self.albedo, self.specular);
         match self.finish {
-            Finish::Matte => None,
-            Finish::Mirror { .. } => Some(self.albedo + self.specular),
-            Finish::Glass { transmission, .. } => Some(self.albedo + self.specular.max(transmission)),
+            Finish::Matte if !self.normalised => albedo,
+            Finish::Matte | Finish::Mirror { .. } => albedo + reflected,
+            // The angle says which share is whose.
+            Finish::Glass { transmission, fresnel: true, .. } => albedo + reflected.max(transmission),
+            Finish::Glass { transmission, .. } => albedo + reflected + (Vec3::ONE - reflected) * transmission,
         }
+    }
+
+    /// Scales all of that down to what came, and says whether it was more.
+    pub(super) fn conserve(&mut self) -> bool {
+        if self.most_returned().max_element() <= 1.0 {
+            return false;
+        }
+        // What is let through is a share of what is not reflected: with all of it k times as much, k (a + r + t) - k² r t is to be 1.
+        let passed = match self.finish {
+            Finish::Glass { transmission, fresnel: false, .. } => transmission,
+            _ => Vec3::ZERO,
+        };
+        let (sum, product) = (self.most_returned() + self.specular * passed, self.specular * passed);
+        let scale = |channel: usize| {
+            let (sum, product) = (f64::from(sum[channel]), f64::from(product[channel]));
+            2.0 / (sum + (sum * sum - 4.0 * product).max(0.0).sqrt())
+        };
+        let scale = (0..3).map(scale).fold(1.0, f64::min) as f32;
+        self.albedo *= scale;
+        self.specular *= scale;
+        if let Finish::Glass { transmission, .. } = &mut self.finish {
+            *transmission *= scale;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn what_is_scaled_down_returns_all_that_came_and_no_more() {
+        let mut random = Random::new(5);
+        let mut scaled = 0;
+        for index in 0..3000 {
+            let mut color = || Vec3::from_array([(); 3].map(|()| random.unit()));
+            let transmission = color();
+            let finish = match index % 4 {
+                0 => Finish::Matte,
+                1 => Finish::Mirror { fresnel: false },
+                kind => Finish::Glass { index: 1.5, transmission, fresnel: kind == 2 },
+            };
+            let before = Material::new(color()).specular(color()).normalised(index % 8 == 0).finish(finish);
+            let mut after = before.clone();
+            if after.conserve() {
+                scaled += 1;
+                assert!((after.most_returned().max_element() - 1.0).abs() < 1e-5, "{before:?} {after:?}");
+                assert!(after.albedo.cmple(before.albedo).all(), "{before:?} {after:?}");
+            } else {
+                assert!(after == before && before.most_returned().max_element() <= 1.0);
+            }
+        }
+        assert!(scaled > 1000, "{scaled}");
     }
 }

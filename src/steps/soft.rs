@@ -1,4 +1,4 @@
-//! Light that is asked for by many rays: lights that are not points, and ambient light that surroundings keep off. A view's hits come first; then
+//! Light that is asked for by many rays: lights that are not points, and ambient light, or the sky's, that surroundings keep off. A view's hits come first; then
 //! each source is asked, some rays at a time, so that no thread has more to do than an adapter grants it; then the view is shaded.
 
 use super::step;
@@ -50,7 +50,7 @@ const PART_RAYS: u32 = 16;
 /// A light, and what is asked of it in one dispatch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Its place among all lights; ambient light is behind the last.
+    /// Its place among all lights; ambient light, or the sky in its place, is behind the last.
     pub(crate) light: u32,
     /// Its place among those that are not points.
     pub(crate) slot: u32,
@@ -80,7 +80,7 @@ impl SoftLights {
         let shadow_rays = options.shadow_rays;
         let lights =
             self.soft.iter().map(move |&(light, sharp)| (light, if sharp { 1 } else { shadow_rays }, self.casts));
-        let ambient = options.occlusion.map(|occlusion| (self.lights, occlusion.rays, true));
+        let ambient = options.surroundings().map(|occlusion| (self.lights, occlusion.rays, true));
         ambient.into_iter().chain(lights)
     }
 

@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 25] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 26] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -49,6 +49,11 @@ impl Kernel {
             "shade_listed" | "trace_soft_asked" => "taken_or_traced",
             _ => "traced",
         };
+        let shine = match (with.shine, with.normalised) {
+            (false, _) => "none",
+            (true, false) => "some",
+            (true, true) => "normalised",
+        };
         let mirrors = match self.name {
             _ if !with.mirrors => "none",
             "trace_mirrored" => "followed",
@@ -60,6 +65,12 @@ impl Kernel {
             SoftRole::Masked => "masked",
             SoftRole::Asked => "asked",
             SoftRole::Followed => "followed",
+        };
+        let surroundings = match (soft, with.sky) {
+            ("none" | "skipped", _) => "none",
+            _ if !with.sky_light => "ambient",
+            (_, SkyKind::Constant | SkyKind::Gradient) => "cosine",
+            (_, SkyKind::Map) => "map",
         };
         let bits = match with.bits {
             ShadowReuse::Rays => "none",
@@ -81,12 +92,13 @@ impl Kernel {
             ("uv", if with.uv { "some" } else { "none" }),
             ("colors", if with.colors { "some" } else { "none" }),
             ("textures", if with.textures { "some" } else { "none" }),
-            ("shine", if with.shine { "some" } else { "none" }),
+            ("shine", shine),
             ("mirrors", mirrors),
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("shadows", shadows),
             ("soft", soft),
+            ("surroundings", surroundings),
             ("visibility", visibility),
             ("bits", bits),
             ("samples", samples),

@@ -1,10 +1,12 @@
 //! What the integration tests share: the device, its name in the output, scenes and comparisons.
 #![allow(dead_code, unreachable_pub, unused_imports, reason = "each test file uses its own part of this")]
 
+pub mod floor;
 pub mod folder;
 #[path = "../../src/random.rs"]
 pub mod random;
 mod random_scene;
+pub mod shown_sky;
 
 use std::{
     io::Write,

@@ -99,7 +99,7 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2, 2, 3]);
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3]);
     let with = |row: &[usize; 13]| {
         let &[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, masked, planes] = row;
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
@@ -114,17 +114,19 @@ pub(super) fn variants() -> Vec<Variant> {
             // What a scene has none of, textures of balls, and of triangles, with and without the others.
             uv: [2, 5].contains(&surfaces),
             colors: [3, 5].contains(&surfaces),
-            textures: ![0, 4].contains(&surfaces),
+            textures: ![0, 4, 6].contains(&surfaces),
             shine: surfaces > 3,
+            normalised: surfaces > 5,
             mirrors: surfaces % 2 == 1,
             cutouts: triangles && cutouts == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
-            // No soft light, lights, occlusion, both; what is never hidden among them.
+            // No soft light, lights, occlusion, both, the sky, and with lights; what is never hidden among them.
             soft_lights: soft % 2 == 1,
             casts: soft == 0 || light % 2 == 1,
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
             occlusion_rays: if soft > 1 { 32 } else { 0 },
+            sky_light: soft > 3,
             shares: soft > 0 && bits == 1,
             sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
             world_boxes,

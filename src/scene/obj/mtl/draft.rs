@@ -81,15 +81,7 @@ impl Draft {
             );
             warnings.warn("materials that are not seen at all", self.line, text);
         }
-        if let Some(returned) = material.most_returned().filter(|returned| returned.max_element() > 1.0) {
-            let scale = 1.0 / returned.max_element();
-            material.albedo *= scale;
-            material.specular *= scale;
-            if let Finish::Glass { transmission, .. } = &mut material.finish {
-                *transmission *= scale;
-            }
-            bounds.crossed = true;
-        }
+        bounds.crossed |= material.conserve();
         (material, bounds.crossed)
     }
 

@@ -1,0 +1,218 @@
+// The sky as a light. Where it is asked for in place of ambient light, the rays into a point's surroundings bring what the sky is like where they
+// lead (DESIGN, section 3).
+
+//! if surroundings is ambient
+fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
+    return arrived_evenly(surfaces, eye, light, slot, ray);
+}
+
+//! if surroundings is cosine or map
+fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
+    if light_kind(light) == SURROUNDINGS { return arrived_from_sky(surfaces, eye, light, slot, ray); }
+    return arrived_evenly(surfaces, eye, light, slot, ray);
+}
+
+// What four rays bring to a white surface, times the number of all rays: a colour each.
+struct FourColors {
+    r: vec4f,
+    g: vec4f,
+    b: vec4f,
+}
+
+fn luminance(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
+
+// Its share, which views take over, is that of its luminance. It makes no highlights, as ambient light makes none.
+fn arrived_from_sky(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
+    let aim = aim_at(surfaces, eye, light, ray);
+    let known = known_share(light, slot, aim.count, ray);
+    var mask = 0u;
+    if known < 0.0 { mask = mask_of(aim, slot, ray); }
+    let none = vec4f(0.0);
+    var all = FourColors(none, none, none);
+    var open = FourColors(none, none, none);
+    var group = 0u;
+    loop {
+        let four = sky_colors(aim, four_rays(aim, group));
+        let arrives = four_of_bits(mask >> (4u * group));
+        all = FourColors(all.r + four.r, all.g + four.g, all.b + four.b);
+        open.r += select(none, four.r, arrives);
+        open.g += select(none, four.g, arrives);
+        open.b += select(none, four.b, arrives);
+        group += 1u;
+        if 4u * group >= aim.count { break; }
+    }
+    let unhidden = sum_of_colors(all);
+    var diffuse = sum_of_colors(open);
+    if known >= 0.0 {
+        diffuse = unhidden * known;
+    } else {
+        keep_share(light, slot, ray, luminance(diffuse), luminance(unhidden));
+    }
+    return Arrived(diffuse / f32(aim.count), vec3f(0.0));
+}
+
+fn sum_of_colors(four: FourColors) -> vec3f {
+    return vec3f(sum_of_four(four.r), sum_of_four(four.g), sum_of_four(four.b));
+}
+
+fn with_color(four: FourColors, index: u32, color: vec3f) -> FourColors {
+    let here = vec4u(0u, 1u, 2u, 3u) == vec4u(index);
+    return FourColors(
+        select(four.r, vec4f(color.x), here),
+        select(four.g, vec4f(color.y), here),
+        select(four.b, vec4f(color.z), here),
+    );
+}
+
+//! if surroundings is ambient or cosine
+fn four_rays(aim: Aim, group: u32) -> Four {
+    return spread_four(aim, group);
+}
+
+//! if surroundings is cosine
+// A sky of one colour or a gradient: rays leave by the cosine, so that each brings as much of what is seen along it as any other.
+fn sky_colors(aim: Aim, rays: Four) -> FourColors {
+    let none = vec4f(0.0);
+    var four = FourColors(none, none, none);
+    var index = 0u;
+    loop {
+        if rays.wanted[index] {
+            let direction = vec3f(rays.x[index], rays.y[index], rays.z[index]);
+            four = with_color(four, index, of_ray3(sky(all3(direction)), 0u));
+        }
+        index += 1u;
+        if index >= 4u { break; }
+    }
+    return four;
+}
+
+//! if surroundings is map
+// A picture may have a sun of few pixels: every other ray leaves for a place that is chosen by its brightness, the others by the cosine, and what
+// both kinds may have met is weighed by how likely they were to (Veach & Guibas 1995, "Optimally Combining Sampling Techniques": the balance
+// heuristic).
+fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
+
+fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }
+
+fn four_rays(aim: Aim, group: u32) -> Four {
+    if aim.kind != SURROUNDINGS { return spread_four(aim, group); }
+    let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
+    let bright = (index & vec4u(1u)) == vec4u(1u);
+    let count = select(vec4f(f32(cosine_rays(aim))), vec4f(max(f32(bright_rays(aim)), 1.0)), bright);
+    let place = index >> vec4u(1u);
+    let u = fract((vec4f(place) + 0.5) / count + aim.spin.x);
+    let v = fract(vec4f(reverseBits(place) >> vec4u(8u)) / 16777216.0 + aim.spin.y);
+    let turn = 6.2831853 * v;
+    let p = sqrt(u) * cos(turn);
+    let q = sqrt(u) * sin(turn);
+    let straight = sqrt(max(1.0 - u, vec4f(0.0)));
+    let x = aim.base.x * straight + aim.along.x * p + aim.up.x * q;
+    let y = aim.base.y * straight + aim.along.y * p + aim.up.y * q;
+    let z = aim.base.z * straight + aim.along.z * p + aim.up.z * q;
+    let second = towards_brightness(u.y, v.y);
+    let fourth = towards_brightness(u.w, v.w);
+    return facing_four(
+        aim,
+        index,
+        vec4f(x.x, second.x, x.z, fourth.x),
+        vec4f(y.x, second.y, y.z, fourth.y),
+        vec4f(z.x, second.z, z.z, fourth.z),
+    );
+}
+
+// A map's pixels are weighed by their luminance and by the sine of their angle from the poles, but for its shape near enough (off by 0.0011) and
+// the same to a bit on the host, which sums them: src/table.rs. What a map shows is bilinear: the sum of its pixels, each spread over a tent two
+// pixels wide. So is what rays are chosen by.
+fn row_weight(row: i32, rows: i32) -> f32 {
+    let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);
+    let down = (f32(inside) + 0.5) / f32(rows);
+    let arc = 4.0 * down * (1.0 - down);
+    return arc * (0.775 + 0.225 * arc);
+}
+
+// The first of some texels whose w, a growing share, is over a share, and how far that is on the way from the share before. The last one's is 1.
+struct TexelOver {
+    index: u32,
+    within: f32,
+}
+
+fn texel_over(share: f32, first: u32, stride: u32, count: u32) -> TexelOver {
+    var low = 0u;
+    var high = count - 1u;
+    var below = 0.0;
+    var above = 1.0;
+    loop {
+        if low >= high { break; }
+        let middle = (low + high) / 2u;
+        let here = bitcast<f32>(table_texel(first + stride * middle).w);
+        if here > share {
+            high = middle;
+            above = here;
+        } else {
+            low = middle + 1u;
+            below = here;
+        }
+    }
+    return TexelOver(low, select(0.5, clamp((share - below) / (above - below), 0.0, 1.0), above > below));
+}
+
+// A place of a tent from -1 to 1, by a share of its area.
+fn tent(share: f32) -> f32 {
+    return select(1.0 - sqrt(2.0 - 2.0 * share), sqrt(2.0 * share) - 1.0, share < 0.5);
+}
+
+// A direction chosen by the map's brightness: its row, then its column, then within its tent.
+fn towards_brightness(u: f32, v: f32) -> vec3f {
+    let header = table_texel(SKY_NADIR);   // first texel, width, height
+    let row = texel_over(u, header.x + header.y - 1u, header.y, header.z);
+    let column = texel_over(v, header.x + header.y * row.index, 1u, header.y);
+    let across = f32(column.index) + 0.5 + tent(column.within);
+    let down = (f32(row.index) + 0.5 + tent(row.within)) / f32(header.z) * PI;
+    let around = (across / f32(header.y) - 0.5) * (2.0 * PI);
+    return vec3f(sin(down) * sin(around), cos(down), -sin(down) * cos(around));
+}
+
+// What is seen of a map in a direction, and how densely rays are chosen there by brightness, over pi steradians.
+struct SkySeen {
+    color: vec3f,
+    density: f32,
+}
+
+fn sky_seen(d: vec3f, header: vec4u, mean: f32) -> SkySeen {
+    let size = vec2i(header.yz);
+    let upright = max(abs(d.x), abs(d.z)) < 1e-7;
+    let turn = select(atan2(d.x, -d.z) / (2.0 * PI), 0.0, upright);
+    let place = vec2f(turn + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI) * vec2f(size) - 0.5;
+    let corner = vec2i(floor(place));
+    let share = place - floor(place);
+    let next = corner + vec2i(1, 1);
+    let top = mix(sky_texel(corner, header.x, size), sky_texel(vec2i(next.x, corner.y), header.x, size), share.x);
+    let bottom = mix(sky_texel(vec2i(corner.x, next.y), header.x, size), sky_texel(next, header.x, size), share.x);
+    let weights = vec2f(luminance(top), luminance(bottom)) * vec2f(row_weight(corner.y, size.y), row_weight(next.y, size.y));
+    // A pixel is 2 pi^2 sin / (width height) steradians.
+    let sine = max(sqrt(d.x * d.x + d.z * d.z), 1e-4);
+    let density = mix(weights.x, weights.y, share.y) / (mean * 2.0 * PI * sine);
+    return SkySeen(mix(top, bottom, share.y), select(0.0, density, mean > 0.0));
+}
+
+fn sky_colors(aim: Aim, rays: Four) -> FourColors {
+    let header = table_texel(SKY_NADIR);
+    // The mean of the pixels' weights stands where the last row's share would.
+    let mean = bitcast<f32>(table_texel(header.x + header.y * header.z - 1u).w);
+    let none = vec4f(0.0);
+    var four = FourColors(none, none, none);
+    var index = 0u;
+    loop {
+        if rays.wanted[index] {
+            let direction = vec3f(rays.x[index], rays.y[index], rays.z[index]);
+            let seen = sky_seen(direction, header, mean);
+            let cosine = dot(direction, aim.shading_normal);
+            let likely = f32(cosine_rays(aim)) * cosine + f32(bright_rays(aim)) * seen.density;
+            four = with_color(four, index, seen.color * (f32(aim.count) * cosine / likely));
+        }
+        index += 1u;
+        if index >= 4u { break; }
+    }
+    return four;
+}
+//! end
