@@ -149,6 +149,8 @@ pub(crate) struct Variant {
     pub(crate) second: bool,
     /// Linear colour is kept.
     pub(crate) linear: bool,
+    /// Samples a side of a pixel that are jittered; 0 or 1: none.
+    pub(crate) jitter: u32,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     /// Which shadow bits are taken over.
@@ -186,6 +188,7 @@ impl Variant {
         samples: false,
         second: false,
         linear: false,
+        jitter: 0,
         stack_size: 0,
         bits: ShadowReuse::Rays,
         count: false,
@@ -226,6 +229,7 @@ impl Variant {
             samples: false,
             second: false,
             linear: false,
+            jitter: 0,
             stack_size,
             bits: ShadowReuse::Rays,
             count: false,

@@ -50,6 +50,9 @@ pub(crate) struct Arguments {
     /// How they are weighed: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
+    /// Whether rows of samples stand aside of their grid, which gives edges that are nearly upright more steps: true or false
+    #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
+    jitter: bool,
     /// Surfaces that a ray may come from, one behind the other, by reflection or refraction: 0 to 8
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES)))]
     bounces: u32,
@@ -216,7 +219,8 @@ impl Arguments {
         let occlusion = self
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
-        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).bounces(self.bounces);
+        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
+        let options = options.bounces(self.bounces);
         options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).exposure(self.exposure).tone(self.tone)
     }
 

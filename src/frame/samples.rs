@@ -1,6 +1,9 @@
 //! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
 //! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
 
+#[cfg(test)]
+mod tests;
+
 use std::{collections::VecDeque, ops::ControlFlow};
 
 use super::{Done, OnRows, Rows, ViewRows, targets::MOST_BYTES};
@@ -25,7 +28,8 @@ impl Renderer {
             return self.frame(scene, eyes, options, pictures, progress, on_rows).await;
         }
         let finer = eyes.with_samples(side)?;
-        let asks_centre = side % 2 == 0 && options.g_buffer != GBuffer::None;
+        // A sample stands in the centre of odd grids that are not jittered.
+        let asks_centre = (side % 2 == 0 || options.jitter) && options.g_buffer != GBuffer::None;
         let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // a pixel, of both frames
         let mut centres = VecDeque::new();
         let mut centre = None;
@@ -37,7 +41,7 @@ impl Renderer {
             };
             let mut progress = part_of(progress, 0.0, rays.0, rays);
             // With linear colour, which nobody asks for, its kernels are those of the other frame.
-            let options = Options { linear: true, ..options.clone() };
+            let options = Options { linear: true, jitter: false, ..options.clone() };
             centre = Some(self.frame(scene, eyes, &options, pictures, &mut progress, &mut keep).await?);
         }
         let centres = asks_centre.then_some(centres);
@@ -86,7 +90,7 @@ fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), E
         needed: format!("{} MiB", needed >> 20),
         limit: "memory for whole pictures",
         allowed: format!("{} MiB", MOST_BYTES >> 20),
-        remedy: "take 9, 25 or 49 samples, or colours alone (GBuffer::None)",
+        remedy: "take 9, 25 or 49 samples without jitter, or colours alone (GBuffer::None)",
     })
 }
 

@@ -99,43 +99,45 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2]);
-    let with = |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts]: &[usize; 11]| {
-        let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
-            (traversals[traversal], kinds[kind]);
-        Variant {
-            traversal,
-            triangles,
-            spheres,
-            ellipsoids,
-            normals,
-            // What a scene has none of, textures of balls, and of triangles, with and without the others.
-            uv: [2, 5].contains(&surfaces),
-            colors: [3, 5].contains(&surfaces),
-            textures: ![0, 4].contains(&surfaces),
-            shine: surfaces > 3,
-            mirrors: surfaces % 2 == 1,
-            cutouts: triangles && cutouts == 1,
-            lights: light > 0,
-            shadows: shadows[light.saturating_sub(1)],
-            // No soft light, lights, occlusion, both; what is never hidden among them.
-            soft_lights: soft % 2 == 1,
-            casts: soft == 0 || light % 2 == 1,
-            shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
-            occlusion_rays: if soft > 1 { 32 } else { 0 },
-            shares: soft > 0 && bits == 1,
-            sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
-            world_boxes,
-            close: close == 1,
-            samples: kept & 1 == 1,
-            second: kept & 2 == 2,
-            linear: kept & 2 == 2,
-            stack_size: 40,
-            bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
-            count: counting > 0,
-            cost_map: counting > 1,
-        }
-    };
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 6, 4, 2, 2]);
+    let with =
+        |&[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, jitter]: &[usize; 12]| {
+            let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
+                (traversals[traversal], kinds[kind]);
+            Variant {
+                traversal,
+                triangles,
+                spheres,
+                ellipsoids,
+                normals,
+                // What a scene has none of, textures of balls, and of triangles, with and without the others.
+                uv: [2, 5].contains(&surfaces),
+                colors: [3, 5].contains(&surfaces),
+                textures: ![0, 4].contains(&surfaces),
+                shine: surfaces > 3,
+                mirrors: surfaces % 2 == 1,
+                cutouts: triangles && cutouts == 1,
+                lights: light > 0,
+                shadows: shadows[light.saturating_sub(1)],
+                // No soft light, lights, occlusion, both; what is never hidden among them.
+                soft_lights: soft % 2 == 1,
+                casts: soft == 0 || light % 2 == 1,
+                shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
+                occlusion_rays: if soft > 1 { 32 } else { 0 },
+                shares: soft > 0 && bits == 1,
+                sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
+                world_boxes,
+                close: close == 1,
+                samples: kept & 1 == 1,
+                second: kept & 2 == 2,
+                linear: kept & 2 == 2,
+                jitter: [0, 3][jitter],
+                stack_size: 40,
+                bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
+                count: counting > 0,
+                cost_map: counting > 1,
+            }
+        };
     // What the scenes of spheres alone are paired with, a scene without primitives is paired with too.
     let spheres_alone = rows.iter().filter(|row| row[1] == 0);
     let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
