@@ -42,7 +42,7 @@ pub(crate) struct Frame {
     pub(crate) share_tolerance: f32,
     pub(crate) exposure: f32,
     pub(crate) filmic: u32,
-    pub(crate) zero_a: u32,
+    pub(crate) jitter_seed: u32,
     pub(crate) zero_b: u32,
     pub(crate) zero: u32,
 }

@@ -25,6 +25,8 @@ pub struct Options {
     pub filter: Filter,
     /// More samples only where a pixel's differ, in place of as many in all.
     pub adaptive: Option<Adaptive>,
+    /// Whether each row of them stands aside of the grid by an offset of its own.
+    pub jitter: bool,
     /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]; 16 where nothing is said.
     pub shadow_rays: u32,
     /// Whether ambient light is kept off by what stands near; `None` where nothing is said: it reaches all.
@@ -33,7 +35,7 @@ pub struct Options {
     pub sky_rays: Option<u32>,
     /// What of these rays' answers a view takes over from its source.
     pub penumbra: Penumbra,
-    /// Of the random numbers that shift these rays. The same seed makes the same picture to the bit.
+    /// Of the random numbers that shift these rays, and of jitter. The same seed makes the same picture to the bit.
     pub seed: u32,
     /// By how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where nothing is said.
     pub exposure: f32,
@@ -171,6 +173,7 @@ impl Options {
             samples: 1,
             filter: Filter::Box,
             adaptive: None,
+            jitter: true,
             shadow_rays: 16,
             occlusion: None,
             sky_rays: None,
@@ -213,14 +216,14 @@ impl Options {
     }
 
     /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
-    /// middles of the cells of a square grid, the same in all views, and are weighed by [`Options::filter`] in linear
+    /// cells of a square grid, at the same places in all views ([`Options::jitter`]), and are weighed by [`Options::filter`] in linear
     /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
     ///
     /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
-    /// are not filtered, and are those of one ray through the pixel's centre. Of odd grids (9, 25, 49) that is the sample in the middle. Even
-    /// ones (4, 16, 36, 64) have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
+    /// are not filtered, and are those of one ray through the pixel's centre. Without jitter that is the middle sample of odd grids (9, 25, 49).
+    /// Jittered and even ones have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
     /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
-    /// the sample next to the centre to the right and below.
+    /// the sample in the middle cell, or in the next one to the right and below.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = samples;
         self
@@ -244,6 +247,15 @@ impl Options {
     /// those of the sample in its upper left corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
+        self
+    }
+
+    /// Whether samples stand aside of the middles of their cells, as they do unless something else is asked for. Each row of samples does by
+    /// an offset of its own, the same in all views: of a pixel's n rows one by `(k + 1/2) / n - 1/2` of a cell's width for each k from 0 to
+    /// n - 1, in an order that [`Options::seed`] and the row say. So an edge that is nearly upright cuts a pixel in n² steps in place of n; level
+    /// ones keep n. One sample stands in its pixel's centre.
+    pub fn jitter(mut self, jitter: bool) -> Self {
+        self.jitter = jitter;
         self
     }
 
@@ -283,7 +295,7 @@ impl Options {
         self
     }
 
-    /// The seed of the random numbers that shift these rays.
+    /// The seed of the random numbers that shift these rays, and of the order of jittered samples.
     pub fn seed(mut self, seed: u32) -> Self {
         self.seed = seed;
         self

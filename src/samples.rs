@@ -2,12 +2,14 @@
 
 mod cells;
 mod gather;
+mod jitter;
 
 use std::{fmt, str::FromStr};
 
 pub(crate) use self::{
     cells::{Between, Cells},
     gather::{Centres, Gather},
+    jitter::Jitter,
 };
 use crate::{Error, Pose, camera, rig::Eyes};
 
@@ -138,16 +140,19 @@ struct Window {
 }
 
 impl Window {
-    /// Of a pixel of so many, each with so many samples.
-    fn new(filter: Filter, side: u32, pixel: u32, pixels: u32) -> Self {
-        let side = f64::from(side);
-        // In samples, like the sample s, which stands at s + 0.5. All these are whole or halves, so nothing rounds.
-        let (centre, reach) = ((f64::from(pixel) + 0.5) * side, filter.radius() * side);
-        let first = ((centre - reach - 0.5).floor() + 1.0).max(0.0);
-        let end = (centre + reach - 0.5).ceil().min(f64::from(pixels) * side);
-        let (first, end) = (first as u32, end as u32);
-        let mut weights: Vec<f64> =
-            (first..end).map(|sample| filter.weight((f64::from(sample) + 0.5 - centre) / side)).collect();
+    /// Of a pixel of so many, each with so many samples; they stand so far behind their cells' middles, of a
+    /// cell.
+    fn new(filter: Filter, side: u32, [pixel, pixels]: [u32; 2], aside: f32) -> Self {
+        // In samples, like the sample s, which stands at s + 0.5 + aside.
+        let (centre, reach) = ((f64::from(pixel) + 0.5) * f64::from(side), filter.radius() * f64::from(side));
+        let away = |sample: u32| f64::from(sample) + 0.5 + f64::from(aside) - centre;
+        // (A cell more on either side, since samples stay in their cells.)
+        let nearest = (centre - reach - 1.0).floor().max(0.0) as u32;
+        let farthest = ((centre + reach + 1.0).ceil() as u32).min(pixels * side);
+        let within = |sample: &u32| away(*sample).abs() < reach;
+        let first = (nearest..farthest).find(within).unwrap_or(farthest);
+        let end = (first..farthest).rfind(within).map_or(first, |last| last + 1);
+        let mut weights: Vec<f64> = (first..end).map(|sample| filter.weight(away(sample) / f64::from(side))).collect();
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         Self { first, weights }
@@ -163,25 +168,30 @@ impl Window {
 mod tests {
     use super::*;
 
+    /// Without jitter.
+    fn window(filter: Filter, side: u32, pixel: u32, pixels: u32) -> Window {
+        Window::new(filter, side, [pixel, pixels], 0.0)
+    }
+
     #[test]
     fn windows_are_centred_and_whole() {
         for (filter, own) in [(Filter::Box, 1), (Filter::Tent, 2), (Filter::Gauss, 3)] {
             for side in 1..=MAX_SIDE {
-                let Window { first, weights } = Window::new(filter, side, 5, 11);
+                let Window { first, weights } = window(filter, side, 5, 11);
                 // A tent's outermost samples weigh nothing where they stand a pixel away.
                 let none = u32::from(filter == Filter::Tent && side % 2 == 1);
                 assert_eq!(weights.len() as u32, own * side - none, "{filter} {side}");
                 let mean: f64 = (first..).zip(&weights).map(|(s, weight)| (f64::from(s) + 0.5) * weight).sum();
                 assert!((mean / f64::from(side) - 5.5).abs() < 1e-12, "{filter} {side}: {mean}");
                 for pixel in 0..11 {
-                    let window = Window::new(filter, side, pixel, 11);
+                    let window = window(filter, side, pixel, 11);
                     assert!((window.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
                     assert!(window.end() <= 11 * side && window.weights.iter().all(|weight| *weight > 0.0));
                     assert!(window.first <= pixel * side && window.end() >= (pixel + 1) * side);
                 }
             }
         }
-        assert_eq!(Window::new(Filter::Tent, 2, 0, 3).weights, [0.75, 0.75, 0.25].map(|weight: f64| weight / 1.75));
+        assert_eq!(window(Filter::Tent, 2, 0, 3).weights, [0.75, 0.75, 0.25].map(|weight: f64| weight / 1.75));
     }
 
     #[test]

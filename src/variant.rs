@@ -157,6 +157,8 @@ pub(crate) struct Variant {
     pub(crate) linear: bool,
     /// Only pixels that a mask names are worked on.
     pub(crate) masked: bool,
+    /// Samples a side of a pixel that are jittered; 0 or 1: none.
+    pub(crate) jitter: u32,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
     /// Which shadow bits are taken over.
@@ -198,6 +200,7 @@ impl Variant {
         second: false,
         linear: false,
         masked: false,
+        jitter: 0,
         stack_size: 0,
         bits: ShadowReuse::Rays,
         count: false,
@@ -243,6 +246,7 @@ impl Variant {
             second: false,
             linear: false,
             masked: false,
+            jitter: 0,
             stack_size,
             bits: ShadowReuse::Rays,
             count: false,

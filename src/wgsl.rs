@@ -57,6 +57,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "ellipsoid",
     "fetch",
     "in_steps",
+    "jitter",
     "lane",
     "lights",
     "linear",

@@ -1,4 +1,4 @@
-//! Several samples a pixel: against a picture with a pixel for each sample, filtered here in f64.
+//! Several samples a pixel, without jitter: against a picture with a pixel for each sample, filtered here in f64.
 
 mod common;
 
@@ -94,7 +94,7 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
         let samples = renderer.render(&uploaded, &finer, &options).unwrap();
         let one = renderer.render(&uploaded, &camera(size[0], size[1]), &options).unwrap();
         for &filter in Filter::ALL {
-            let options = options.clone().samples(side * side).filter(filter);
+            let options = options.clone().samples(side * side).filter(filter).jitter(false);
             let pair = renderer.render(&uploaded, &camera(size[0], size[1]), &options).unwrap();
             assert_eq!(pair.pose, one.pose);
             for (found, finer, one) in
@@ -181,7 +181,7 @@ fn every_method_is_filtered_and_exact_ones_stay_exact() {
     let mut naive = None;
     for &method in Method::ALL {
         let options = Options::new(method).linear(true);
-        let filtering = options.clone().samples(4).filter(Filter::Tent);
+        let filtering = options.clone().samples(4).filter(Filter::Tent).jitter(false);
         let views = renderer.render_views(&uploaded, &rig, &filtering).unwrap();
         let samples = renderer.render_views(&uploaded, &finer, &options).unwrap();
         let one = renderer.render_views(&uploaded, &rig, &options).unwrap();
@@ -225,7 +225,7 @@ fn a_box_is_the_share_of_samples_that_an_edge_covers() {
     // 40 pixels of 0.1; edges at column 23.43 and row 14.71: no sample stands there.
     let uploaded = renderer.upload(&half_planes(0.343, 0.529)).unwrap();
     for side in 2..=8_u32 {
-        let options = Options::new(Method::Naive).samples(side * side).linear(true);
+        let options = Options::new(Method::Naive).samples(side * side).jitter(false).linear(true);
         let pair = renderer.render(&uploaded, &straight(40, 40), &options).unwrap();
         let part = |share: f64| (share * f64::from(side) - 0.5).ceil().max(0.0) / f64::from(side);
         let (across, down) = (part(0.43), 1.0 - part(0.71));
@@ -250,7 +250,7 @@ fn constants_stay_constant_and_edges_where_they_are() {
     // Edges in the middle of the picture, which is a column's and a row's.
     let edges = renderer.upload(&half_planes(0.0, 0.0)).unwrap();
     for (&filter, side) in Filter::ALL.iter().flat_map(|filter| (1..=5_u32).map(move |side| (filter, side))) {
-        let options = Options::new(Method::Naive).samples(side * side).filter(filter).linear(true);
+        let options = Options::new(Method::Naive).samples(side * side).filter(filter).jitter(false).linear(true);
         let pair = renderer.render(&empty, &straight(7, 5), &options).unwrap();
         let sky = [0.3, 0.7, 0.01, 1.0];
         assert!(pair.left.linear.iter().all(|color| *color == sky), "{filter} {side}: {:?}", pair.left.linear[0]);

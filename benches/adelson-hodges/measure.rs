@@ -52,7 +52,7 @@ impl<'a> Subject<'a> {
         samples: u32,
     ) -> Result<Self, Error> {
         let uploaded = renderer.upload(scene)?;
-        let naive = renderer.render(&uploaded, &camera, &options(Method::Naive).samples(samples))?;
+        let naive = renderer.render(&uploaded, &camera, &options(Method::Naive).samples(samples).jitter(false))?;
         Ok(Self { scene, uploaded, camera, samples, naive })
     }
 
@@ -61,7 +61,7 @@ impl<'a> Subject<'a> {
     }
 
     fn options(&self, method: Method) -> Options {
-        options(method).samples(self.samples)
+        options(method).samples(self.samples).jitter(false)
     }
 
     pub(crate) fn figures(&self, renderer: &mut Renderer, method: Method) -> Result<Figures, Error> {

@@ -64,7 +64,7 @@ fn of_samples(
     let mut times = vec![[0.0; METHODS.len()]; rounds + 1];
     for (round, times) in times.iter_mut().enumerate() {
         for index in order(round, METHODS.len()) {
-            let options = Options::new(METHODS[index]).samples(samples);
+            let options = Options::new(METHODS[index]).samples(samples).jitter(false);
             let start = Instant::now();
             let passes = renderer.trace(&uploaded, camera, &options)?.times;
             // Without timestamps, by the host's clock.

@@ -54,6 +54,9 @@ pub(crate) struct Arguments {
     /// How samples are weighed: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
+    /// Whether rows of samples stand aside of their grid, which gives edges that are nearly upright more steps: true or false
+    #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
+    jitter: bool,
     /// Surfaces that a ray may come from, one behind the other, by reflection or refraction: 0 to 8
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES)))]
     bounces: u32,
@@ -223,9 +226,10 @@ impl Arguments {
         let occlusion = self
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
-        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).bounces(self.bounces);
-        let options = options.adaptive(self.adaptive).shadow_rays(self.shadow_rays.unwrap_or(16));
-        options.occlusion(occlusion).sky_rays(self.sky_light).exposure(self.exposure).tone(self.tone)
+        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
+        let options = options.adaptive(self.adaptive).bounces(self.bounces);
+        let options = options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).sky_rays(self.sky_light);
+        options.exposure(self.exposure).tone(self.tone)
     }
 
     fn limits(&self) -> Limits {

@@ -66,8 +66,8 @@ fn samples_are_those_that_are_asked_for() {
     let out = folder.file("out").to_str().unwrap().to_owned();
     let run = |arguments: &[&str]| printed(&[&["builtin:hall", "--out", &out], arguments].concat());
     let text = run(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
-    // 16x12 pixels of 9 rays each.
-    assert!(text.contains("left          1728 ") && text.contains("100.00% of the right eye identical"), "{text}");
+    // 16x12 pixels of 9 rays each, and one through the centre.
+    assert!(text.contains("left          1920 ") && text.contains("100.00% of the right eye identical"), "{text}");
     let text = run(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
     assert!(text.contains("100.00% of the right eye identical"), "{text}");
     assert!(run(&["--adaptive", "8:6"]).contains("adaptive: 6 levels; there can be 2 to 5"));

@@ -109,6 +109,7 @@ fn in_picture(pixels: Pixels) -> B {
     return (pixels.x < U(frame.image_size.x)) & (pixels.y < U(frame.row_end));
 }
 
+//! if jitter is none
 // Directions from an eye through the pixels' centres.
 fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     let x = F(pixels.x) + 0.5;

@@ -46,7 +46,7 @@ struct Frame {
     share_tolerance: f32,        // standard deviations by which shares that are taken over may differ
     exposure: f32,               // what linear colour is multiplied by where it is shown
     filmic: u32,                 // 1: and then bent, in place of being cut off
-    zero_a: u32,
+    jitter_seed: u32,            // of the offsets of rows of samples, the same in all views
     zero_b: u32,
     zero: u32,
 }

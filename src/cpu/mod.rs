@@ -15,12 +15,13 @@ pub mod trace_left;
 
 use glam::Vec3;
 
-use crate::{Pose, frame::uniform::frame_uniform, layout};
+use crate::{Pose, frame::uniform::frame_uniform, layout, samples::Jitter};
 
 /// The frame as kernels read it, with vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     raw: layout::Frame,
+    jitter: Jitter,
 }
 
 /// Which eye.
@@ -41,7 +42,12 @@ impl Frame {
     /// The frame of two eyes at offsets from the middle between a camera's eyes, in interaxials: the first is `Eye::Left`,
     /// the one that is traced first, whichever side it stands on.
     pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
-        Self { raw: frame_uniform(pose, source, target) }
+        Self { raw: frame_uniform(pose, source, target), jitter: Jitter::new(1, 0) }
+    }
+
+    /// The same where pixels are jittered samples, so many a side of a pixel (docs/DESIGN.md, section 3).
+    pub fn jittered(self, side: u32, seed: u32) -> Self {
+        Self { jitter: Jitter::new(side, seed), ..self }
     }
 
     /// Picture size, pixels.
@@ -57,13 +63,14 @@ impl Frame {
         }
     }
 
-    /// Direction from an eye through a pixel's centre, of length 1 along the view axis.
+    /// Direction from an eye through a pixel's centre, or its jittered sample, of length 1 along the view axis.
     pub fn direction(&self, eye: Eye, column: usize, row: usize) -> Vec3 {
         let corner: Vec3 = match eye {
             Eye::Left => self.raw.source_corner.into(),
             Eye::Right => self.raw.target_corner.into(),
         };
         let (x, y): (Vec3, Vec3) = (self.raw.step_x.into(), self.raw.step_y.into());
-        corner + x * (column as f32 + 0.5) + y * (row as f32 + 0.5)
+        let aside = self.jitter.aside(self.jitter.stratum(row as u32));
+        corner + x * (column as f32 + 0.5 + aside) + y * (row as f32 + 0.5)
     }
 }

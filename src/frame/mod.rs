@@ -32,6 +32,7 @@ use crate::{
     layout,
     message::counted,
     rig::Eyes,
+    samples::Jitter,
     variant::Variant,
 };
 use bands::{Band, Bands};
@@ -226,6 +227,7 @@ impl Renderer {
         let soft = shadow_rays + occlusion_rays > 0;
         Variant {
             linear: options.linear,
+            jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),
             bits,
             samples,
@@ -265,21 +267,29 @@ fn driver<'a>(
         timestamps.restart();
     }
     let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
-    let frame = |view| layout::Frame {
-        runs: renderer.runs,
-        cost_of_search: search,
-        cost_of_shadow: shadow,
-        cost_of_listed: listed,
-        bounces: options.bounces,
-        words_read: targets.shape.words_read(),
-        soft_sources: targets.shape.soft_sources,
-        seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-        occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
-        share_tolerance: options.penumbra.tolerance(),
-        exposure: options.exposure.exp2(),
-        filmic: u32::from(options.tone == Tone::Filmic),
-        ..eyes.frame(view)
+    let jitter = Jitter::of(options);
+    let frame = |view| {
+        let of_eyes = eyes.frame(view);
+        layout::Frame {
+            runs: renderer.runs,
+            cost_of_search: search,
+            cost_of_shadow: shadow,
+            cost_of_listed: listed,
+            bounces: options.bounces,
+            words_read: targets.shape.words_read(),
+            soft_sources: targets.shape.soft_sources,
+            seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+            occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
+            share_tolerance: options.penumbra.tolerance(),
+            exposure: options.exposure.exp2(),
+            filmic: u32::from(options.tone == Tone::Filmic),
+            jitter_seed: jitter.seed(),
+            // Jittered samples stand beside the places that tiles are searched for by up to this.
+            wider: of_eyes.wider + jitter.reach(),
+            ..of_eyes
+        }
     };
+
     Driver {
         gpu: &renderer.gpu,
         kernels: &renderer.kernels,

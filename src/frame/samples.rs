@@ -1,6 +1,9 @@
 //! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
 //! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::ControlFlow;
 
 use super::{Done, OnRows, Rows, Wanted, targets::MOST_BYTES};
@@ -28,7 +31,8 @@ impl Renderer {
             return self.frame(scene, eyes, options, Wanted::all(pictures), progress, on_rows).await;
         }
         let finer = eyes.with_samples(side)?;
-        let asks_centre = side % 2 == 0 && options.g_buffer != GBuffer::None;
+        // A sample stands in the centre of odd grids that are not jittered.
+        let asks_centre = (side % 2 == 0 || options.jitter) && options.g_buffer != GBuffer::None;
         let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // a pixel, of both frames
         let (mut centre, mut centres) = (None, None);
         if asks_centre {
@@ -62,7 +66,7 @@ impl Renderer {
             Ok(())
         };
         // With linear colour, which nobody asks for, its kernels are those of the other frames.
-        let options = Options { linear: true, ..options.clone() };
+        let options = Options { linear: true, jitter: false, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }
@@ -96,7 +100,7 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
         needed: format!("{} MiB", needed >> 20),
         limit: "memory for whole pictures",
         allowed: format!("{} MiB", MOST_BYTES >> 20),
-        remedy: "take 9, 25 or 49 samples, or colours alone (GBuffer::None)",
+        remedy: "take 9, 25 or 49 samples without jitter, or colours alone (GBuffer::None)",
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Filter, Window};
+use super::{Filter, Jitter, Window};
 use crate::{
     Options, Tone, View,
     frame::{Rows, ViewRows},
@@ -20,7 +20,9 @@ pub(crate) struct Gather {
     /// What light is multiplied by where it is shown.
     exposure: f32,
     tone: Tone,
-    columns: Vec<Window>,
+    jitter: Jitter,
+    /// Of the columns of pixels, for rows of samples of each stratum.
+    columns: Vec<Vec<Window>>,
     /// A row of samples, filtered along the row.
     across: Vec<[f64; 3]>,
     /// From the first row that is not done to the last one that has a sample.
@@ -54,6 +56,11 @@ impl Gather {
     /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
     /// samples do that stand there, or to the right of there and below.
     pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<Centres>) -> Self {
+        let jitter = Jitter::of(options);
+        let columns_of = |stratum: u32| {
+            let window = |column| Window::new(options.filter, side, [column, size[0]], jitter.aside(stratum));
+            (0..size[0]).map(window).collect()
+        };
         Self {
             side,
             size,
@@ -61,7 +68,8 @@ impl Gather {
             linear: options.linear,
             exposure: options.exposure.exp2(),
             tone: options.tone,
-            columns: (0..size[0]).map(|column| Window::new(options.filter, side, column, size[0])).collect(),
+            jitter,
+            columns: (0..jitter.side()).map(columns_of).collect(),
             across: vec![[0.0; 3]; size[0] as usize],
             begun: VecDeque::new(),
             from_samples: centres.is_none(),
@@ -96,7 +104,7 @@ impl Gather {
     fn begin(&mut self, sample: u32, views: usize) {
         let [width, height] = self.size;
         for row in self.first + self.begun.len() as u32..height {
-            let window = Window::new(self.filter, self.side, row, height);
+            let window = Window::new(self.filter, self.side, [row, height], 0.0);
             if window.first > sample {
                 return;
             }
@@ -110,7 +118,8 @@ impl Gather {
         let width = samples.width as usize;
         let begin = row as usize * width;
         let colors = &samples.linear[begin..begin + width];
-        for (sum, window) in self.across.iter_mut().zip(&self.columns) {
+        let columns = &self.columns[self.jitter.stratum(sample) as usize];
+        for (sum, window) in self.across.iter_mut().zip(columns) {
             *sum = [0.0; 3];
             for (color, weight) in colors[window.first as usize..].iter().zip(&window.weights) {
                 (0..3).for_each(|channel| sum[channel] += weight * f64::from(color[channel]));

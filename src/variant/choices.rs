@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 26] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 27] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -88,6 +88,7 @@ impl Kernel {
             ("boxes", boxes),
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
+            ("jitter", if with.jitter > 1 { "rows" } else { "none" }),
             ("dispatches", if self.in_steps() { "many" } else { "one" }),
             ("uv", if with.uv { "some" } else { "none" }),
             ("colors", if with.colors { "some" } else { "none" }),
@@ -125,13 +126,17 @@ impl Kernel {
             0 => String::new(),
             count => format!("const PLANES: u32 = {count}u;\n"),
         };
+        let jitter = match with.jitter {
+            0 | 1 => String::new(),
+            side => format!("const SAMPLES_SIDE: u32 = {side}u;\n"),
+        };
         format!(
             "{planes}const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
              const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
              const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
              const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\
              const LIGHT_RAYS: u32 = {shadow_rays}u;\nconst OCCLUSION_RAYS: u32 = {occlusion_rays}u;\n\
-             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{}",
+             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{jitter}{}",
             wgsl::text(self.main, &self.choices(with))
         )
     }

@@ -67,7 +67,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             share_tolerance,
             exposure,
             filmic,
-            zero_a,
+            jitter_seed,
             zero_b,
             zero,
         }

@@ -99,9 +99,24 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3]);
-    let with = |row: &[usize; 13]| {
-        let &[traversal, kind, light, kept, sky, bits, counting, close, surfaces, soft, cutouts, masked, planes] = row;
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2]);
+    let with = |row: &[usize; 14]| {
+        let &[
+            traversal,
+            kind,
+            light,
+            kept,
+            sky,
+            bits,
+            counting,
+            close,
+            surfaces,
+            soft,
+            cutouts,
+            masked,
+            planes,
+            jitter,
+        ] = row;
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
@@ -135,6 +150,7 @@ pub(super) fn variants() -> Vec<Variant> {
             second: kept & 2 == 2,
             linear: kept & 2 == 2,
             masked: masked == 1,
+            jitter: [0, 3][jitter],
             stack_size: 40,
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
             count: counting > 0,
