@@ -63,9 +63,11 @@ fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
 const PLANE_SLACK: f32 = 1.0 / 524288.0;
 
 // Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest in a corner.
+// (No return from within the loop: by llvmpipe's OpenGL what comes after it was returned.)
 fn meets_planes(tile: Tile) -> bool {
     let first = vec2f(tile.corner) + 0.5;
     let last = first + vec2f(tile.size) - 1.0;
+    var met = false;
     var slot = 0u;
     loop {
         let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
@@ -73,11 +75,12 @@ fn meets_planes(tile: Tile) -> bool {
         let columns = vec2f(first.x, last.x) * dot(towards, frame.step_x);
         let rows = vec2f(first.y, last.y) * dot(towards, frame.step_y);
         let fastest = dot(towards, frame.target_corner) + max(columns.x, columns.y) + max(rows.x, rows.y);
-        if fastest >= -frame.longest * PLANE_SLACK { return true; }
+        met |= fastest >= -frame.longest * PLANE_SLACK;
         slot += 1u;
         if slot >= PLANES { break; }
     }
-    return slot < PLANES;
+    cut_short |= slot < PLANES;
+    return met;
 }
 
 // Whether anything is hit with t in [t_min, t_max].

@@ -1,7 +1,7 @@
 //! What rays meet, against double precision and the twin.
 
 use stereotrace::{
-    MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Renderer, Scene, Sky, StereoCamera, Traversal, View,
+    MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Renderer, Scene, Sky, Sphere, StereoCamera, Traversal, View,
     cpu::{Eye, Frame, intersect::closest_hit, trace_left::trace_left},
     glam::{DVec3, Quat, Vec3},
 };
@@ -112,6 +112,9 @@ fn the_horizon_is_where_rays_stop_to_go_down() {
         let mut scene = stage(Things::Nothing, Quat::IDENTITY);
         scene.lights.clear();
         let eye = Vec3::new(10.0, height, 7.0);
+        // Behind the eyes, so that there is a tree, and bracket searches it.
+        let behind = Sphere::new(eye + 3.0 * height.abs() * Vec3::Z, 0.5 * height.abs(), MaterialId(0));
+        scene.add_sphere(behind).unwrap();
         let camera = StereoCamera::look_at(eye, eye + Vec3::new(0.1, pitch, -1.0).normalize() * height.abs())
             .size(64, 97)
             .interaxial_pixels(4.0);
@@ -120,15 +123,17 @@ fn the_horizon_is_where_rays_stop_to_go_down() {
         for method in [Method::Naive, Method::BRACKET, Method::ATOMIC] {
             let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
             let frame = Frame::new(&pair.pose);
-            let mut seen = 0;
-            for (index, depth) in pair.left.depth.iter().enumerate() {
-                let direction = frame.direction(Eye::Left, index % 64, index / 64).as_dvec3();
-                let t = f64::from(-frame.eye(Eye::Left).y) / direction.y;
-                let there = t > 0.0 && t * direction.length() <= 1e8;
-                assert_eq!(depth.is_finite(), there, "{height} {pitch} {method}: pixel {index}, {t}");
-                seen += usize::from(there);
+            for (eye, view) in [(Eye::Left, &pair.left), (Eye::Right, &pair.right)] {
+                let mut seen = 0;
+                for (index, depth) in view.depth.iter().enumerate() {
+                    let direction = frame.direction(eye, index % 64, index / 64).as_dvec3();
+                    let t = f64::from(-frame.eye(eye).y) / direction.y;
+                    let there = t > 0.0 && t * direction.length() <= 1e8;
+                    assert_eq!(depth.is_finite(), there, "{height} {pitch} {method}: {eye:?} {index}, {t}");
+                    seen += usize::from(there);
+                }
+                assert!((500..6000).contains(&seen), "{height} {pitch}: {seen}");
             }
-            assert!((500..6000).contains(&seen), "{height} {pitch}: {seen}");
         }
     }
 }
@@ -216,7 +221,7 @@ fn an_eye_in_a_plane_sees_past_it() {
         let red = scene.add_material(stage(Things::Spheres, Quat::IDENTITY).materials()[1].clone());
         let spheres = stage(Things::Spheres, Quat::IDENTITY);
         spheres.spheres().iter().for_each(|one| {
-            scene.add_sphere(stereotrace::Sphere::new(one.center, one.radius, red)).unwrap();
+            scene.add_sphere(Sphere::new(one.center, one.radius, red)).unwrap();
         });
         scene.sky = Sky::Constant(Vec3::ZERO);
         scene
