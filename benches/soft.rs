@@ -159,7 +159,7 @@ fn measure(
         let of_naive = median(index) / median(0);
         let ([mean_error, rms], [naive_mean, naive_rms]) = (errors(&pair, &limit), errors(&naive, &limit));
         println!(
-            "| {} | {light} | {method} | {:.0} | {of_naive:.3} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {:.3} | {:.3} |",
+            "| {} | {light} | {method} | {:.0} | {of_naive:.3} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {} | {} |",
             scenes::title(name),
             median(index),
             1.0 / of_naive,
@@ -167,11 +167,16 @@ fn measure(
             pair.statistics.second_eye(),
             pair.statistics.right.rays.shadow as f64 / naive.statistics.right.rays.shadow as f64,
             compare(&pair.right, &naive.right, &pair.pose)?.identical_percent,
-            mean_error / naive_mean,
-            rms / naive_rms,
+            of(mean_error, naive_mean),
+            of(rms, naive_rms),
         );
     }
     Ok(())
+}
+
+/// An error as a share of naive's. Where no light but points' arrives, as the sky's in a hall without windows, naive makes none.
+fn of(error: f64, of_naive: f64) -> String {
+    if of_naive > 1e-4 { format!("{:.3}", error / of_naive) } else { "-".into() }
 }
 
 /// The right view's linear colours that naive tends to.

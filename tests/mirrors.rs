@@ -161,7 +161,7 @@ fn mixed() -> Scene {
     let finishes =
         [Finish::Mirror { fresnel: false }, glass(1.5, true), Finish::Mirror { fresnel: true }, glass(1.3, false)];
     let materials = finishes.map(|finish| {
-        scene.add_material(Material::new(Vec3::splat(0.1)).specular(Vec3::splat(0.3)).finish(match finish {
+        scene.add_material(Material::new(Vec3::splat(0.05)).specular(Vec3::splat(0.3)).finish(match finish {
             Finish::Glass { index, fresnel, .. } => {
                 Finish::Glass { index, transmission: Vec3::new(0.7, 0.8, 0.9), fresnel }
             }

@@ -17,7 +17,7 @@ pub(crate) fn scene(surfaces: Surfaces, lights: usize) -> Scene {
     let mut scene = Scene::new();
     let glass = Finish::Glass { index: 1.0, transmission: Vec3::splat(0.75), fresnel: false };
     let finish = [Finish::Matte, Finish::Mirror { fresnel: false }, glass][surfaces.sent() as usize];
-    let albedo = Vec3::splat(if surfaces.is_diffuse() { 0.2 } else { 0.0 });
+    let albedo = Vec3::splat(if surfaces.is_diffuse() { 0.1 } else { 0.0 });
     let pane = scene.add_material(Material::new(albedo).specular(Vec3::splat(0.5)).finish(finish));
     let before = if surfaces == Surfaces::Misses { 0 } else { LEVELS + 1 };
     let depths = (0..before).map(|index| -FIRST - index as f32).chain((0..=LEVELS).map(|index| 1.0 + index as f32));
