@@ -118,9 +118,9 @@ pub struct Scene {
     /// Whether lights cast shadows.
     pub shadows: bool,
     /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1 without
-    /// lights, and 0.15 with them, or they would add to what is white already. See [`Scene::rendered_ambient`].
+    /// lights, and 0.15 with them, or they would add to what is white already. See [`Scene::rendered_ambient`]. Frames lit by the sky have none.
     pub ambient: Option<Vec3>,
-    /// What a ray sees that hits nothing.
+    /// What a ray sees that hits nothing. It lights surfaces where [`Options::sky_rays`](crate::Options::sky_rays) asks it to.
     pub sky: Sky,
     materials: Vec<Material>,
     textures: Vec<Texture>,
