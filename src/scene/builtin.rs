@@ -2,6 +2,7 @@
 //! spheres on an infinite ground.
 
 mod hall;
+mod marble;
 mod random;
 pub(super) mod shapes;
 mod spheres;
@@ -41,6 +42,8 @@ pub enum Builtin {
     Spheres,
     /// A vaulted hall of columns with arches, banners and a tiled floor.
     Hall,
+    /// The same with a floor of polished marble, shining metal, balls of glass and chrome, and lamps that throw soft shadows.
+    HallFinished,
     /// A picket fence before a wall: every slat uncovers a strip of wall.
     Fence,
     /// A pillar that only the right eye sees; a board hides it from the left.
@@ -72,6 +75,7 @@ impl Builtin {
     pub const ALL: &'static [Self] = &[
         Self::Spheres,
         Self::Hall,
+        Self::HallFinished,
         Self::Fence,
         Self::Hidden,
         Self::Near,
@@ -91,6 +95,7 @@ impl Builtin {
         match self {
             Self::Spheres => "spheres",
             Self::Hall => "hall",
+            Self::HallFinished => "hall-finished",
             Self::Fence => "fence",
             Self::Hidden => "hidden",
             Self::Near => "near",
@@ -111,6 +116,7 @@ impl Builtin {
         match self {
             Self::Spheres => spheres(),
             Self::Hall => hall::scene(),
+            Self::HallFinished => marble::hall(),
             Self::Fence => stage::fence(),
             Self::Hidden => stage::hidden(),
             Self::Near => stage::near(),
@@ -132,7 +138,7 @@ impl Builtin {
             Self::Spheres => StereoCamera::look_at(Vec3::new(0.0, 0.0, CLOUD_SCREEN), Vec3::ZERO)
                 .screen_distance(CLOUD_SCREEN)
                 .vertical_fov_degrees(38.0),
-            Self::Hall => hall::camera(),
+            Self::Hall | Self::HallFinished => hall::camera(),
             Self::Near => stage::near_camera(),
             Self::Fence | Self::Hidden | Self::Grazing => stage::camera(),
             Self::Random20 | Self::Random100 | Self::Random125 | Self::Random125Both | Self::Random1000 => {

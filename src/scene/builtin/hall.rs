@@ -8,7 +8,7 @@ use super::{
     add, lamp, paint,
     shapes::{Shading, Shape, torus},
 };
-use crate::{MaterialId, Scene, Sky, StereoCamera, random::pcg};
+use crate::{MaterialId, Mesh, Scene, Sky, StereoCamera, random::pcg};
 
 /// Where the rows of columns stand (x, metres); the outermost are engaged in the walls.
 const ROWS: [f32; 6] = [-12.0, -7.6, -3.2, 3.2, 7.6, 12.0];
@@ -95,9 +95,16 @@ pub(super) fn camera() -> StereoCamera {
 }
 
 pub(super) fn scene() -> Scene {
+    with_floor(|floor| floor)
+}
+
+/// The same with another floor than that.
+pub(super) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     let mut scene = Scene::new();
     let stone = Stone::new(&mut scene);
-    shell(&mut scene, &stone);
+    let floor = change(floor(&stone).into_mesh());
+    scene.add_mesh(&floor).expect("a shape's lists fit each other and its points are finite");
+    walls(&mut scene, &stone);
     for (row, x) in ROWS.into_iter().enumerate() {
         for line in 0..=BAYS {
             let shaft = stone.shafts[(pcg((row * 31 + line) as u32) % 3) as usize];
@@ -123,8 +130,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// Floor and walls.
-fn shell(scene: &mut Scene, stone: &Stone) {
+fn floor(stone: &Stone) -> Shape {
     const TILES: [usize; 2] = [30, 55];
     let (left, right) = (ROWS[0], ROWS[ROWS.len() - 1]);
     let far = row_z(BAYS);
@@ -135,10 +141,14 @@ fn shell(scene: &mut Scene, stone: &Stone) {
         |s, t| Vec3::new(left + (right - left) * s, 0.0, far * t),
         |column, row| stone.tiles[(column + row) % 2 * 2 + (pcg((column * 977 + row) as u32) % 2) as usize],
     );
-    add(scene, floor);
+    floor
+}
 
-    // The walls go up behind the vaults; a painted dado runs below.
+/// They go up behind the vaults; a painted dado runs below.
+fn walls(scene: &mut Scene, stone: &Stone) {
     const DADO: f32 = 1.1;
+    let (left, right) = (ROWS[0], ROWS[ROWS.len() - 1]);
+    let far = row_z(BAYS);
     let top = SPRINGING + RISE + 0.3;
     let corners = [(left, 0.0), (left, far), (right, far), (right, 0.0)];
     for (side, name) in ["west", "north", "east", "south"].into_iter().enumerate() {
