@@ -23,7 +23,7 @@ use crate::common::{
 #[derive(Parser, Debug)]
 #[command(name = "cargo bench --bench samples --")]
 struct Arguments {
-    /// Built-in scenes, or folders of OBJ files [default: hall, spheres, sponza_4x and dragon]
+    /// Built-in scenes, or folders of OBJ files [default: hall, spheres, `sponza_4x` and dragon]
     scenes: Vec<String>,
     /// Picture size in pixels; the distance between the eyes goes with its width [default: 400x400]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -63,7 +63,7 @@ const GROUPS: [(&str, &[&str]); 7] = [
     ("left", &["trace_left"]),
     ("right traced", &["trace_right"]),
     ("bound", &["bound_tiles"]),
-    ("search", &["search_tiles"]),
+    ("search", &["search_"]),
     ("resolve", &["resolve_tiles", "trace_bounded"]),
     ("shade", &["shade_sky", "shade_tiles"]),
     ("shadow rays", &["shade_listed"]),
@@ -183,7 +183,7 @@ impl Turn {
         self.times.push(1e3 * times.total().as_secs_f64());
         for ((_, passes), sums) in GROUPS.iter().zip(&mut self.groups) {
             let own = times.passes.iter().filter(|(pass, _)| passes.iter().any(|name| pass.starts_with(name)));
-            sums.push(own.map(|(_, time)| 1e3 * time.as_secs_f64()).sum());
+            sums.push(own.fold(0.0, |sum, (_, time)| sum + 1e3 * time.as_secs_f64()));
         }
     }
 }

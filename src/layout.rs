@@ -98,6 +98,8 @@ pub(crate) const LIST_WORKGROUP: u32 = 64;
 
 /// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
+/// Samples of the side of what is searched at once where a pixel has several (`shaders/shared/search.wgsl`).
+pub(crate) const WIDE_TILE: u32 = 16;
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
 /// Words of what is found in a tile (`shaders/shared/lists.wgsl`).
 pub(crate) const TILE_WORDS: u32 = 641;

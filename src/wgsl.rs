@@ -68,6 +68,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "ray_list",
     "reprojection",
     "samples",
+    "search",
     "shade",
     "shadows",
     "sky",

@@ -6,7 +6,8 @@ use std::ops::ControlFlow;
 
 use common::{gpu_with_limits, random_stage, renderer};
 use stereotrace::{
-    Error, Filter, GBuffer, Gpu, Material, Mesh, Method, Options, Renderer, Rig, Rows, Scene, Sky, StereoCamera, View,
+    Error, Filter, GBuffer, Gpu, Material, Mesh, Method, Options, PixelSource, Renderer, Rig, Rows, Scene, Sky,
+    StereoCamera, View,
     glam::Vec3,
     output::{Anaglyph, Packing},
     wgpu,
@@ -119,7 +120,10 @@ fn filtered_pictures_are_those_of_the_finer_picture() {
             };
             assert_eq!(pair.statistics.left.rays.primary, own(u64::from(size[0] * size[1])));
             let sources = if side == 2 { one.source.clone() } else { centres(&samples.right, side, &samples.source) };
-            assert!(pair.source == sources, "{side} {filter}");
+            // Samples are searched as deep as the deepest of four tiles, so that fewer of them are traced.
+            let as_before =
+                |(found, known): (&PixelSource, &PixelSource)| found == known || *found == PixelSource::Reused;
+            assert!(pair.source.iter().zip(&sources).all(as_before), "{side} {filter}");
             let shadows = centres(&samples.right, side, &samples.shadow_source);
             assert!(pair.shadow_source == if side == 2 { one.shadow_source.clone() } else { shadows });
         }
@@ -192,7 +196,8 @@ fn every_method_is_filtered_and_exact_ones_stay_exact() {
             assert!(found.source == one.source && found.shadow_source == one.shadow_source, "{what}");
             assert!(found.view.depth == one.view.depth && found.view.primitive == one.view.primitive, "{what}");
             let rays = samples.views[index].work.rays.total() + one.work.rays.total();
-            assert_eq!(found.work.rays.total(), rays, "{what}");
+            let searched = matches!(method, Method::Bracket(_) | Method::Auto);
+            assert!(found.work.rays.total() == rays || (searched && found.work.rays.total() < rays), "{what}");
         }
         if method == Method::Naive {
             naive = Some(views);

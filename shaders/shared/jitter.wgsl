@@ -41,3 +41,13 @@ fn hashed(words: U) -> U {
     let word = ((state >> ((state >> U(28u)) + U(4u))) ^ state) * 277803737u;
     return (word >> U(22u)) ^ word;
 }
+
+// How far samples stand beside their cells' middles at most, of a cell's width.
+fn jitter_reach() -> f32 {
+    return 0.5 - 0.5 / f32(SAMPLES_SIDE);
+}
+
+//! if jitter is none
+fn jitter_reach() -> f32 {
+    return 0.0;
+}

@@ -65,8 +65,11 @@ const PLANE_SLACK: f32 = 1.0 / 524288.0;
 // Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest in a corner.
 // (No return from within the loop: by llvmpipe's OpenGL what comes after it was returned.)
 fn meets_planes(tile: Tile) -> bool {
-    let first = vec2f(tile.corner) + 0.5;
-    let last = first + vec2f(tile.size) - 1.0;
+    // Jittered samples stand aside along their rows.
+    let aside = vec2f(jitter_reach(), 0.0);
+    let middle = vec2f(tile.corner) + 0.5;
+    let first = middle - aside;
+    let last = middle + vec2f(tile.size) - 1.0 + aside;
     var met = false;
     var slot = 0u;
     loop {

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::{Eye, Frame, intersect::closest_hit, reproject::landing_x};
 use crate::{
     FAR, MISS, PixelSource, Scene, ShadowReuse, ShadowSource,
-    layout::TILE,
+    layout::{TILE, WIDE_TILE},
     scene::{Primitive, components},
 };
 
@@ -44,6 +44,19 @@ pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
         }
     }
     bounds
+}
+
+/// The same of pixels that are samples: four tiles are searched as deep as the deepest of them.
+pub fn wide_bounds(frame: &Frame, bounds: &[f32]) -> Vec<f32> {
+    let across = frame.size()[0].div_ceil(TILE as usize);
+    let (down, four) = (bounds.len() / across, (WIDE_TILE / TILE) as usize);
+    let deepest = |index: usize| {
+        let [row, column] = [index / across, index % across].map(|place| place / four * four);
+        let rows = row..(row + four).min(down);
+        let tiles = rows.flat_map(|row| (column..(column + four).min(across)).map(move |column| row * across + column));
+        tiles.map(|tile| bounds[tile]).fold(0.0, f32::max)
+    };
+    (0..bounds.len()).map(deepest).collect()
 }
 
 /// Each right pixel's fate, of the bounds and what its own ray hits.

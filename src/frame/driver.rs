@@ -79,18 +79,19 @@ impl Driver<'_> {
     pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
         self.upload_tables(plan).await?;
         let write = || {
-            self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads()));
+            self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
             Ok(())
         };
         self.gpu.checked(write).await
     }
 
     /// Heads of lists before a step adds to them; launches that are made whole or not at all are whole until `choose` says otherwise.
-    pub(crate) fn heads(&self) -> [[u32; 4]; layout::HEADS] {
+    pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
         let rows = self.targets.shape.bands.rows;
         let block = TRACE_LEFT.block(&self.variant);
         let mut heads = [layout::EMPTY_LIST; layout::HEADS];
-        for (head, block) in [(layout::TO_SEARCH, layout::TILE), (layout::ALL_TRACED, block)] {
+        let tile = if plan.wide { layout::WIDE_TILE } else { layout::TILE };
+        for (head, block) in [(layout::TO_SEARCH, tile), (layout::ALL_TRACED, block)] {
             heads[head as usize][..3].copy_from_slice(&self.workgroups(rows, [block, block]));
         }
         heads
@@ -259,6 +260,7 @@ impl Driver<'_> {
             Launch::Pixels => self.workgroups(rows, [block, block]),
             Launch::Runs => self.workgroups(rows, [layout::TILE, 1]),
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
+            Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
             Launch::Once => [1, 1, 1],
             Launch::Listed(..) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),

@@ -113,7 +113,7 @@ impl Renderer {
             let encoded = Encoded::new(gpu, views.collect(), &targets);
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
-            let mut upload = bytemuck::cast_slice(&driver.heads()).to_vec();
+            let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
             upload.resize(FRAME_STRIDE as usize, 0);
             for index in 0..bands.count() {
                 let mut own = into.is_none().then(|| driver.encoder());

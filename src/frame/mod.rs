@@ -196,7 +196,8 @@ impl Renderer {
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
         let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
         let soft = is_soft.then(|| scene.soft.parts(options).len());
-        let plan = Plan::of(early.map_or(method, |choice| choice.method), &eyes.sources, scene.variant.mirrors, soft);
+        let chosen = early.map_or(method, |choice| choice.method);
+        let plan = Plan::of(chosen, &eyes.sources, scene.variant.mirrors, soft, options.samples > 1);
         (method, early, plan)
     }
 
@@ -268,28 +269,21 @@ fn driver<'a>(
     }
     let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
     let jitter = Jitter::of(options);
-    let frame = |view| {
-        let of_eyes = eyes.frame(view);
-        layout::Frame {
-            runs: renderer.runs,
-            cost_of_search: search,
-            cost_of_shadow: shadow,
-            cost_of_listed: listed,
-            bounces: options.bounces,
-            words_read: targets.shape.words_read(),
-            soft_sources: targets.shape.soft_sources,
-            seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-            occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
-            share_tolerance: options.penumbra.tolerance(),
-            exposure: options.exposure.exp2(),
-            filmic: u32::from(options.tone == Tone::Filmic),
-            jitter_seed: jitter.seed(),
-            // Jittered samples stand beside the places that tiles are searched for by up to this.
-            wider: of_eyes.wider + jitter.reach(),
-            ..of_eyes
-        }
+    let frame = |view| layout::Frame {
+        runs: renderer.runs,
+        cost_of_search: search,
+        cost_of_shadow: shadow,
+        cost_of_listed: listed,
+        bounces: options.bounces,
+        words_read: targets.shape.words_read(),
+        soft_sources: targets.shape.soft_sources,
+        seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+        occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
+        share_tolerance: options.penumbra.tolerance(),
+        exposure: options.exposure.exp2(),
+        filmic: u32::from(options.tone == Tone::Filmic),
+        ..jitter.beside(eyes.frame(view))
     };
-
     Driver {
         gpu: &renderer.gpu,
         kernels: &renderer.kernels,

@@ -34,6 +34,8 @@ pub(crate) struct Plan {
     pub(crate) bits: ShadowReuse,
     /// Whether it takes any of them over.
     pub(crate) samples: bool,
+    /// Whether `bracket` searches four tiles at once, as it does where a pixel has several samples.
+    pub(crate) wide: bool,
     /// Whether some step looks into the rows above and below, as an edge and a block of a source's samples do.
     pub(crate) reaches: bool,
     /// How each view comes about.
@@ -82,6 +84,8 @@ pub(crate) enum Launch {
     Runs,
     /// One a tile of the band.
     Tiles,
+    /// One for four tiles of the band.
+    WideTiles,
     /// One a row of the band.
     Rows,
     /// As the head of a list of a buffer says, which an earlier step filled.
@@ -124,8 +128,8 @@ impl Step {
 
 impl Plan {
     /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of the parts of what is asked of
-    /// `soft` light, where there is such.
-    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool, soft: Option<usize>) -> Self {
+    /// `soft` light, where there is such; `wide` if a pixel has several samples.
+    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool, soft: Option<usize>, wide: bool) -> Self {
         let (bits, samples) = match method {
             Method::Auto => (ShadowReuse::Two, true),
             Method::Bracket(shadows) => (shadows, true),
@@ -148,13 +152,13 @@ impl Plan {
         let traced = traced.flat_map(|view| [trace::source(view, soft), behind(view)].concat()).collect();
         let mut stages = vec![Stage::Steps(traced)];
         for (view, source) in targets(sources) {
-            stages.extend(target(method, view, source, soft));
+            stages.extend(target(method, view, source, soft, wide));
             if method != Method::Ideal {
                 stages.push(Stage::Steps(behind(view)));
             }
         }
         let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
-        Self { stages: joined(stages), bits, samples, reaches, made, sources: sources.to_vec() }
+        Self { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec() }
     }
 
     /// Its steps, with those of the host's stages.
@@ -226,11 +230,11 @@ pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)>
 }
 
 /// The stages by which a method makes a view from its source.
-fn target(method: Method, view: usize, source: usize, soft: Option<usize>) -> Vec<Stage> {
+fn target(method: Method, view: usize, source: usize, soft: Option<usize>, wide: bool) -> Vec<Stage> {
     let steps = match method {
         Method::Naive => trace::target(view, soft),
         Method::Ideal => vec![Step::Copy(view)],
-        Method::Auto => bracket::or_traced(view, soft),
+        Method::Auto => bracket::or_traced(view, soft, wide),
         Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check, soft)].concat(),
         Method::Buffer(depth, check) => {
             let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
@@ -245,7 +249,7 @@ fn target(method: Method, view: usize, source: usize, soft: Option<usize>) -> Ve
         Method::Sweep(Sweep::Sequential) => {
             return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None, soft))];
         }
-        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view, soft)].concat(),
+        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view, soft, wide)].concat(),
     };
     vec![Stage::Steps(steps)]
 }

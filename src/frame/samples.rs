@@ -66,7 +66,7 @@ impl Renderer {
             Ok(())
         };
         // With linear colour, which nobody asks for, its kernels are those of the other frames.
-        let options = Options { linear: true, jitter: false, ..options.clone() };
+        let options = Options { linear: true, samples: 1, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }

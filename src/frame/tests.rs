@@ -96,7 +96,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, by which the source is traced.
-        let mut plan = Plan::of(method, &eyes.sources, false, None);
+        let mut plan = Plan::of(method, &eyes.sources, false, None, false);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let variant = renderer.variant(&scene, eyes, &Options::default(), &plan);

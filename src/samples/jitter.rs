@@ -1,7 +1,7 @@
 //! Where jittered samples stand: beside the middles of their cells, each row by an offset of its own (docs/DESIGN.md, section 3; shaders/shared/jitter.wgsl).
 
 use super::side_of;
-use crate::{Options, random::pcg};
+use crate::{Options, layout, random::pcg};
 
 /// The offsets of the rows of samples of a picture, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +28,9 @@ impl Jitter {
         self.side
     }
 
-    pub(crate) fn seed(&self) -> u32 {
-        self.seed
+    /// The same frame, of jittered samples: a tile is searched for their rays too, which stand beside the middles.
+    pub(crate) fn beside(&self, frame: layout::Frame) -> layout::Frame {
+        layout::Frame { jitter_seed: self.seed, wider: frame.wider + self.reach(), ..frame }
     }
 
     /// How far a sample stands from its cell's middle at most, of the cell's width.

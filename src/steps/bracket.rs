@@ -29,6 +29,9 @@ pub(crate) const SEARCH_TILES: Kernel = Kernel {
     storage: &[(Bounds, Read), (Counters, Write), (Found, Write)],
     main: part!("search_tiles.wgsl"),
 };
+/// The same where a pixel has several samples: four tiles at once.
+pub(crate) const SEARCH_WIDE_TILES: Kernel =
+    Kernel { name: "search_wide_tiles", main: part!("search_wide_tiles.wgsl"), ..SEARCH_TILES };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
     name: "resolve_tiles",
     touches: Touches::Geometry,
@@ -65,8 +68,13 @@ pub(crate) fn bound(view: usize) -> Vec<Step> {
 }
 
 /// Primary visibility by tiles, the rest by rays; then shading from the hits, with shadow rays where bits don't agree.
-pub(crate) fn resolve(view: usize, soft: Option<usize>) -> Vec<Step> {
-    [vec![Step::EmptyLists(Found), step(&SEARCH_TILES, view, Launch::Tiles)], resolve_listed(view, soft)].concat()
+pub(crate) fn resolve(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
+    let launch = if wide { Launch::WideTiles } else { Launch::Tiles };
+    [vec![Step::EmptyLists(Found), step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
+}
+
+fn search(wide: bool) -> &'static Kernel {
+    if wide { &SEARCH_WIDE_TILES } else { &SEARCH_TILES }
 }
 
 fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
@@ -83,8 +91,8 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
 
 /// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
 /// nothing listed.)
-pub(crate) fn or_traced(view: usize, soft: Option<usize>) -> Vec<Step> {
+pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
-    let search = vec![step(&SEARCH_TILES, view, Launch::Listed(Found, TO_SEARCH))];
+    let search = vec![step(search(wide), view, Launch::Listed(Found, TO_SEARCH))];
     [bound(view), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
 }

@@ -116,6 +116,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("TO_RESOLVE", layout::TO_RESOLVE),
         ("SKY", layout::SKY),
         ("TILE", layout::TILE),
+        ("WIDE_TILE", layout::WIDE_TILE),
         ("TILE_PIXELS", layout::TILE_PIXELS),
         ("TILE_WORDS", layout::TILE_WORDS),
     ] {

@@ -8,7 +8,8 @@ use crate::{
     cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
     steps::{
         bracket::{
-            BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES, TRACE_BOUNDED,
+            BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES,
+            TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
@@ -22,7 +23,7 @@ use crate::{
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 35] = [
+pub(super) const ALL: [&Kernel; 36] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -33,6 +34,7 @@ pub(super) const ALL: [&Kernel; 35] = [
     &BOUND_TILES,
     &CHOOSE,
     &SEARCH_TILES,
+    &SEARCH_WIDE_TILES,
     &TRACE_BOUNDED,
     &RESOLVE_TILES,
     &SHADE_LISTED,
@@ -173,9 +175,18 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED, &SHADE_HITS].iter().any(|known| known.name == kernel.name) {
         all.retain(Variant::is_soft);
     }
-    if [&SEARCH_TILES, &RESOLVE_TILES, &SHADE_SKY, &TRACE_BOUNDED, &SHADE_TILES, &SHADE_LISTED, &TRACE_SOFT_ASKED]
-        .iter()
-        .any(|known| known.name == kernel.name)
+    if [
+        &SEARCH_TILES,
+        &SEARCH_WIDE_TILES,
+        &RESOLVE_TILES,
+        &SHADE_SKY,
+        &TRACE_BOUNDED,
+        &SHADE_TILES,
+        &SHADE_LISTED,
+        &TRACE_SOFT_ASKED,
+    ]
+    .iter()
+    .any(|known| known.name == kernel.name)
     {
         all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
