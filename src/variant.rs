@@ -235,22 +235,10 @@ impl Variant {
             shadows: Shadows::of(scene),
             soft_lights: scene.soft_lights().next().is_some(),
             casts: scene.shadows,
-            shadow_rays: 0,
-            occlusion_rays: 0,
-            sky_light: false,
-            shares: false,
             sky: SkyKind::of(&scene.sky),
             world_boxes,
-            close: false,
-            samples: false,
-            second: false,
-            linear: false,
-            masked: false,
-            jitter: 0,
             stack_size,
-            bits: ShadowReuse::Rays,
-            count: false,
-            cost_map: false,
+            ..Self::PIXELS
         }
     }
 

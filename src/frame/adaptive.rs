@@ -5,10 +5,10 @@
 use std::ops::{ControlFlow, Range};
 
 use super::{
-    Done, OnRows, Part, Rows, ViewRows, Wanted,
-    mask::Mask,
+    Done, OnRows, Rows, ViewRows,
     plan::targets,
     samples::{check_centres, of_samples, part_of},
+    wanted::{Mask, Part, Wanted},
 };
 use crate::{
     Adaptive, Error, GBuffer, Method, OnProgress, Options, Progress, Renderer, UploadedScene,

@@ -4,12 +4,13 @@ use std::{ops::ControlFlow, time::Duration};
 
 use super::{
     bands::Band,
-    mask::Mask,
     plan::{Launch, Plan, Stage, Step},
     targets::{FRAME_STRIDE, Target, Targets, samples_of},
+    wanted::Mask,
 };
 use crate::{
-    Error, OnProgress, Progress, UploadedScene,
+    Error, OnProgress, Options, Progress, Renderer, Tone, UploadedScene,
+    auto::CostModel,
     gpu::{Gpu, Timestamps, bind_group_at},
     kernels::{
         Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches,
@@ -17,6 +18,7 @@ use crate::{
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
+    samples::Jitter,
     steps::{soft::Part, trace::TRACE_LEFT},
     variant::Variant,
 };
@@ -51,6 +53,61 @@ pub(crate) struct Driver<'a> {
     pub(crate) host: Duration,
     pub(crate) rows_done: u32,
     pub(crate) progress: &'a mut OnProgress<'a>,
+}
+
+impl<'a> Driver<'a> {
+    /// Before a frame's first step.
+    pub(crate) fn new(
+        renderer: &'a mut Renderer,
+        scene: &'a UploadedScene,
+        eyes: &'a Eyes,
+        variant: Variant,
+        targets: &'a Targets,
+        options: &Options,
+        progress: &'a mut OnProgress<'a>,
+    ) -> Self {
+        if let Some(timestamps) = &mut renderer.timestamps {
+            timestamps.restart();
+        }
+        let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
+        let jitter = Jitter::of(options);
+        let frame = |view| layout::Frame {
+            runs: renderer.runs,
+            cost_of_search: search,
+            cost_of_shadow: shadow,
+            cost_of_listed: listed,
+            bounces: options.bounces,
+            words_read: targets.shape.words_read(),
+            soft_sources: targets.shape.soft_sources,
+            seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+            occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
+            share_tolerance: options.penumbra.tolerance(),
+            exposure: options.exposure.exp2(),
+            filmic: u32::from(options.tone == Tone::Filmic),
+            ..jitter.beside(eyes.frame(view))
+        };
+        Self {
+            gpu: &renderer.gpu,
+            kernels: &renderer.kernels,
+            scene,
+            eyes,
+            variant,
+            targets,
+            slots: &mut renderer.cache.slots,
+            slot_bytes: 0,
+            most_slot_bytes: 0,
+            frames: (0..eyes.sources.len()).map(frame).collect(),
+            parts: if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() },
+            buffer_depth: 0,
+            timestamps: renderer.timestamps.as_mut(),
+            lanes: None,
+            masks: Vec::new(),
+            picture: None,
+            host: Duration::ZERO,
+            rows_done: 0,
+            progress,
+        }
+    }
 }
 
 impl Driver<'_> {

@@ -103,7 +103,7 @@ impl Renderer {
         used.places.insert((Target::Unfinished, 0));
         let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1])), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = super::driver(self, scene, &eyes, variant, &targets, options, &mut go_on);
+        let mut driver = Driver::new(self, scene, &eyes, variant, &targets, options, &mut go_on);
         driver.timestamps = None; // nobody reads them
         driver.upload_tables(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;

@@ -6,7 +6,6 @@ mod bands;
 pub(crate) mod driver;
 mod encode;
 mod in_steps;
-pub(crate) mod mask;
 pub(crate) mod plan;
 mod read;
 mod rows;
@@ -16,6 +15,7 @@ pub(crate) mod targets;
 #[cfg(test)]
 mod tests;
 pub(crate) mod uniform;
+pub(crate) mod wanted;
 
 use std::sync::Arc;
 
@@ -25,11 +25,9 @@ pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, Tone, UploadedScene,
-    auto::CostModel,
+    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene,
     gpu::{Filling, Staging, Timestamps, add_times},
     lanes::Steps,
-    layout,
     message::counted,
     rig::Eyes,
     samples::Jitter,
@@ -37,11 +35,11 @@ use crate::{
 };
 use bands::{Band, Bands};
 use driver::Driver;
-use mask::Mask;
 use plan::{Made, Plan};
 use read::{Counts, ReadBack};
 use tally::Tally;
 use targets::{Shape, Target, Targets, Used};
+use wanted::Wanted;
 
 /// Takes rows as they are done. It can go to another thread with its frame, but for wasm32.
 #[cfg(not(target_arch = "wasm32"))]
@@ -50,38 +48,6 @@ pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 /// Takes rows as they are done.
 #[cfg(target_arch = "wasm32")]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
-
-/// What is wanted of a frame.
-#[derive(Clone, Copy)]
-pub(crate) struct Wanted<'a> {
-    /// Whether pictures are; else what they cost alone.
-    pub(crate) pictures: bool,
-    /// All rows, or a part.
-    pub(crate) part: Option<Part<'a>>,
-}
-
-/// Some rows of a picture.
-#[derive(Clone, Copy)]
-pub(crate) struct Part<'a> {
-    pub(crate) rows: (u32, u32),
-    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame makes.
-    pub(crate) masks: Option<&'a [Mask]>,
-}
-
-impl Wanted<'_> {
-    /// Of all rows.
-    pub(crate) fn all(pictures: bool) -> Self {
-        Self { pictures, part: None }
-    }
-
-    fn rows(&self, [_, height]: [u32; 2]) -> std::ops::Range<u32> {
-        self.part.map_or(0..height, |part| part.rows.0..part.rows.1)
-    }
-
-    fn masks(&self) -> Option<&[Mask]> {
-        self.part.and_then(|part| part.masks)
-    }
-}
 
 /// What a frame was made by, and what it cost.
 pub(crate) struct Done {
@@ -181,7 +147,7 @@ impl Renderer {
             times: PassTimes::default(),
             in_steps: 0,
             on_rows,
-            driver: driver(self, scene, eyes, variant, &targets, options, progress),
+            driver: Driver::new(self, scene, eyes, variant, &targets, options, progress),
         };
         frame.run().await?;
         let done = frame.done(method, early, &used);
@@ -251,59 +217,6 @@ impl Renderer {
         let targets = Arc::new(self.gpu.checked(make).await?);
         self.cache.targets.push(targets.clone());
         Ok(targets)
-    }
-}
-
-/// A frame's driver, before its first step.
-fn driver<'a>(
-    renderer: &'a mut Renderer,
-    scene: &'a UploadedScene,
-    eyes: &'a Eyes,
-    variant: Variant,
-    targets: &'a Targets,
-    options: &Options,
-    progress: &'a mut OnProgress<'a>,
-) -> Driver<'a> {
-    if let Some(timestamps) = &mut renderer.timestamps {
-        timestamps.restart();
-    }
-    let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
-    let jitter = Jitter::of(options);
-    let frame = |view| layout::Frame {
-        runs: renderer.runs,
-        cost_of_search: search,
-        cost_of_shadow: shadow,
-        cost_of_listed: listed,
-        bounces: options.bounces,
-        words_read: targets.shape.words_read(),
-        soft_sources: targets.shape.soft_sources,
-        seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-        occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
-        share_tolerance: options.penumbra.tolerance(),
-        exposure: options.exposure.exp2(),
-        filmic: u32::from(options.tone == Tone::Filmic),
-        ..jitter.beside(eyes.frame(view))
-    };
-    Driver {
-        gpu: &renderer.gpu,
-        kernels: &renderer.kernels,
-        scene,
-        eyes,
-        variant,
-        targets,
-        slots: &mut renderer.cache.slots,
-        slot_bytes: 0,
-        most_slot_bytes: 0,
-        frames: (0..eyes.sources.len()).map(frame).collect(),
-        parts: if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() },
-        buffer_depth: 0,
-        timestamps: renderer.timestamps.as_mut(),
-        lanes: None,
-        masks: Vec::new(),
-        picture: None,
-        host: std::time::Duration::ZERO,
-        rows_done: 0,
-        progress,
     }
 }
 

@@ -2,8 +2,15 @@ use std::{num::NonZeroU32, ops::ControlFlow};
 
 use glam::Vec3;
 
-use super::{plan::Stage, targets::Target, *};
-use crate::{BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, random::Random};
+use super::{
+    plan::Stage,
+    targets::Target,
+    wanted::{Mask, Part},
+    *,
+};
+use crate::{
+    BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, layout, random::Random,
+};
 
 #[test]
 fn the_parts_that_rows_are_dealt_to_change_no_picture() {
@@ -115,7 +122,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         renderer.gpu.queue.write_buffer(targets.get(Target::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
         let mut driver =
-            driver(&mut renderer, &scene, eyes, variant, &targets, &Options::new(Method::Naive), &mut go_on);
+            Driver::new(&mut renderer, &scene, eyes, variant, &targets, &Options::new(Method::Naive), &mut go_on);
         driver.begin(&plan).await?;
         let commands = driver.band(&plan, &bands.get(0)).await?;
         renderer.gpu.queue.submit([commands.finish()]);
@@ -208,7 +215,7 @@ fn renderer_and_scene_may_cross_threads() {
 fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: Method) -> Vec<Rows> {
     let [width, height] = eyes.pose.size;
     let rows = (10, height - 3);
-    let mut masks = vec![mask::Mask::new(width, rows.0..rows.1); 2];
+    let mut masks = vec![Mask::new(width, rows.0..rows.1); 2];
     for (row, column) in (rows.0..rows.1).flat_map(|row| (0..width).map(move |column| (row, column))) {
         masks[1].want(column, row);
         if column / 16 % 2 == 0 {

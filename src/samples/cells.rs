@@ -5,7 +5,7 @@
 //! right and lower border. So a cell of level 0 is a pixel with a sample in each corner, and its neighbours share them. A cell whose
 //! corners differ is divided into four of the next level.
 
-use crate::{View, frame::mask::Mask};
+use crate::{View, frame::wanted::Mask};
 
 /// Of one view, in some rows of pixels.
 pub(crate) struct Cells {

@@ -1,9 +1,9 @@
 //! The methods against each other and against `Naive` of the same run.
 
-use std::{num::NonZeroU32, sync::LazyLock};
+use std::num::NonZeroU32;
 
 use stereotrace::{
-    BufferDepth, Check, Finish, MISS, Method, Options, PixelSource, Scene, StereoCamera, StereoPair,
+    BufferDepth, Check, Finish, MISS, Method, Options, PixelSource, StereoCamera, StereoPair,
     glam::Vec3,
     method::lemma1,
     metrics::{Difference, compare},
@@ -132,19 +132,20 @@ fn atomic_is_as_accurate_as_measured_and_trust_without_verification_is_not() {
     }
 }
 
-/// Whether an object is a mirror or of glass, of the built-in scenes that have some: what it shows is each eye's own.
-fn sends_rays(builtin: Builtin, primitive: u32) -> bool {
-    if matches!(builtin, Builtin::ThreeSpheresMirrors | Builtin::ThreeSpheresTextured) {
-        return primitive < 3;
-    }
-    static SCENE: LazyLock<Scene> = LazyLock::new(|| Builtin::Random125Both.scene());
-    if builtin != Builtin::Random125Both {
-        return false;
-    }
-    let scene = &*SCENE;
-    let before = scene.triangles().len() + scene.spheres().len();
-    let ellipsoid = (primitive as usize).checked_sub(before).and_then(|index| scene.ellipsoids().get(index));
-    ellipsoid.is_some_and(|one| scene.materials()[one.material.0 as usize].finish != Finish::Matte)
+/// Which primitives of a built-in scene are mirrors or of glass: what they show is each eye's own.
+fn sending(builtin: Builtin) -> Vec<bool> {
+    let scene = builtin.scene();
+    let triangles = scene.triangles().iter().map(|triangle| triangle.material);
+    let spheres = scene.spheres().iter().map(|sphere| sphere.material);
+    let ellipsoids = scene.ellipsoids().iter().map(|ellipsoid| ellipsoid.material);
+    let planes = scene.planes().iter().map(|plane| plane.material);
+    let materials = triangles.chain(spheres).chain(ellipsoids).chain(planes);
+    materials.map(|material| scene.materials()[material.0 as usize].finish != Finish::Matte).collect()
+}
+
+/// Whether what a pixel shows is one of them.
+fn sends_rays(sending: &[bool], primitive: u32) -> bool {
+    sending.get(primitive as usize).is_some_and(|sends| *sends)
 }
 
 #[test]
@@ -164,9 +165,10 @@ fn the_right_view_follows_the_map_and_the_counts_follow_both() {
         assert_eq!((s.right.rays.primary, s.right.rays.verification), (s.bad + s.missed, pixels - s.missed));
         assert!(s.left.rays.shadow > 0 && s.left.nodes > pixels && s.left.primitive_tests > 0);
         assert!(s.right.cost() < s.left.cost());
+        let sending = sending(builtin);
         for (index, source) in pair.source.iter().enumerate() {
             match source {
-                PixelSource::Reused if sends_rays(builtin, pair.right.primitive[index]) => {}
+                PixelSource::Reused if sends_rays(&sending, pair.right.primitive[index]) => {}
                 PixelSource::Reused => {
                     let row = index / SIZE.0 as usize * SIZE.0 as usize;
                     let reused = pair.right.linear[index];
@@ -197,8 +199,9 @@ fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
         let depths: Vec<f32> = es_isler.left.depth.iter().map(|depth| depth.min(stereotrace::FAR)).collect();
         let swept = stereotrace::cpu::adelson_hodges::sweep(&frame, &depths);
         let naive = render_builtin(builtin, Method::Naive);
+        let sending = sending(builtin);
         for (index, source) in swept.iter().enumerate() {
-            if sends_rays(builtin, es_isler.right.primitive[index]) {
+            if sends_rays(&sending, es_isler.right.primitive[index]) {
                 continue;
             }
             let taken = index / SIZE.0 as usize * SIZE.0 as usize + (*source as usize).saturating_sub(1);

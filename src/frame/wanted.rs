@@ -1,8 +1,40 @@
-//! Which pixels of a view a frame works on, where not all are wanted.
+//! What of a picture a frame is to make: all rows, some, or some pixels of these.
 
 use std::ops::Range;
 
 use crate::bvh::Texel;
+
+/// What is wanted of a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// Whether pictures are; else what they cost alone.
+    pub(crate) pictures: bool,
+    /// All rows, or a part.
+    pub(crate) part: Option<Part<'a>>,
+}
+
+/// Some rows of a picture.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub(crate) rows: (u32, u32),
+    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame makes.
+    pub(crate) masks: Option<&'a [Mask]>,
+}
+
+impl Wanted<'_> {
+    /// Of all rows.
+    pub(crate) fn all(pictures: bool) -> Self {
+        Self { pictures, part: None }
+    }
+
+    pub(super) fn rows(&self, [_, height]: [u32; 2]) -> Range<u32> {
+        self.part.map_or(0..height, |part| part.rows.0..part.rows.1)
+    }
+
+    pub(super) fn masks(&self) -> Option<&[Mask]> {
+        self.part.and_then(|part| part.masks)
+    }
+}
 
 /// A bit for each pixel of some rows of a view.
 #[derive(Clone, Debug, PartialEq)]
