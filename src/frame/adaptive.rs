@@ -51,6 +51,22 @@ impl Renderer {
     ) -> Result<Done, Error> {
         options.check()?;
         let levels = Levels::new(scene, eyes, options)?;
+        // Buffers of each level's size, and of the last rows', which may be fewer; of a frame that ends early as well they go.
+        self.cache.keep(2 * levels.lattices.len());
+        let done = self.strips(&levels, pictures, progress, on_rows).await;
+        self.cache.keep(1);
+        done
+    }
+
+    /// All rows, some of pixels after the other.
+    async fn strips(
+        &mut self,
+        levels: &Levels<'_>,
+        pictures: bool,
+        progress: &mut OnProgress<'_>,
+        on_rows: &mut OnRows<'_>,
+    ) -> Result<Done, Error> {
+        let Levels { scene, eyes, options, .. } = *levels;
         let asks_centre = options.g_buffer != GBuffer::None;
         let rays = (if asks_centre { 1.0 } else { 0.0 }, levels.adaptive.levels as f32);
         let (mut sum, mut centres): (Option<Done>, Option<Centres>) = (None, None);
@@ -61,21 +77,18 @@ impl Renderer {
             let (done, kept) = self.centres(scene, eyes, &options, pictures, &mut progress).await?;
             (sum, centres) = (Some(done), Some(kept));
         }
-        // Buffers of each level's size, and of the last rows', which may be fewer.
-        self.cache.keep(2 * levels.lattices.len());
         let height = eyes.pose.size[1];
         let step = levels.rows_at_a_time();
         for begin in (0..height).step_by(step as usize) {
             let rows = begin..height.min(begin + step);
             let share = |row: u32| rays.1 * row as f32 / height as f32;
             let parts = (rays.0 + share(rows.start), share(rows.end) - share(rows.start), rays);
-            let strip = self.strip(&levels, rows.clone(), progress, parts).await;
+            let strip = self.strip(levels, rows.clone(), progress, parts).await;
             let strip = strip.map_err(|error| of_samples(error, levels.most_samples()))?;
             let shown = if pictures { Some(levels.rows(&strip, &rows, centres.as_mut())) } else { None };
             sum = Some(sum.into_iter().fold(strip.done, Done::with));
             shown.map_or(Ok(()), &mut *on_rows)?;
         }
-        self.cache.keep(1);
         match progress(Progress { pass: "divide", done: 1.0 }) {
             ControlFlow::Continue(()) => {
                 Ok(Done { eyes: eyes.clone(), ..sum.expect("a picture has a row of pixels at least") })
