@@ -116,8 +116,7 @@ fn by_the_paper(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, le
         let mut before: Option<(i32, i32)> = None;
         for column in (0..width).filter(|column| left[row * width + column]) {
             let here = cpu::adelson_hodges::landing(&frame, column, all.left.depth[row * width + column]);
-            if let Some((column_before, x_before)) = before.filter(|(at, x)| here - x > column as i32 - at) {
-                debug_assert!(column_before < column as i32);
+            if let Some((_, x_before)) = before.filter(|(at, x)| here - x > column as i32 - at) {
                 (x_before.max(-1) + 1..here.min(width as i32)).for_each(|at| landed[at as usize] = false);
             }
             if (0..width as i32).contains(&here) {
