@@ -4,19 +4,11 @@ mod common;
 
 use std::ops::ControlFlow;
 
-use common::{random_stage, renderer};
+use common::{random_stage, renderer, sampling::camera};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Error, Filter, GBuffer, Light, Method, Options, Renderer, Rig, Rows, Scene,
     StereoCamera, UploadedScene, View, glam::Vec3,
 };
-
-fn camera(width: u32, height: u32) -> StereoCamera {
-    StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
-        .screen_distance(5.0)
-        .screen_width(4.0)
-        .interaxial(0.25)
-        .size(width, height)
-}
 
 /// A camera that has a pixel for each sample in the corners of this one's pixels, `side` of them from corner to corner.
 fn lattice(camera: StereoCamera, side: u32) -> StereoCamera {

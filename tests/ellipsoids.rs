@@ -6,70 +6,14 @@ mod truth;
 use common::{RandomScene, is_exact, random::Random, random_ellipsoid, renderer};
 use stereotrace::{
     BvhBuild, Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, Ray, Renderer, Scene, Sky, Sphere,
-    StereoCamera, Traversal, Update, View,
-    cpu::{Eye, Frame},
-    glam::{Affine3A, DVec3, Mat3, Quat, Vec3},
+    StereoCamera, Traversal, Update,
+    glam::{Affine3A, Mat3, Quat, Vec3},
     scene::MAX_ASPECT,
 };
-use truth::{Seen, Truth};
+use truth::{Truth, judged};
 
 fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.3, 0.4, 3.0), Vec3::ZERO).screen_distance(3.0).size(93, 62).interaxial_pixels(7.0)
-}
-
-/// What a view has of the truth: pixels in which another primitive is seen, and of the others the largest error of a depth, relative to it
-/// and to the slope at which the ray meets the surface, and of a linear colour.
-#[derive(Debug, Default)]
-struct Judged {
-    others: usize,
-    depth: f64,
-    depth_by_slope: f64,
-    /// Of pixels that a step of a fiftieth of a pixel takes into no other light.
-    color: f64,
-    seen: usize,
-}
-
-fn judge(view: &View, truth: &[Seen], beside: &[Vec<Seen>]) -> Judged {
-    let mut judged = Judged::default();
-    for (index, seen) in truth.iter().enumerate() {
-        if view.primitive[index] != seen.primitive {
-            judged.others += 1;
-        } else if seen.t.is_finite() {
-            judged.seen += 1;
-            let error = (f64::from(view.depth[index]) / seen.t - 1.0).abs();
-            judged.depth = judged.depth.max(error);
-            judged.depth_by_slope = judged.depth_by_slope.max(error * seen.slope);
-            let found = DVec3::from_array([0, 1, 2].map(|c| f64::from(view.linear[index][c])));
-            let smooth = |other: &Vec<Seen>| {
-                other[index].primitive == seen.primitive && other[index].linear.distance(seen.linear) < 1e-3
-            };
-            if seen.slope > 0.05 && beside.iter().all(smooth) {
-                judged.color = judged.color.max((found - seen.linear).abs().max_element());
-            }
-        }
-    }
-    judged
-}
-
-/// Both views of a scene by `Naive`, judged.
-fn judged(scene: &Scene, camera: &StereoCamera) -> [Judged; 2] {
-    let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    let pair = renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap();
-    let frame = Frame::new(&pair.pose);
-    let truth = Truth::new(scene);
-    let [width, height] = frame.size();
-    [(Eye::Left, &pair.left), (Eye::Right, &pair.right)].map(|(eye, view)| {
-        let around = [(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)].map(|(x, y)| {
-            let direction = |index: usize| {
-                let at = frame.direction(eye, index % width, index / width);
-                let [right, down] = [frame.direction(eye, 1, 0), frame.direction(eye, 0, 1)];
-                at + x * (right - frame.direction(eye, 0, 0)) + y * (down - frame.direction(eye, 0, 0))
-            };
-            (0..width * height).map(|index| truth.see(frame.eye(eye), direction(index))).collect::<Vec<_>>()
-        });
-        judge(view, &truth.view(&frame, eye), &around)
-    })
 }
 
 /// A floor, two lights, and what stands there.
@@ -95,7 +39,7 @@ fn ellipsoids_with_their_shadows_are_as_by_formula() {
     let mut random = Random::new(31);
     let many: Vec<Ellipsoid> = (0..25).map(|index| random_ellipsoid(&mut random, index % 2 == 1, 0.5)).collect();
     for scene in [stage(&[aligned]), stage(&many)] {
-        for judged in judged(&scene, &camera()) {
+        for judged in judged(&mut renderer(), &scene, &camera(), 0.05) {
             println!("{judged:?}");
             assert!(judged.others <= 1 && judged.seen > 2500, "{judged:?}");
             assert!(judged.depth_by_slope < 1e-6 && judged.color < 5e-5, "{judged:?}");

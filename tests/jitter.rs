@@ -2,7 +2,12 @@
 
 mod common;
 
-use common::{is_exact, random::pcg, random_stage, renderer};
+use common::{
+    is_exact,
+    random::pcg,
+    random_stage, renderer,
+    sampling::{self, weight},
+};
 use stereotrace::{
     Error, Filter, GBuffer, Material, Mesh, Method, Options, Rig, Scene, Sky, StereoCamera, View, glam::Vec3,
     scene::suite::Trial,
@@ -16,16 +21,6 @@ fn offset(side: u32, seed: u32, row: u32) -> f64 {
     order.sort_by_key(|&row| (hash(row), row));
     let rank = order.iter().position(|&other| other == row).unwrap();
     (rank as f64 + 0.5) / f64::from(side) - 0.5
-}
-
-fn weight(filter: Filter, x: f64) -> f64 {
-    let x = x.abs();
-    match filter {
-        Filter::Box => f64::from(u8::from(x < 0.5)),
-        Filter::Tent => (1.0 - x).max(0.0),
-        Filter::Gauss => ((-x * x / 0.5).exp() - (-1.5_f64 * 1.5 / 0.5).exp()).max(0.0),
-        filter => panic!("{filter}"),
-    }
 }
 
 /// Filters what is light at places in pixels from the picture's top left corner: along rows first, each row's weights divided by their sum.
@@ -58,11 +53,7 @@ fn filtered(
 }
 
 fn camera(width: u32, height: u32) -> StereoCamera {
-    StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO)
-        .screen_distance(5.0)
-        .screen_width(4.0)
-        .interaxial(0.25)
-        .size(width, height)
+    sampling::camera(width, height).eye(5.0 * Vec3::Z)
 }
 
 /// A white half plane on the screen before black: where `x cos a + y sin a < d`.

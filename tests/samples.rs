@@ -4,7 +4,10 @@ mod common;
 
 use std::ops::ControlFlow;
 
-use common::{gpu_with_limits, random_stage, renderer};
+use common::{
+    gpu_with_limits, random_stage, renderer,
+    sampling::{camera, weight},
+};
 use stereotrace::{
     Error, Filter, GBuffer, Gpu, Material, Mesh, Method, Options, PixelSource, Renderer, Rig, Rows, Scene, Sky,
     StereoCamera, View,
@@ -12,26 +15,6 @@ use stereotrace::{
     output::{Anaglyph, Packing},
     wgpu,
 };
-
-/// Of a screen whose width is a power of two, so that the finer camera's numbers are the same but for the size.
-fn camera(width: u32, height: u32) -> StereoCamera {
-    StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
-        .screen_distance(5.0)
-        .screen_width(4.0)
-        .interaxial(0.25)
-        .size(width, height)
-}
-
-/// `w(x)` of a filter, and how far it reaches, as its documentation has them.
-fn weight(filter: Filter, x: f64) -> f64 {
-    let x = x.abs();
-    match filter {
-        Filter::Box => f64::from(u8::from(x < 0.5)),
-        Filter::Tent => (1.0 - x).max(0.0),
-        Filter::Gauss => ((-x * x / 0.5).exp() - (-1.5_f64 * 1.5 / 0.5).exp()).max(0.0),
-        filter => panic!("{filter}"),
-    }
-}
 
 /// Filters a picture of side x side samples a pixel, each pixel by itself.
 fn filtered(samples: &View, side: u32, filter: Filter) -> Vec<[f32; 3]> {

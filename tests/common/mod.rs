@@ -6,6 +6,7 @@ pub mod folder;
 #[path = "../../src/random.rs"]
 pub mod random;
 mod random_scene;
+pub mod sampling;
 pub mod shown_sky;
 
 use std::{

@@ -1,66 +1,17 @@
 //! What rays meet, against double precision and the twin.
 
 use stereotrace::{
-    MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Renderer, Scene, Sky, Sphere, StereoCamera, Traversal, View,
+    MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Renderer, Scene, Sky, Sphere, StereoCamera, Traversal,
     cpu::{Eye, Frame, intersect::closest_hit, trace_left::trace_left},
-    glam::{DVec3, Quat, Vec3},
+    glam::{Quat, Vec3},
 };
 
 use crate::{
     THINGS, Things, camera,
     common::{gpu, is_exact, random::Random, renderer},
     stage, tilt,
-    truth::{Seen, Truth},
+    truth::{Truth, judged},
 };
-
-/// Pixels that show another primitive than the truth, and of the others the largest error of a depth, times the sine of the angle to the
-/// surface, and of a linear colour where a fiftieth of a pixel aside the light is the same.
-#[derive(Debug, Default)]
-struct Judged {
-    others: usize,
-    seen: usize,
-    depth: f64,
-    color: f64,
-}
-
-fn judge(view: &View, truth: &[Seen], beside: &[Vec<Seen>]) -> Judged {
-    let mut judged = Judged::default();
-    for (index, seen) in truth.iter().enumerate() {
-        if view.primitive[index] != seen.primitive {
-            judged.others += 1;
-        } else if seen.t.is_finite() {
-            judged.seen += 1;
-            judged.depth = judged.depth.max((f64::from(view.depth[index]) / seen.t - 1.0).abs() * seen.slope);
-            let found = DVec3::from_array([0, 1, 2].map(|c| f64::from(view.linear[index][c])));
-            let smooth = |other: &Vec<Seen>| {
-                other[index].primitive == seen.primitive && other[index].linear.distance(seen.linear) < 1e-3
-            };
-            if seen.slope > 0.01 && beside.iter().all(smooth) {
-                judged.color = judged.color.max((found - seen.linear).abs().max_element());
-            }
-        }
-    }
-    judged
-}
-
-fn judged(scene: &Scene, camera: &StereoCamera) -> [Judged; 2] {
-    let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    let pair = renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap();
-    let (frame, truth) = (Frame::new(&pair.pose), Truth::new(scene));
-    let [width, height] = frame.size();
-    [(Eye::Left, &pair.left), (Eye::Right, &pair.right)].map(|(eye, view)| {
-        let around = [(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)].map(|(x, y)| {
-            let direction = |index: usize| {
-                let at = frame.direction(eye, index % width, index / width);
-                let [right, down] = [frame.direction(eye, 1, 0), frame.direction(eye, 0, 1)];
-                at + x * (right - frame.direction(eye, 0, 0)) + y * (down - frame.direction(eye, 0, 0))
-            };
-            (0..width * height).map(|index| truth.see(frame.eye(eye), direction(index))).collect::<Vec<_>>()
-        });
-        judge(view, &truth.view(&frame, eye), &around)
-    })
-}
 
 /// More planes: a wall, one below the ground, and one that is parallel to it, and above.
 fn room(turn: Quat) -> Scene {
@@ -76,10 +27,10 @@ fn planes_with_shadows_on_them_are_as_by_formula() {
     let mut cases: Vec<_> = THINGS.into_iter().map(|things| (format!("{things:?}"), stage(things, tilt()))).collect();
     cases.push(("room".into(), room(tilt())));
     for (name, scene) in cases {
-        for judged in judged(&scene, &camera(tilt())) {
+        for judged in judged(&mut renderer(), &scene, &camera(tilt()), 0.01) {
             println!("{name}: {judged:?}");
             assert!(judged.others <= 1 && judged.seen > 2500, "{name}: {judged:?}");
-            assert!(judged.depth < 5e-7 && judged.color < 5e-5, "{name}: {judged:?}");
+            assert!(judged.depth_by_slope < 5e-7 && judged.color < 5e-5, "{name}: {judged:?}");
         }
     }
 }
@@ -97,9 +48,9 @@ fn eyes_below_beside_and_just_above_a_ground_see_it_as_by_formula() {
         (Vec3::new(0.3, 4.0, 0.1), Vec3::new(0.3, 9.0, 0.0), 0),
     ] {
         let camera = camera(turn).eye(turn * eye).target(turn * target).screen_distance(4.0).interaxial_pixels(5.0);
-        for judged in judged(&stage(Things::All, turn), &camera) {
+        for judged in judged(&mut renderer(), &stage(Things::All, turn), &camera, 0.01) {
             println!("{eye}: {judged:?}");
-            assert!(judged.others <= 1 && judged.seen >= seen && judged.depth < 5e-7, "{eye}: {judged:?}");
+            assert!(judged.others <= 1 && judged.seen >= seen && judged.depth_by_slope < 5e-7, "{eye}: {judged:?}");
             assert!(judged.color < 1e-4, "{eye}: {judged:?}");
         }
     }

@@ -1,6 +1,8 @@
 //! A ray tracer in double precision to judge pictures by: brute force, the textbook's formulas, and no code of the
 //! crate's but its scenes. It follows the f32 rays that the kernels follow, so that only their arithmetic is judged.
-#![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
+#![allow(dead_code, unreachable_pub, unused_imports, reason = "each test file uses its own part of this")]
+
+mod judged;
 
 use rayon::prelude::*;
 use stereotrace::{
@@ -8,6 +10,8 @@ use stereotrace::{
     cpu::{Eye, Frame},
     glam::{DMat3, DVec2, DVec3, Vec2, Vec3},
 };
+
+pub use judged::{Judged, judged};
 
 /// A triangle with what its tests share.
 struct Triangle {
