@@ -1,7 +1,7 @@
 // `Auto`, between two steps of `bracket`: whether a band of the target's view costs less by it than traced, as src/auto.rs has it.
 //
 // launch  one workgroup
-// reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS
+// reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS and OWN_SHADOW_RAYS
 // updates counters         [rows * COUNTERS]  reads GAP_PIXELS, writes CHOSEN of the band's first row
 // updates lists            heads TO_SEARCH and ALL_TRACED: the one that is not chosen launches nothing
 
@@ -11,8 +11,6 @@
 @group(1) @binding(3) var<storage, read_write> lists: Lists;
 
 const BRACKET_CHOSEN: u32 = 1u;
-// Share of shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls.
-const DISAGREED: f32 = 0.05;
 
 var<workgroup> shadow_sums: array<f32, LIST_WORKGROUP>;
 var<workgroup> gap_sums: array<f32, LIST_WORKGROUP>;
@@ -22,7 +20,9 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
     var shadow = 0.0;
     var gaps = 0.0;
     for (var row = frame.row_begin + thread; row < frame.row_end; row += LIST_WORKGROUP) {
-        shadow += f32(source_counters[row * COUNTERS + SHADOW_RAYS]);
+        // Those at what mirrors show are the target's own by either way.
+        let words = row * COUNTERS;
+        shadow += f32(source_counters[words + SHADOW_RAYS] - source_counters[words + OWN_SHADOW_RAYS]);
         gaps += f32(counters[row * COUNTERS + GAP_PIXELS]);
     }
     shadow_sums[thread] = shadow;
@@ -34,10 +34,8 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
         gaps += gap_sums[other];
     }
     let pixels = f32(frame.image_size.x) * f32(frame.row_end - frame.row_begin);
-    let shadows = frame.cost_of_shadow * shadow / pixels;
-    let by_naive = 1.0 + shadows;
-    let by_bracket = frame.cost_of_search + frame.cost_of_listed * shadows * min(gaps / pixels + DISAGREED, 1.0);
-    let bracket = by_bracket < by_naive;
+    let asked_anew = min(frame.cost_of_listed * gaps / pixels + frame.cost_of_disagreed, frame.cost_of_listed);
+    let bracket = shadow / pixels * (1.0 - asked_anew) > frame.least_spared;
     counters[frame.row_begin * COUNTERS + CHOSEN] = select(0u, BRACKET_CHOSEN, bracket);
     if bracket { lists.heads[ALL_TRACED].workgroups_y = 0u; } else { lists.heads[TO_SEARCH].workgroups_y = 0u; }
 }

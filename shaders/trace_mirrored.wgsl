@@ -134,4 +134,5 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     count_pixel(first);
     count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
     atomicAdd(&counters[first.y * COUNTERS + SENT_RAYS], sent_rays);
+    atomicAdd(&counters[first.y * COUNTERS + OWN_SHADOW_RAYS], rays_asked());
 }

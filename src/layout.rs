@@ -26,9 +26,9 @@ pub(crate) struct Frame {
     pub(crate) forward: [f32; 3],
     pub(crate) wider: f32,
     pub(crate) first_row: u32,
-    pub(crate) cost_of_search: f32,
-    pub(crate) cost_of_shadow: f32,
+    pub(crate) least_spared: f32,
     pub(crate) cost_of_listed: f32,
+    pub(crate) cost_of_disagreed: f32,
     pub(crate) second_parallax_px: f32,
     pub(crate) second_same_parallax: f32,
     pub(crate) bounces: u32,
@@ -105,7 +105,7 @@ pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
 pub(crate) const TILE_WORDS: u32 = 641;
 
 /// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
-pub(crate) const COUNTERS: usize = 12;
+pub(crate) const COUNTERS: usize = 13;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
 pub(crate) const PRIMITIVES_TESTED: usize = 2;
@@ -118,6 +118,7 @@ pub(crate) const CUT_SHORT: usize = 8;
 pub(crate) const GAP_PIXELS: usize = 9;
 pub(crate) const CHOSEN: usize = 10;
 pub(crate) const SENT_RAYS: usize = 11;
+pub(crate) const OWN_SHADOW_RAYS: usize = 12;
 /// What stands in `CHOSEN` of a band's first row where that is cheaper.
 pub(crate) const BRACKET_CHOSEN: u32 = 1;
 

@@ -9,8 +9,8 @@ use glam::Vec3;
 use web_time::Instant;
 
 use crate::{
-    BvhBuild, Choice, Error, Method, Options, Pose, Renderer, Scene, Texture,
-    auto::CostModel,
+    BvhBuild, Choice, Error, Method, Options, Penumbra, Pose, Renderer, Scene, Texture,
+    auto::{Asked, CostModel, Seen},
     bvh::{self, PackedBvh, Texel, TreeShape},
     cutouts::cutouts_of,
     geometry::GeometryTexels,
@@ -119,15 +119,24 @@ impl UploadedScene {
         Ok(())
     }
 
+    /// What `Auto` goes by in a frame.
+    pub(crate) fn cost_model(&self, gpu: &Gpu, options: &Options) -> CostModel {
+        CostModel::of(gpu, self.asked(options))
+    }
+
+    /// What a frame asks of lights at most.
+    fn asked(&self, options: &Options) -> Asked {
+        let points = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() as u32 };
+        let soft = self.soft.rays(options);
+        Asked { points, soft, shares: options.penumbra != Penumbra::Exact }
+    }
+
     /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
     pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
-        let lights = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() };
+        let Asked { points, soft, .. } = self.asked(options);
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
-        let best = CostModel::of(gpu).choose(
-            pose,
-            (lights as u64 + u64::from(self.soft.rays(options))).saturating_mul(pixels),
-            0,
-        );
+        let shadow_rays = (u64::from(points) + u64::from(soft)).saturating_mul(pixels);
+        let best = self.cost_model(gpu, options).choose(pose, Seen { shadow_rays, ..Seen::default() });
         (best.method == Method::Naive).then_some(best)
     }
 

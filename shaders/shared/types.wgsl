@@ -30,9 +30,9 @@ struct Frame {
     forward: vec3f,          // f, unit
     wider: f32,              // pixels that a tile's search adds around projected bounds, far more than rounding
     first_row: u32,          // row of the picture that the buffers' first one is
-    cost_of_search: f32,     // what `choose` weighs: of a tile's pixel, of a shadow ray, of one of a list relative to it
-    cost_of_shadow: f32,
-    cost_of_listed: f32,
+    least_spared: f32,       // what `choose` weighs: how many shadow rays a pixel pay for a search, what one of a list costs, and what
+    cost_of_listed: f32,     // those cost that samples don't agree in, of all
+    cost_of_disagreed: f32,
     second_parallax_px: f32,     // parallax_px and same_parallax from the source on the target's other side, where there is one
     second_same_parallax: f32,
     bounces: u32,                // surfaces that a ray may come from, one behind the other
@@ -96,7 +96,7 @@ fn pixel_index(pixel: vec2u) -> u32 {
 }
 
 // Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
-const COUNTERS: u32 = 12u;
+const COUNTERS: u32 = 13u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;
 const PRIMITIVES_TESTED: u32 = 2u;
@@ -109,6 +109,7 @@ const CUT_SHORT: u32 = 8u;
 const GAP_PIXELS: u32 = 9u;
 const CHOSEN: u32 = 10u;
 const SENT_RAYS: u32 = 11u;
+const OWN_SHADOW_RAYS: u32 = 12u;   // of the shadow rays those at what mirrors and the like show
 
 // Adds what this thread did to its row's counters of the view.
 fn count_view(row: u32, shadow: u32, nodes: u32, primitives: u32) {

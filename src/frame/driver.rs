@@ -31,6 +31,8 @@ pub(crate) struct Driver<'a> {
     pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
+    /// What `Auto` goes by.
+    pub(crate) model: CostModel,
     /// The 3D buffer, once it has been sized; before, the last frame's.
     pub(crate) slots: &'a mut Option<wgpu::Buffer>,
     /// Bytes of it that the band uses, and that any band has used.
@@ -69,13 +71,13 @@ impl<'a> Driver<'a> {
         if let Some(timestamps) = &mut renderer.timestamps {
             timestamps.restart();
         }
-        let CostModel { search, shadow, listed } = CostModel::of(&renderer.gpu);
+        let model = scene.cost_model(&renderer.gpu, options);
         let jitter = Jitter::of(options);
         let frame = |view| layout::Frame {
             runs: renderer.runs,
-            cost_of_search: search,
-            cost_of_shadow: shadow,
-            cost_of_listed: listed,
+            least_spared: model.least_spared(),
+            cost_of_listed: model.listed,
+            cost_of_disagreed: model.disagreed,
             bounces: options.bounces,
             words_read: targets.shape.words_read(),
             soft_sources: targets.shape.soft_sources,
@@ -93,6 +95,7 @@ impl<'a> Driver<'a> {
             eyes,
             variant,
             targets,
+            model,
             slots: &mut renderer.cache.slots,
             slot_bytes: 0,
             most_slot_bytes: 0,

@@ -327,11 +327,11 @@ impl Frame<'_> {
     }
 
     fn done(&mut self, method: Method, early: Option<Choice>, used: &Used) -> Done {
-        let Driver { gpu, eyes, targets, .. } = self.driver;
+        let Driver { eyes, targets, model, .. } = self.driver;
         let all_in_steps = self.in_steps == targets.shape.bands.count();
         let choice = |view: usize| {
             let source = eyes.sources[view];
-            let chosen = || self.tallies[view].choice(&self.tallies[source], gpu, &eyes.pose);
+            let chosen = || self.tallies[view].choice(&self.tallies[source], model, &eyes.pose);
             (method == Method::Auto && source != view && !all_in_steps).then(|| early.unwrap_or_else(chosen))
         };
         let timed = self.driver.timestamps.as_ref().is_some_and(|timestamps| !timestamps.is_full());

@@ -173,6 +173,8 @@ pub(crate) struct Counts {
     pub(crate) shadow_rays: u64,
     /// By mirrors and the like.
     pub(crate) sent_rays: u64,
+    /// Of the shadow rays those at what mirrors and the like show.
+    pub(crate) own_shadow_rays: u64,
     pub(crate) nodes: u64,
     pub(crate) primitive_tests: u64,
     pub(crate) bad: u64,
@@ -191,6 +193,7 @@ impl Counts {
         Self {
             shadow_rays: sum(layout::SHADOW_RAYS),
             sent_rays: sum(layout::SENT_RAYS),
+            own_shadow_rays: sum(layout::OWN_SHADOW_RAYS),
             nodes: sum(layout::NODES_VISITED),
             primitive_tests: sum(layout::PRIMITIVES_TESTED),
             bad: sum(layout::BAD_PIXELS),

@@ -1,7 +1,10 @@
 //! What a frame's views cost, band by band, and how they came about.
 
 use super::{plan::Made, read::Counts};
-use crate::{Choice, Gpu, Method, Pose, Rays, ShadowReuse, Work, auto::CostModel};
+use crate::{
+    Choice, Method, Pose, Rays, ShadowReuse, Work,
+    auto::{CostModel, Seen},
+};
 
 /// Of one view.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,6 +15,8 @@ pub(crate) struct Tally {
     pub(crate) bad: u64,
     pub(crate) missed: u64,
     pub(crate) lost_candidates: u64,
+    /// Shadow rays at what mirrors and the like show.
+    own_shadow_rays: u64,
     /// Pixels in gaps, as far as they were counted.
     gaps: u64,
     /// Pixels that were resolved by `bracket`.
@@ -37,14 +42,17 @@ impl Tally {
         self.bad += counts.bad;
         self.missed += counts.missed;
         self.lost_candidates += counts.lost_candidates;
+        self.own_shadow_rays += counts.own_shadow_rays;
         self.gaps += counts.gaps;
         self.bracketed += if made == Made::Bracketed { pixels } else { 0 };
         self.pixels += pixels;
     }
 
     /// What `Auto` chose for most of a view, and what the model says of the whole.
-    pub(crate) fn choice(&self, source: &Self, gpu: &Gpu, pose: &Pose) -> Choice {
-        let predicted = CostModel::of(gpu).choose(pose, source.work.rays.shadow, self.gaps);
+    pub(crate) fn choice(&self, source: &Self, model: CostModel, pose: &Pose) -> Choice {
+        let Rays { shadow: shadow_rays, secondary: secondary_rays, .. } = source.work.rays;
+        let (own_shadow_rays, gap_pixels) = (source.own_shadow_rays, self.gaps);
+        let predicted = model.choose(pose, Seen { shadow_rays, own_shadow_rays, secondary_rays, gap_pixels });
         let mostly = 2 * self.bracketed >= self.pixels;
         let method = if mostly { Method::Bracket(ShadowReuse::Two) } else { Method::Naive };
         let by_bracket = self.bracketed as f32 / self.pixels.max(1) as f32;

@@ -10,7 +10,7 @@ use std::{f32::consts::TAU, fmt, str::FromStr};
 use glam::Vec3;
 
 use super::{
-    Scene,
+    Finish, Light, MaterialId, Scene,
     builtin::{Builtin, INTERAXIAL_SHARE, stage},
 };
 use crate::{Error, StereoCamera};
@@ -183,6 +183,23 @@ impl Trial {
             Self::Inside => space::inside(),
             Self::Wings => space::wings(),
         }
+    }
+
+    /// The same with what makes a picture dear: every second of its materials is half a mirror, and its lights are balls of a 200th of its diagonal.
+    pub fn rich_scene(self) -> Scene {
+        let mut scene = self.scene();
+        for index in (1..scene.materials().len() as u32).step_by(2) {
+            let id = MaterialId(index);
+            let mut mirror = scene.materials()[index as usize].clone();
+            (mirror.albedo, mirror.specular) = (0.5 * mirror.albedo, Vec3::splat(0.5));
+            mirror.finish = Finish::Mirror { fresnel: false };
+            scene.set_material(id, mirror).expect("a material that is there");
+        }
+        let diagonal = scene.bounds().map_or(0.0, |(low, high)| low.distance(high));
+        for light in &mut scene.lights {
+            *light = Light::sphere(light.position, 0.005 * diagonal, light.intensity);
+        }
+        scene
     }
 
     /// The camera that goes with it; the eyes are 15 pixels apart in a picture 600 pixels wide, and so in proportion,
