@@ -3,7 +3,7 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds. Errors are the right
 //! view's mean and root mean square distance from a converged picture, the mean of naive's over many seeds with 32 rays each, in linear
 //! light; naive's own is noise. Counts and errors are those of half the width and height. `cargo bench --bench soft -- NAME…` takes other
-//! scenes: built-in ones, or folders of OBJ files. `--counts` leaves out the times.
+//! scenes: built-in ones, or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -54,11 +54,10 @@ const SKY_WIDTH: u32 = 1024;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let quick = is_quick();
-    let counts_alone = std::env::args().any(|argument| argument == "--counts");
-    let (side, rounds, seeds) = match (quick, counts_alone) {
-        (true, _) => (48, 1, 2),
-        (false, true) => (600, 0, 32),
-        (false, false) => (600, 5, 32),
+    let has = |wanted| std::env::args().any(|argument| argument == wanted);
+    let (side, rounds, seeds) = match quick {
+        true => (48, 1, 2),
+        false => (600, if has("--counts") { 0 } else { 5 }, if has("--times") { 0 } else { 32 }),
     };
     let names = scenes_named(&["hall", "sponza_4x"]);
     let gpu = Gpu::new()?;
@@ -144,6 +143,17 @@ fn measure(
             }
         }
     }
+    let median = |index: usize| Spread::of(times[index].iter().copied()).median;
+    let of_times = |index: usize| {
+        let of_naive = median(index) / median(0);
+        format!("{:.0} | {of_naive:.3} | {:.2} | {:.2}", median(index), 1.0 / of_naive, 2.0 * of_naive - 1.0)
+    };
+    if seeds == 0 {
+        for (index, (method, _)) in methods.iter().enumerate() {
+            println!("| {} | {light} | {method} | {} |", scenes::title(name), of_times(index));
+        }
+        return Ok(());
+    }
     // A quarter of the pixels do, and penumbrae are half as wide in them: no easier.
     let [width, height] = camera.pose()?.size;
     let e_px = camera.pose()?.interaxial_px / 2.0;
@@ -153,17 +163,13 @@ fn measure(
         renderer.render(&uploaded, camera, &options.clone().linear(true).count(true))
     };
     let naive = render(renderer, &methods[0].1)?;
-    let median = |index: usize| Spread::of(times[index].iter().copied()).median;
     for (index, (method, options)) in methods.iter().enumerate() {
         let pair = render(renderer, options)?;
-        let of_naive = median(index) / median(0);
         let ([mean_error, rms], [naive_mean, naive_rms]) = (errors(&pair, &limit), errors(&naive, &limit));
         println!(
-            "| {} | {light} | {method} | {:.0} | {of_naive:.3} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {} | {} |",
+            "| {} | {light} | {method} | {} | {:.3} | {:.3} | {:.2} | {} | {} |",
             scenes::title(name),
-            median(index),
-            1.0 / of_naive,
-            2.0 * of_naive - 1.0,
+            of_times(index),
             pair.statistics.second_eye(),
             pair.statistics.right.rays.shadow as f64 / naive.statistics.right.rays.shadow as f64,
             compare(&pair.right, &naive.right, &pair.pose)?.identical_percent,

@@ -3,7 +3,7 @@
 mod common;
 
 use common::renderer;
-use stereotrace::{Adaptive, Builtin, Filter, Light, Method, Options, Rig, glam::Vec3};
+use stereotrace::{Adaptive, Builtin, Filter, Light, Method, Options, Rig, glam::Vec3, scene::suite::Trial};
 
 #[test]
 fn bracket_rays_are_naive_to_the_last_bit() {
@@ -35,4 +35,36 @@ fn bracket_rays_are_naive_to_the_last_bit() {
             }
         }
     }
+}
+
+#[test]
+fn what_is_hard_on_methods_is_no_harder_with_mirrors_soft_light_and_four_samples() {
+    // Each scene's kernels are compiled anew.
+    let few = Trial::ALL.iter().copied().step_by(4);
+    few.for_each(is_no_harder_when_rich);
+}
+
+#[test]
+#[ignore = "the whole suite takes minutes"]
+fn nothing_of_the_suite_is_harder_with_mirrors_soft_light_and_four_samples() {
+    Trial::ALL.iter().copied().for_each(is_no_harder_when_rich);
+}
+
+fn is_no_harder_when_rich(trial: Trial) {
+    let mut renderer = renderer();
+    let options = |method| Options::new(method).linear(true).samples(4).shadow_rays(4);
+    let uploaded = renderer.upload(&trial.rich_scene()).unwrap();
+    let camera = trial.camera(45, 31);
+    let mut render = |method| renderer.render(&uploaded, &camera, &options(method)).unwrap();
+    let (naive, rays, bracket) = (render(Method::Naive), render(Method::BRACKET_RAYS), render(Method::BRACKET));
+    assert!(naive.statistics.right.rays.secondary > 0 || trial.scene().materials().len() < 2, "{trial}: no mirrors");
+    let off = naive.right.linear.iter().zip(&rays.right.linear).filter(|(a, b)| a != b).count();
+    assert!(naive.right == rays.right, "{trial}: {off} pixels differ");
+    assert!(bracket.right.primitive == naive.right.primitive, "{trial}");
+    assert!(bracket.right.depth == naive.right.depth, "{trial}");
+    let auto = render(Method::Auto);
+    let choice = auto.statistics.choice.expect("auto says why");
+    assert_eq!(choice.method == Method::BRACKET, choice.bracket < choice.naive, "{trial}: {choice}");
+    assert_eq!(choice.secondary_rays > 0.0, auto.statistics.left.rays.secondary > 0, "{trial}: {choice}");
+    assert!(auto.right == if choice.method == Method::BRACKET { &bracket } else { &naive }.right, "{trial}: {choice}");
 }

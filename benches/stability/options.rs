@@ -26,6 +26,9 @@ pub(crate) struct Options {
     /// Frames in which the film's spheres turn once [default: 60]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     frames: Option<u32>,
+    /// Trials with mirrors and lights that are balls, and 4 samples a pixel
+    #[arg(long)]
+    rich: bool,
     /// Where the results go [default: target/bench/stability]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -40,6 +43,8 @@ pub(crate) struct Plan {
     pub(crate) trials: Vec<Trial>,
     pub(crate) methods: Vec<Method>,
     pub(crate) frames: u32,
+    /// With what makes pictures dear.
+    pub(crate) rich: bool,
 }
 
 impl Options {
@@ -60,6 +65,7 @@ impl Options {
             trials,
             methods,
             frames: self.frames.unwrap_or(if quick { 4 } else { 60 }),
+            rich: self.rich,
         }
     }
 

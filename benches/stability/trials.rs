@@ -1,7 +1,7 @@
 //! What each method makes of a trial.
 
 use stereotrace::{
-    Error, Method, Options, Renderer, StereoCamera, StereoPair, UploadedScene,
+    Method, Options, Renderer, StereoPair, UploadedScene,
     metrics::{self, Difference},
     scene::suite::Trial,
 };
@@ -29,27 +29,22 @@ pub(crate) struct Figures {
 /// A row a method. What can't be rendered is said in the rows.
 pub(crate) fn measure(renderer: &mut Renderer, trial: Trial, plan: &Plan) -> Vec<Row> {
     let camera = trial.camera(plan.size[0], plan.size[1]);
-    let truth = renderer.upload(&trial.scene()).and_then(|scene| {
-        let naive = render(renderer, &scene, &camera, Method::Naive)?;
+    let scene = if plan.rich { trial.rich_scene() } else { trial.scene() };
+    let render = |renderer: &mut Renderer, scene: &UploadedScene, method| {
+        renderer.render(scene, &camera, &Options::new(method).samples(if plan.rich { 4 } else { 1 }).count(true))
+    };
+    let truth = renderer.upload(&scene).and_then(|scene| {
+        let naive = render(renderer, &scene, Method::Naive)?;
         Ok((scene, naive))
     });
     let figures = |method| {
         let (scene, naive) = truth.as_ref().map_err(|error| format!("naive: {error}"))?;
-        let pair = render(renderer, scene, &camera, method).map_err(|error| error.to_string())?;
+        let pair = render(renderer, scene, method).map_err(|error| error.to_string())?;
         let difference = metrics::compare(&pair.right, &naive.right, &pair.pose).map_err(|error| error.to_string())?;
         Ok(Figures { second_eye: pair.statistics.second_eye(), of_naive: cost(&pair) / cost(naive), difference })
     };
     let figures: Vec<_> = plan.methods.iter().copied().map(figures).collect();
     plan.methods.iter().zip(figures).map(|(&method, figures)| Row { trial, method, figures }).collect()
-}
-
-fn render(
-    renderer: &mut Renderer,
-    scene: &UploadedScene,
-    camera: &StereoCamera,
-    method: Method,
-) -> Result<StereoPair, Error> {
-    renderer.render(scene, camera, &Options::new(method).count(true))
 }
 
 /// Of both eyes, by counters.

@@ -1,0 +1,162 @@
+//! How dear the first eye is with each thing that makes pictures good, and what the second one then costs: `cargo bench --bench finish`.
+//!
+//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of the rounds. Counts and
+//! colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and `finish.svg`, whole or not at all: the chart of
+//! accuracy against cost with a second axis, the first eye's cost. `cargo bench --bench finish -- NAME…` takes other scenes: built-in ones,
+//! or folders of OBJ files.
+
+mod chart;
+#[path = "../common/mod.rs"]
+mod common;
+mod finishes;
+
+use std::{error::Error, path::Path};
+
+use serde_json::json;
+use stereotrace::{Gpu, Method, Renderer, metrics::compare};
+
+use crate::{
+    common::{
+        files::save,
+        options::{is_quick, scenes_named},
+        provenance::Provenance,
+        records::{self, Record},
+        rounds::{Spread, order},
+        scenes::{self, BenchScene},
+    },
+    finishes::{Finished, finishes},
+};
+
+/// Parallax at infinity in pixels, of a picture 600 wide.
+const E_PX: f32 = 15.0;
+/// The ground truth comes first, and then what is the first eye alone, but for a copy.
+const METHODS: [Method; 3] = [Method::Naive, Method::Ideal, Method::BRACKET];
+
+/// What was measured of a scene that is finished so.
+struct Figures {
+    scene: String,
+    finish: &'static str,
+    /// The first eye's milliseconds, and how many times those of the same scene without lights.
+    first_ms: f64,
+    first: f64,
+    naive_ms: f64,
+    pair_ms: f64,
+    /// The second eye's cost, the first one's = 1, by time and by counters.
+    second: f64,
+    second_counters: f64,
+    /// Of the right view against naive's: pixels that differ, percent, and the mean distance in RGB of all pixels.
+    differing: f64,
+    distance: f64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let quick = is_quick();
+    let (side, rounds) = if quick { (40, 1) } else { (400, 3) };
+    let names = scenes_named(&["hall", "sponza_4x"]);
+    let gpu = Gpu::new()?;
+    let provenance = Provenance::of(&gpu);
+    println!("adapter: {}\ndriver:  {}\ncommit:  {}\n", provenance.adapter, provenance.driver, provenance.commit);
+    println!("{side}x{side}, {rounds} rounds\n");
+    println!(
+        "| scene | picture | first eye ms | of it without lights | naive pair ms | bracket pair ms | ratio | second eye by time | by counters | \
+         pixels that differ % | mean distance in RGB |\n|---|---|---|---|---|---|---|---|---|---|---|"
+    );
+    let mut renderer = Renderer::new(gpu);
+    let mut all = Vec::new();
+    for name in &names {
+        let Some(scene) = scenes::load(name, [side; 2], E_PX * side as f32 / 600.0, None)? else {
+            println!("{}", scenes::skipped(name));
+            continue;
+        };
+        let mut plain_ms = 0.0;
+        for finished in finishes(&scene)? {
+            let figures = measure(&mut renderer, &scene, &finished, rounds, plain_ms)?;
+            if plain_ms == 0.0 {
+                plain_ms = figures.first_ms;
+            }
+            println!("{}", row(&figures));
+            all.push(figures);
+        }
+    }
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+    let folder = target.join(if quick { "bench-smoke/finish" } else { "bench/finish" });
+    let records: Vec<Record> = all.iter().map(|figures| record(figures, &provenance)).collect();
+    let files = [
+        ("finish.csv", records::csv(&records)),
+        ("finish.json", records::json(&records)),
+        ("finish.svg", chart::svg(&all, side, &provenance)?),
+    ];
+    println!();
+    for path in save(&files.map(|(name, text)| (name.to_owned(), text)), &folder)? {
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+/// `plain_ms` is the first eye's time without lights; 0 if this is it.
+fn measure(
+    renderer: &mut Renderer,
+    bench: &BenchScene,
+    finished: &Finished,
+    rounds: usize,
+    plain_ms: f64,
+) -> Result<Figures, Box<dyn Error>> {
+    let BenchScene { name, camera, .. } = bench;
+    let uploaded = renderer.upload(&finished.scene)?;
+    let options = |method| finished.options.clone().method(method);
+    let mut times = METHODS.map(|_| Vec::new());
+    // The first round compiles kernels.
+    for round in 0..=rounds {
+        for index in order(round, METHODS.len()) {
+            let statistics = renderer.trace(&uploaded, camera, &options(METHODS[index]))?;
+            let total = statistics.times.ok_or("this adapter has no timestamps")?.total().as_secs_f64();
+            times[index].extend((round > 0).then_some(1e3 * total));
+        }
+    }
+    let [naive_ms, first_ms, pair_ms] = times.map(|times| Spread::of(times).median);
+    let mut counted = |method| renderer.render(&uploaded, camera, &options(method).count(true));
+    let (naive, pair) = (counted(Method::Naive)?, counted(Method::BRACKET)?);
+    let difference = compare(&pair.right, &naive.right, &pair.pose)?;
+    Ok(Figures {
+        scene: name.clone(),
+        finish: finished.name,
+        first_ms,
+        first: if plain_ms > 0.0 { first_ms / plain_ms } else { 1.0 },
+        naive_ms,
+        pair_ms,
+        second: (pair_ms - first_ms) / first_ms,
+        second_counters: pair.statistics.second_eye(),
+        differing: difference.differing_percent,
+        distance: difference.mean_difference * difference.differing_percent / 100.0,
+    })
+}
+
+fn row(figures: &Figures) -> String {
+    let Figures { scene, finish, first_ms, first, naive_ms, pair_ms, second, second_counters, differing, distance } =
+        figures;
+    format!(
+        "| {} | {finish} | {first_ms:.1} | {first:.1} | {naive_ms:.1} | {pair_ms:.1} | {:.2} | {second:.2} | {second_counters:.3} | \
+         {differing:.3} | {distance:.4} |",
+        scenes::title(scene),
+        naive_ms / pair_ms
+    )
+}
+
+fn record(figures: &Figures, provenance: &Provenance) -> Record {
+    vec![
+        ("scene", json!(figures.scene)),
+        ("picture", json!(figures.finish)),
+        ("first_ms", json!(figures.first_ms)),
+        ("first_of_plain", json!(figures.first)),
+        ("naive_ms", json!(figures.naive_ms)),
+        ("pair_ms", json!(figures.pair_ms)),
+        ("second_eye", json!(figures.second)),
+        ("second_eye_counters", json!(figures.second_counters)),
+        ("differing", json!(figures.differing)),
+        ("mean_distance", json!(figures.distance)),
+        ("adapter", json!(provenance.adapter)),
+        ("driver", json!(provenance.driver)),
+        ("commit", json!(provenance.commit)),
+        ("date", json!(provenance.date)),
+    ]
+}
