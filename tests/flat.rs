@@ -4,8 +4,8 @@ mod common;
 
 use common::{is_exact, render, renderer};
 use stereotrace::{
-    BvhBuild, Error, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, Sphere, StereoCamera, StereoPair,
-    Traversal, Update, UploadedScene, Work,
+    BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
+    StereoPair, Traversal, Update, UploadedScene, Work,
     glam::{Affine3A, DVec3, Vec3},
     scene::{
         builtin::{Builtin, StackedKind, StackedObjects},
@@ -158,6 +158,17 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     assert_same(&list, &tree, exact, "6000 spheres");
     assert!(!list.statistics.in_steps);
     assert!(list.statistics.left.primitive_tests > 24 * 24 * 6000);
+
+    // Ten lamps take more rounds than a software adapter grants a thread: the frame goes on in steps, and shows the same.
+    let (mut scene, camera) = stack(6000, StackedKind::Spheres, 8);
+    let lamp = scene.lights[0];
+    scene
+        .lights
+        .extend((1..10).map(|index| Light::point(lamp.position + 0.3 * index as f32 * Vec3::X, 0.2 * lamp.intensity)));
+    let [list, tree] = [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
+    let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
+    assert_same(&list, &tree, exact, "6000 spheres, ten lamps");
+    assert!(list.statistics.in_steps || !exact);
 
     let most = stack(BvhBuild::MAX_FLAT, StackedKind::Spheres, 8).0;
     renderer.upload_with(&most, BvhBuild::Flat).unwrap();

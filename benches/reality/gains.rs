@@ -38,8 +38,9 @@ impl Stack {
 
 pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let [few, many] = plan.gain_rows.map(Way::both);
-    let ways = [Way::CLASSICAL, Way::T_BUFFER, few, many, Way::BVH, Way::BVH_T_BUFFER];
-    let ways = Way::there(ways.into_iter().chain(plan.gain_rows.map(Way::bvh_shadow_buffer)));
+    let paper = [Way::CLASSICAL, Way::T_BUFFER, few, many];
+    let others = [few.kept(), Way::BVH, Way::BVH_T_BUFFER, Way::bvh_shadow_buffer(plan.gain_rows[0])];
+    let ways = Way::there(paper.into_iter().chain(others));
     let mut stacks = Vec::new();
     for &objects in &plan.objects {
         eprintln!("figures 13 to 16: {objects} objects");
@@ -156,7 +157,7 @@ fn charts(stacks: &[Stack], ways: &[Way], plan: &Plan, by: By, report: &mut Repo
         let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
         (Line::through(&points), Series::marked(way.to_string(), points))
     };
-    let (unit, x) = (if by == By::Time { "milliseconds" } else { "primitive tests" }, "objects");
+    let (unit, x) = (by.unit(), "objects");
     let alone = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH];
     let series = alone.into_iter().filter(|way| ways.contains(way)).map(cost).collect();
     report.chart("figure-13", Chart { title: "Figure 13: without a shadow-buffer", x, y: unit, series })?;

@@ -25,7 +25,7 @@ pub(crate) struct Measured {
     /// What was counted of the view.
     pub(crate) work: Work,
     /// Texels of a shadow-buffer that were filled, and tests of primitives for them.
-    filled: [u64; 2],
+    pub(crate) filled: [u64; 2],
     /// It did not fit in one dispatch.
     pub(crate) in_steps: bool,
 }
@@ -50,6 +50,7 @@ impl Sample {
             ("side", json!(self.side)),
             ("way", json!(way.to_string())),
             ("shadow_rows", way.table.map_or(Value::Null, |table| json!(table.rows))),
+            ("shadow_kept", way.table.map_or(Value::Null, |table| json!(table.kept))),
             ("shadow_rule", way.table.map_or(Value::Null, |table| json!(table.rule.to_string()))),
             ("ms", number(ms, |one| one.median)),
             ("ms_min", number(ms, |one| one.min)),
@@ -96,8 +97,8 @@ impl<'a> View<'a> {
             }
             let turns: Vec<usize> = if ways.len() > 1 { order(round, ways.len()).collect() } else { vec![0] };
             for index in turns {
-                if ways[index].table.is_some() {
-                    // A shadow-buffer is kept from frame to frame, and the paper's times have it filled.
+                if ways[index].table.is_some_and(|table| !table.kept) {
+                    // A scene keeps its shadow-buffers from frame to frame, and the paper's times have them filled.
                     scenes[index] = renderer.upload_with(self.scene, ways[index].build())?;
                 }
                 let time = self.time(renderer, &scenes[index], &options[index])?;
@@ -109,7 +110,11 @@ impl<'a> View<'a> {
         let mut all = Vec::new();
         for (index, &way) in ways.iter().enumerate() {
             let scene = renderer.upload_with(self.scene, way.build())?;
-            let views = renderer.render_views(&scene, &self.rig, &options[index].clone().count(true))?;
+            let mut count = || renderer.render_views(&scene, &self.rig, &options[index].clone().count(true));
+            if way.table.is_some_and(|table| table.kept) {
+                count()?;
+            }
+            let views = count()?;
             let spread = |of: fn(&[f64; 2]) -> f64| (rounds > 0).then(|| Spread::of(times[index].iter().map(of)));
             all.push(Measured {
                 way,
@@ -154,6 +159,13 @@ impl By {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
+            Self::Tests => "primitive tests",
+        }
+    }
+
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "milliseconds",
             Self::Tests => "primitive tests",
         }
     }

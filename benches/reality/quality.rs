@@ -102,7 +102,7 @@ pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
         let ways = rules.iter().flat_map(|&rule| plan.quality_rows.iter().map(move |&rows| Way::both(rows).rule(rule)));
         let mut points: [Vec<Point>; 3] = Default::default();
         for way in Way::there(ways) {
-            let Some(Table { rows, rule }) = way.table else { continue };
+            let Some(Table { rows, rule, .. }) = way.table else { continue };
             let found = view(renderer, &scene, camera, way)?;
             let wrong = Wrong::of(&found, &truth);
             let dark = 100.0 * wrong.darker as f64 / (wrong.darker + wrong.brighter).max(1) as f64;

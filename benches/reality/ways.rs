@@ -21,6 +21,8 @@ pub(crate) struct Table {
     /// There are twice as many columns.
     pub(crate) rows: u32,
     pub(crate) rule: Rule,
+    /// It is filled once and kept from frame to frame, since it does not depend on the eye; else it is filled in each frame.
+    pub(crate) kept: bool,
 }
 
 /// What a point makes of a shadow-buffer.
@@ -51,12 +53,17 @@ impl Way {
 
     /// Rays through a tree for first hits, a shadow-buffer for the others.
     pub(crate) fn bvh_shadow_buffer(rows: u32) -> Self {
-        Self { table: Some(Table { rows, rule: Rule::Object }), ..Self::BVH }
+        Self { table: Some(Table { rows, rule: Rule::Object, kept: false }), ..Self::BVH }
     }
 
     /// The same with another rule for the shadow-buffer, if it has one.
     pub(crate) fn rule(self, rule: Rule) -> Self {
         Self { table: self.table.map(|table| Table { rule, ..table }), ..self }
+    }
+
+    /// The same with a shadow-buffer that is kept, if it has one.
+    pub(crate) fn kept(self) -> Self {
+        Self { table: self.table.map(|table| Table { kept: true, ..table }), ..self }
     }
 
     /// What a scene is uploaded with.
@@ -100,8 +107,10 @@ impl fmt::Display for Way {
             (true, _) => "T-buffer",
         };
         let shadows = match self.table {
-            Some(Table { rows, rule: Rule::Object }) => format!(", shadow-buffer {rows}x{}", 2 * rows),
-            Some(Table { rows, rule }) => format!(", shadow-buffer {rows}x{} ({rule})", 2 * rows),
+            Some(Table { rows, rule, kept }) => {
+                let rule = if rule == Rule::Object { String::new() } else { format!(" ({rule})") };
+                format!(", shadow-buffer {rows}x{}{rule}{}", 2 * rows, if kept { ", kept" } else { "" })
+            }
             None if self.t_buffer && !self.list => ", shadow rays by BVH".into(),
             None => String::new(),
         };
