@@ -1,5 +1,6 @@
 //! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
 
+mod flat;
 mod primitive;
 mod refit;
 
@@ -28,20 +29,31 @@ pub enum BvhBuild {
     Balanced,
     /// The best tree there is: for a scene that many pictures are made of.
     Best,
+    /// No tree, but a list, as the classical ray tracer has it: a baseline to measure against, for at most [`BvhBuild::MAX_FLAT`] primitives. A
+    /// closest-hit ray is tested against every primitive, in the scene's order, exact copies too; a shadow ray until one is met. The
+    /// picture is that of a tree, bit for bit where f32 is not contracted. Besides, a ray visits a pair of boxes that hold everything for each
+    /// eight primitives; a single primitive is tested twice, and from over 1.2e8 units off the world's origin a ray that leads away from it
+    /// is tested against none.
+    Flat,
 }
 
 impl BvhBuild {
-    /// All of them, from the quickest to the slowest.
+    /// All that build a tree, from the quickest to the slowest.
     pub const ALL: &'static [Self] = &[Self::Fast, Self::Balanced, Self::Best];
 
-    /// obvhs's preset. Leaves hold up to eight primitives, which is what a link can say.
-    pub(crate) fn params(self) -> BvhBuildParams {
+    /// The most primitives that [`BvhBuild::Flat`] takes. With five lights a ray and its shadow rays then still go through their lists in the
+    /// 65,535 rounds that Mesa's software driver grants a thread.
+    pub const MAX_FLAT: usize = 8192;
+
+    /// obvhs's preset, where a tree is built. Leaves hold up to eight primitives, which is what a link can say.
+    pub(crate) fn params(self) -> Option<BvhBuildParams> {
         let preset = match self {
             Self::Fast => BvhBuildParams::very_fast_build(),
             Self::Balanced => BvhBuildParams::medium_build(),
             Self::Best => BvhBuildParams::slow_build(),
+            Self::Flat => return None,
         };
-        BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..preset }
+        Some(BvhBuildParams { max_prims_per_leaf: MAX_LEAF, ..preset })
     }
 }
 
@@ -75,6 +87,8 @@ pub(crate) struct PackedBvh {
     pub(crate) world_boxes: bool,
     /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
+    /// It is a list ([`BvhBuild::Flat`]), whose boxes hold everything.
+    pub(crate) flat: bool,
 }
 
 impl PackedBvh {
@@ -93,6 +107,7 @@ impl PackedBvh {
             components,
             world_boxes: false,
             stack_size: 8,
+            flat: false,
         }
     }
 }
@@ -124,10 +139,10 @@ fn is_empty(aabb: &Aabb) -> bool {
 }
 
 /// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive, with the same holes
-/// where it is cut out: of equal t the smaller id wins, so no ray sees them.
+/// where it is cut out: of equal t the smaller id wins, so no ray sees them. (A list, [`BvhBuild::Flat`], keeps copies.)
 ///
 /// # Errors
-/// [`Error::Scene`] if there are more primitives than links can name.
+/// [`Error::Scene`] if there are more primitives than links can name, or than [`BvhBuild::Flat`] takes.
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes): (Vec<u32>, Vec<Aabb>) = (0..).zip(boxes_of(scene)).filter(|(_, aabb)| !is_empty(aabb)).unzip();
     let components = Arc::new(components::of(scene));
@@ -140,8 +155,13 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         return Err(Error::Scene { element: "geometry".into(), reason });
     }
     let compare = |a: u32, b: u32| geometry(scene, ids[a as usize]).cmp(&geometry(scene, ids[b as usize]));
-    let tree = tree::build(&boxes, build.params(), &compare);
-    let grid = Grid::around(tree.nodes[0].aabb(), kind == Boxes::F32 && has_fine_detail(boxes.iter().copied()));
+    let flat = build == BvhBuild::Flat;
+    let tree = match build.params() {
+        Some(params) => tree::build(&boxes, params, &compare),
+        None => flat::tree(ids.len())?,
+    };
+    let world = kind == Boxes::F32 && !flat && has_fine_detail(boxes.iter().copied());
+    let grid = Grid::around(tree.nodes[0].aabb(), world);
     let mut packer = Packer {
         scene,
         tree: &tree,
@@ -167,6 +187,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         ids: packer.packed,
         components,
         stack_size,
+        flat,
     })
 }
 

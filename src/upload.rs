@@ -58,7 +58,8 @@ pub struct UploadedScene {
 pub enum Update {
     /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives moved. Where no primitive changed,
     /// lights, materials and sky alone are uploaded. The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built, and
-    /// none that was without area or an exact copy of another then and is traced now.
+    /// none that was without area or an exact copy of another then and is traced now. (A list, [`BvhBuild::Flat`], is made anew, whatever the scene
+    /// has.)
     Refit,
     /// The tree is built anew.
     Rebuild(BvhBuild),

@@ -7,7 +7,7 @@ use obvhs::aabb::Aabb;
 use rustc_hash::FxHashMap;
 
 use super::{
-    Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, has_fine_detail, is_empty,
+    BvhBuild, Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, has_fine_detail, is_empty,
     primitive::{geometry, push_primitive, texels_of_each},
 };
 use crate::{
@@ -30,6 +30,8 @@ pub(crate) struct TreeShape {
     counts: [usize; 4],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
+    /// A list, which has no shape to keep: it is made anew.
+    flat: bool,
 }
 
 fn stamps(scene: &Scene) -> [Stamp; 2] {
@@ -54,11 +56,15 @@ impl TreeShape {
             counts: counts(scene),
             components: packed.components.clone(),
             stamps: stamps(scene),
+            flat: packed.flat,
         }
     }
 
     /// The same after a refit to this scene.
     pub(crate) fn refitted(&self, scene: &Scene, packed: &PackedBvh) -> Self {
+        if self.flat {
+            return Self::of(scene, packed);
+        }
         Self { components: packed.components.clone(), stamps: stamps(scene), ..self.clone() }
     }
 
@@ -71,8 +77,11 @@ impl TreeShape {
     /// there is one more copy of another primitive: where it is tested twice, no hit changes.
     ///
     /// # Errors
-    /// [`Error::Scene`] where the tree does not hold all primitives that are traced now.
+    /// [`Error::Scene`] where the tree does not hold all primitives that are traced now, or a list has become too long.
     pub(crate) fn refit(&self, scene: &Scene, kind: Boxes) -> Result<PackedBvh, Error> {
+        if self.flat {
+            return super::build(scene, BvhBuild::Flat, kind);
+        }
         let boxes: Vec<Aabb> = boxes_of(scene).collect();
         self.check(scene, &boxes)?;
         check_materials(scene)?;
@@ -107,6 +116,7 @@ impl TreeShape {
             components,
             world_boxes: grid.world,
             stack_size: self.stack_size,
+            flat: false,
         })
     }
 

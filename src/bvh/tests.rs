@@ -162,3 +162,43 @@ fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
         assert!(shrunk.ids.iter().all(|&id| id < 200) && shrunk.ids.len() == 300);
     }
 }
+
+#[test]
+fn a_list_has_all_primitives_in_order_in_boxes_that_hold_everything() {
+    for (count, kind) in
+        [1, 2, 7, 8, 9, 16, 17, 100, 1000, 8192].into_iter().flat_map(|n| [(n, Boxes::Grid16), (n, Boxes::F32)])
+    {
+        let corners = (0..count).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + Vec3::X * i as f32)).collect();
+        let mut scene = scene_of(corners);
+        scene.add_plane(crate::Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0))).unwrap();
+        let packed = build(&scene, BvhBuild::Flat, kind).unwrap();
+        assert!(packed.flat && !packed.world_boxes && packed.stack_size <= 16, "{count}");
+        // The plane has the first slot. Links are followed as a ray follows them that both boxes are entered at once by: first child first.
+        let (mut found, mut pairs, mut pending) = (Vec::new(), 0, vec![0]);
+        while let Some(link) = pending.pop() {
+            if link & LEAF == 0 {
+                pairs += 1;
+                let texel = |child: u32| (2 * link + child) as usize * child_texels(kind);
+                pending.extend([1, 0].map(|child| packed.nodes[texel(child)][3]));
+                continue;
+            }
+            let first = link & 0x0fff_ffff;
+            found.extend((first..=first + (link >> 28 & 7)).map(|slot| packed.ids[slot as usize]));
+        }
+        let wanted: Vec<u32> = if count == 1 { vec![0, 0] } else { (0..count as u32).collect() };
+        assert_eq!(found, wanted, "{count}");
+        assert_eq!(
+            pairs,
+            (wanted.len().div_ceil(8) - 1).max(1),
+            "{count}: a pair for each two leaves, and one at least"
+        );
+        let bvh = &packed.uniform;
+        let reach = |k: usize| match kind {
+            Boxes::Grid16 => [bvh.grid_origin[k], bvh.grid_origin[k] + 65535.0 * bvh.grid_cell[k]],
+            Boxes::F32 => [0, 1].map(|end| bvh.grid_origin[k] + f32::from_bits(packed.nodes[end][k])),
+        };
+        for [low, high] in [0, 1, 2].map(reach) {
+            assert!(low <= -1.1e8 && high >= 1.1e8, "{count}: {low} {high}");
+        }
+    }
+}

@@ -6,13 +6,18 @@ mod marble;
 mod random;
 pub(super) mod shapes;
 mod spheres;
+mod stacked;
 pub(super) mod stage;
 
 use std::{fmt, str::FromStr};
 
 use glam::Vec3;
 
-pub use self::{random::RandomObjects, spheres::spheres_turned};
+pub use self::{
+    random::RandomObjects,
+    spheres::spheres_turned,
+    stacked::{StackedKind, StackedObjects},
+};
 use self::{
     shapes::Shape,
     spheres::{CLOUD_SCREEN, spheres, three_camera, three_spheres},

@@ -1,0 +1,176 @@
+//! Figures 13 to 16: what the buffers gain over the classical ray tracer as objects become more.
+
+use std::{error::Error, fmt::Write};
+
+use stereotrace::{Renderer, scene::builtin::StackedObjects};
+
+use crate::{
+    charts::{Chart, Series},
+    fits::{Line, Point},
+    measure::{By, Measured, Sample, View, gain, of_way},
+    options::Plan,
+    report::{Report, number},
+    ways::Way,
+};
+
+/// Where the paper reads its gains off.
+const READ_AT: [f64; 2] = [500.0, 6000.0];
+
+/// A stack, and what each way to its picture cost.
+struct Stack {
+    objects: usize,
+    ways: Vec<Measured>,
+}
+
+impl Stack {
+    /// The gain of a way over the classical ray tracer, with the number of objects.
+    fn gain(&self, way: Way, by: By) -> Option<Point> {
+        Some((self.objects as f64, gain(&self.ways, Way::CLASSICAL, way, by)?))
+    }
+
+    /// What the gain of a T-buffer is at most whose shadow rays stay: tests of both kinds of rays over those of shadow rays.
+    fn limit(&self, side: u32) -> Option<f64> {
+        let all = of_way(&self.ways, Way::CLASSICAL)?.work.primitive_tests as f64;
+        let primary = f64::from(side).powi(2) * self.objects as f64;
+        Some(all / (all - primary)).filter(|limit| limit.is_finite())
+    }
+}
+
+pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let [few, many] = plan.gain_rows.map(Way::both);
+    let paper = [Way::CLASSICAL, Way::T_BUFFER, few, many];
+    let others = [few.kept(), Way::BVH, Way::BVH_T_BUFFER, Way::bvh_shadow_buffer(plan.gain_rows[0])];
+    let ways = Way::there(paper.into_iter().chain(others));
+    let mut stacks = Vec::new();
+    for &objects in &plan.objects {
+        eprintln!("figures 13 to 16: {objects} objects");
+        let stacked = StackedObjects::new(objects, plan.kind);
+        let scene = stacked.scene();
+        let ways = View::of(&scene, stacked.camera(plan.side, plan.side)).measure(renderer, &ways, plan.rounds)?;
+        let sample = |&measured| Sample { figure: "13 to 16", objects, side: plan.side, measured };
+        report.samples.extend(ways.iter().map(sample));
+        stacks.push(Stack { objects, ways });
+    }
+    for by in By::ALL {
+        if by == By::Tests || plan.rounds > 0 {
+            report.text += &table(&stacks, &ways, plan.side, by);
+            report.text += &fits(&stacks, plan, by);
+        }
+    }
+    report.text += &against_bvh(&stacks, &ways);
+    let by = if plan.rounds > 0 { By::Time } else { By::Tests };
+    charts(&stacks, &ways, plan, by, report)
+}
+
+/// A row a stack: each way's cost and its gain.
+fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
+    let mut text = format!(
+        "## Figures 13 to 16, by {}\n\n{side}x{side} pixels, one lamp. {}; in brackets the gain over the classical ray tracer.\n\n| objects |",
+        by.name(),
+        match by {
+            By::Time => "Milliseconds of a frame by the host's clock, medians",
+            By::Tests => "Millions of tests",
+        }
+    );
+    ways.iter().for_each(|way| {
+        let _ = write!(text, " {way} |");
+    });
+    text += " T-buffer alone gains at most |\n|---|";
+    text += &"---|".repeat(ways.len() + 1);
+    text += "\n";
+    for stack in stacks {
+        let _ = write!(text, "| {} |", stack.objects);
+        for &way in ways {
+            let cost = of_way(&stack.ways, way).and_then(|one| by.cost(one));
+            let cost = cost.map(|cost| if by == By::Tests { cost / 1e6 } else { cost });
+            let gain = stack.gain(way, by).filter(|_| way != Way::CLASSICAL).map(|gain| gain.1);
+            let gain = gain.map_or(String::new(), |gain| format!(" ({gain:.2})"));
+            let _ = write!(text, " {}{gain} |", number(cost));
+        }
+        let _ = writeln!(text, " {} |", number(stack.limit(side)));
+    }
+    text + "\n"
+}
+
+/// What the paper says of the gains' growth, and ours.
+fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
+    let mut text = String::from("| figure | way | gain a thousand objects (slope) | at none | r² of the line |");
+    READ_AT.iter().for_each(|objects| {
+        let _ = write!(text, " gain at {objects} objects |");
+    });
+    text += " the paper |\n|---|---|---|---|---|---|---|---|\n";
+    let [few, many] = plan.gain_rows;
+    for (figure, way, says) in [
+        ("14", Way::T_BUFFER, "saturates near 2.2 by some 5000 objects"),
+        ("15", Way::both(few), "linear"),
+        ("16", Way::both(many), "linear, less steep than with fewer rows"),
+        ("none", Way::BVH, "not in it"),
+    ] {
+        let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
+        let Some(line) = Line::through(&points) else {
+            let _ = writeln!(text, "| {figure} | {way} | not measured yet | | | | | {says} |");
+            continue;
+        };
+        let _ = write!(
+            text,
+            "| {figure} | {way} | {} | {} | {:.4} |",
+            number(Some(1e3 * line.slope)),
+            number(Some(line.intercept)),
+            line.r_squared
+        );
+        for objects in READ_AT {
+            let there = points.iter().find(|point| point.0 == objects).map(|point| point.1);
+            let _ = write!(text, " {} |", number(there));
+        }
+        let _ = writeln!(text, " {says} |");
+    }
+    text + "\n"
+}
+
+/// What the paper could not show: which of the other ways is the cheaper one beside a tree.
+fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
+    let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way: above 1 the way wins.\n\n| objects |".to_owned();
+    let others: Vec<Way> = ways.iter().copied().filter(|&way| way != Way::BVH).collect();
+    others.iter().for_each(|way| {
+        let _ = write!(text, " {way}: by time, tests |");
+    });
+    text += "\n|---|";
+    text += &"---|".repeat(others.len());
+    text += "\n";
+    for stack in stacks {
+        let _ = write!(text, "| {} |", stack.objects);
+        for &way in &others {
+            let [time, tests] = By::ALL.map(|by| number(gain(&stack.ways, Way::BVH, way, by)));
+            let _ = write!(text, " {time}, {tests} |");
+        }
+        text += "\n";
+    }
+    text + "\n"
+}
+
+fn charts(stacks: &[Stack], ways: &[Way], plan: &Plan, by: By, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let cost = |way: Way| {
+        let point = |stack: &Stack| Some((stack.objects as f64, by.cost(of_way(&stack.ways, way)?)?));
+        Series::marked(way.to_string(), stacks.iter().filter_map(point).collect())
+    };
+    let gains = |way: Way| {
+        let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
+        (Line::through(&points), Series::marked(way.to_string(), points))
+    };
+    let (unit, x) = (by.unit(), "objects");
+    let alone = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH];
+    let series = alone.into_iter().filter(|way| ways.contains(way)).map(cost).collect();
+    report.chart("figure-13", Chart { title: "Figure 13: without a shadow-buffer", x, y: unit, series })?;
+    let y = format!("gain over the classical ray tracer by {}", by.name());
+    let alone = gains(Way::T_BUFFER).1;
+    report
+        .chart("figure-14", Chart { title: "Figure 14: gain of the T-buffer alone", x, y: &y, series: vec![alone] })?;
+    let mut series = Vec::new();
+    for (line, points) in plan.gain_rows.map(|rows| gains(Way::both(rows))) {
+        let ends = [plan.objects.first(), plan.objects.last()].map(|count| count.map_or(0.0, |&count| count as f64));
+        series.push(points);
+        series.extend(line.map(|line| Series::curve("line of least squares", ends.map(|x| (x, line.at(x))).to_vec())));
+    }
+    series.push(gains(Way::BVH).1);
+    report.chart("figures-15-16", Chart { title: "Figures 15 and 16: gain of both buffers", x, y: &y, series })
+}

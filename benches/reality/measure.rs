@@ -1,0 +1,183 @@
+//! What ways to a picture cost: each takes its turn in a round, and is counted once.
+
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, StereoCamera, UploadedScene, Work};
+
+use crate::{
+    common::{
+        provenance::Provenance,
+        records::Record,
+        rounds::{Spread, order},
+    },
+    ways::{Way, filling},
+};
+
+/// What a way to a picture cost.
+#[derive(Clone, Copy)]
+pub(crate) struct Measured {
+    pub(crate) way: Way,
+    /// A frame by the host's clock, milliseconds: the filling of a shadow-buffer is in no pass. `None` where counts alone were asked for.
+    pub(crate) ms: Option<Spread>,
+    /// Its passes.
+    passes_ms: Option<Spread>,
+    /// What was counted of the view.
+    pub(crate) work: Work,
+    /// Texels of a shadow-buffer that were filled, and tests of primitives for them.
+    pub(crate) filled: [u64; 2],
+    /// It did not fit in one dispatch.
+    pub(crate) in_steps: bool,
+}
+
+/// A figure's measurement, and what it was made on.
+pub(crate) struct Sample {
+    /// The paper's figure.
+    pub(crate) figure: &'static str,
+    pub(crate) objects: usize,
+    pub(crate) side: u32,
+    pub(crate) measured: Measured,
+}
+
+impl Sample {
+    /// As results.csv has it.
+    pub(crate) fn record(&self, provenance: &Provenance) -> Record {
+        let Measured { way, ms, passes_ms, work, filled, in_steps } = self.measured;
+        let number = |spread: Option<Spread>, of: fn(Spread) -> f64| spread.map_or(Value::Null, |one| json!(of(one)));
+        vec![
+            ("figure", json!(self.figure)),
+            ("objects", json!(self.objects)),
+            ("side", json!(self.side)),
+            ("way", json!(way.to_string())),
+            ("shadow_rows", way.table.map_or(Value::Null, |table| json!(table.rows))),
+            ("shadow_kept", way.table.map_or(Value::Null, |table| json!(table.kept))),
+            ("shadow_rule", way.table.map_or(Value::Null, |table| json!(table.rule.to_string()))),
+            ("ms", number(ms, |one| one.median)),
+            ("ms_min", number(ms, |one| one.min)),
+            ("ms_max", number(ms, |one| one.max)),
+            ("passes_ms", number(passes_ms, |one| one.median)),
+            ("primary_rays", json!(work.rays.primary)),
+            ("shadow_rays", json!(work.rays.shadow)),
+            ("primitive_tests", json!(work.primitive_tests)),
+            ("nodes", json!(work.nodes)),
+            ("filled_texels", json!(filled[0])),
+            ("filling_tests", json!(filled[1])),
+            ("in_steps", json!(in_steps)),
+            ("adapter", json!(provenance.adapter)),
+            ("driver", json!(provenance.driver)),
+            ("commit", json!(provenance.commit)),
+            ("date", json!(provenance.date)),
+        ]
+    }
+}
+
+/// A scene seen by one eye.
+pub(crate) struct View<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) rig: Rig,
+}
+
+impl<'a> View<'a> {
+    /// From the camera's midpoint.
+    pub(crate) fn of(scene: &'a Scene, camera: StereoCamera) -> Self {
+        Self { scene, rig: Rig::at(camera, vec![0.0]) }
+    }
+
+    /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no rounds.
+    pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
+        let options: Vec<Options> = ways.iter().filter_map(|way| way.options()).collect();
+        let mut scenes = Vec::new();
+        for way in ways {
+            scenes.push(renderer.upload_with(self.scene, way.build())?);
+        }
+        let mut times = vec![Vec::new(); ways.len()];
+        for round in 0..=rounds {
+            if rounds == 0 {
+                break;
+            }
+            let turns: Vec<usize> = if ways.len() > 1 { order(round, ways.len()).collect() } else { vec![0] };
+            for index in turns {
+                if ways[index].table.is_some_and(|table| !table.kept) {
+                    // A scene keeps its shadow-buffers from frame to frame, and the paper's times have them filled.
+                    scenes[index] = renderer.upload_with(self.scene, ways[index].build())?;
+                }
+                let time = self.time(renderer, &scenes[index], &options[index])?;
+                if round > 0 {
+                    times[index].push(time);
+                }
+            }
+        }
+        let mut all = Vec::new();
+        for (index, &way) in ways.iter().enumerate() {
+            let scene = renderer.upload_with(self.scene, way.build())?;
+            let mut count = || renderer.render_views(&scene, &self.rig, &options[index].clone().count(true));
+            if way.table.is_some_and(|table| table.kept) {
+                count()?;
+            }
+            let views = count()?;
+            let spread = |of: fn(&[f64; 2]) -> f64| (rounds > 0).then(|| Spread::of(times[index].iter().map(of)));
+            all.push(Measured {
+                way,
+                ms: spread(|time| time[0]),
+                passes_ms: spread(|time| time[1]),
+                work: views.views[0].work,
+                filled: filling(&views),
+                in_steps: views.in_steps,
+            });
+        }
+        Ok(all)
+    }
+
+    /// Milliseconds by the host's clock, and of the passes.
+    fn time(&self, renderer: &mut Renderer, scene: &UploadedScene, options: &Options) -> Result<[f64; 2], Error> {
+        let start = Instant::now();
+        let views = renderer.render_views(scene, &self.rig, &options.clone().g_buffer(GBuffer::None))?;
+        let wall = 1e3 * start.elapsed().as_secs_f64();
+        Ok([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())])
+    }
+}
+
+/// By how much faster a way is than another, by time or by counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum By {
+    Time,
+    /// Tests of primitives, as the paper explains its gains; those that fill a shadow-buffer too.
+    Tests,
+}
+
+impl By {
+    pub(crate) const ALL: [Self; 2] = [Self::Time, Self::Tests];
+
+    /// Of a way; `None` where it was not timed.
+    pub(crate) fn cost(self, measured: &Measured) -> Option<f64> {
+        match self {
+            Self::Time => measured.ms.map(|ms| ms.median),
+            Self::Tests => Some((measured.work.primitive_tests + measured.filled[1]) as f64),
+        }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Tests => "primitive tests",
+        }
+    }
+
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "milliseconds",
+            Self::Tests => "primitive tests",
+        }
+    }
+}
+
+/// The measurement of this way among others.
+pub(crate) fn of_way(all: &[Measured], way: Way) -> Option<&Measured> {
+    all.iter().find(|one| one.way == way)
+}
+
+/// How many times as dear the first way is as the second one.
+pub(crate) fn gain(all: &[Measured], dear: Way, cheap: Way, by: By) -> Option<f64> {
+    let [dear, cheap] = [dear, cheap].map(|way| of_way(all, way).and_then(|one| by.cost(one)));
+    Some(dear? / cheap?).filter(|gain| gain.is_finite())
+}
