@@ -116,6 +116,7 @@ mod traversal;
 mod tree;
 mod upload;
 mod variant;
+mod visibility;
 mod wgsl;
 
 pub use auto::Choice;
@@ -145,3 +146,4 @@ pub use scene::{
 pub use scene::{MissingTextures, ObjOptions};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};
+pub use visibility::Visibility;

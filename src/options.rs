@@ -1,6 +1,6 @@
 //! What to render with.
 
-use crate::{Error, Filter, Method, output};
+use crate::{Error, Filter, Method, Visibility, output};
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,6 +8,8 @@ use crate::{Error, Filter, Method, output};
 pub struct Options {
     /// How the right view is made.
     pub method: Method,
+    /// How the first hits of views that are traced are found.
+    pub visibility: Visibility,
     /// Count BVH nodes and primitive tests (slower).
     pub count: bool,
     /// Keep what each pixel cost, as [`View::cost`](crate::View::cost); counts too.
@@ -165,6 +167,7 @@ impl Options {
     pub fn new(method: Method) -> Self {
         Self {
             method,
+            visibility: Visibility::Rays,
             count: false,
             cost_map: false,
             g_buffer: GBuffer::Ids,
@@ -188,6 +191,12 @@ impl Options {
     /// How the right view is made.
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;
+        self
+    }
+
+    /// How the first hits of views that are traced are found: [`Visibility::Rays`] unless something else is asked for.
+    pub fn visibility(mut self, visibility: Visibility) -> Self {
+        self.visibility = visibility;
         self
     }
 

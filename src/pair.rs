@@ -26,7 +26,7 @@ pub struct View {
     /// Id of the object it belongs to, or [`MISS`].
     pub object: Vec<u32>,
     /// BVH nodes visited and primitives tested for this pixel, all its rays (the query of a tile, by `bracket`, counts for the tile's
-    /// first pixel); empty unless [`Options::cost_map`](crate::Options)
+    /// first pixel; what a T-buffer projects counts for none); empty unless [`Options::cost_map`](crate::Options)
     /// asked for it.
     pub cost: Vec<u32>,
 }
@@ -42,7 +42,7 @@ pub enum PixelSource {
     Bad = 1,
     /// No left sample landed here; by `bracket` a list was too short, too: traced.
     Missed = 2,
-    /// Traced without looking at the left view (`Naive`).
+    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), without looking at the left view (`Naive`).
     Traced = 3,
 }
 
@@ -61,7 +61,7 @@ pub enum ShadowSource {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Rays {
-    /// Closest-hit rays through pixels.
+    /// Closest-hit rays through pixels; of a view whose first hits come from a [T-buffer](crate::Visibility::TBuffer) those that were traced after all.
     pub primary: u64,
     /// Length-limited any-hit rays that check reused pixels.
     pub verification: u64,
@@ -94,7 +94,8 @@ impl std::ops::AddAssign for Rays {
 pub struct Work {
     /// Rays by kind.
     pub rays: Rays,
-    /// BVH nodes visited (a node holds the boxes of two children); 0 unless counting was asked for.
+    /// BVH nodes visited (a node holds the boxes of two children), and primitives that were projected for a [T-buffer](crate::Visibility::TBuffer);
+    /// 0 unless counting was asked for.
     pub nodes: u64,
     /// Primitives tested; 0 unless counting was asked for.
     pub primitive_tests: u64,
@@ -165,7 +166,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`.
+    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`, but for those that a [T-buffer](crate::Visibility::TBuffer) found.
     pub fn retraced_share(&self) -> f64 {
         let traced = self.right.rays.primary;
         traced as f64 / (traced + self.reused).max(1) as f64

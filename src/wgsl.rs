@@ -75,6 +75,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "sky_light",
     "soft",
     "sphere",
+    "t_buffer",
     "textures",
     "tiles",
     "triangle",

@@ -12,7 +12,7 @@ use crate::{
 use clap::{Args, Parser};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures,
-    ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera, Tone,
+    ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera, Tone, Visibility,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     /// adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
+    /// How the first hits of traced views are found: by rays, or by drawing each primitive over the pixels that it may cover, t-buffer
+    #[arg(long, value_name = "KIND", default_value_t)]
+    visibility: Visibility,
     /// Show an OBJ file without what flatters it: seen from the front in the light of points before black, a sample a pixel
     #[arg(long)]
     plain: bool,
@@ -226,7 +229,8 @@ impl Arguments {
         let occlusion = self
             .occlusion
             .map(|OcclusionArgument(rays, radius)| AmbientOcclusion::new(rays, radius.unwrap_or(f32::INFINITY)));
-        let options = Options::new(method).samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
+        let options = Options::new(method).visibility(self.visibility);
+        let options = options.samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
         let options = options.adaptive(self.adaptive).bounces(self.bounces);
         let options = options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).sky_rays(self.sky_light);
         options.exposure(self.exposure).tone(self.tone)

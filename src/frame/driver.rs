@@ -19,7 +19,7 @@ use crate::{
     layout::{self, WORKGROUP},
     rig::Eyes,
     samples::Jitter,
-    steps::{soft::Part, trace::TRACE_LEFT},
+    steps::{soft::Part, t_buffer, trace::TRACE_LEFT},
     variant::Variant,
 };
 
@@ -263,6 +263,10 @@ impl Driver<'_> {
                 let slots = self.slots.as_ref().expect("sized before the step that empties it");
                 encoder.clear_buffer(slots, 0, Some(self.slot_bytes));
             }
+            Step::EmptyTBuffer => {
+                encoder.clear_buffer(targets.get(Target::TBuffer, 0), 0, None);
+                encoder.clear_buffer(targets.get(Target::Drawing, 0), 0, Some(t_buffer::DRAWING_HEAD));
+            }
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {
                 if let Launch::Listed(from, list) = launch {
@@ -322,6 +326,7 @@ impl Driver<'_> {
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
             Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
+            Launch::Primitives => t_buffer::workgroups(self.targets.shape.drawn),
             Launch::Once => [1, 1, 1],
             Launch::Listed(..) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
         };

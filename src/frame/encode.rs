@@ -96,12 +96,13 @@ impl Renderer {
             scene.weigh_sky().await?;
         }
         let eyes = rig.eyes()?;
-        let (.., plan) = self.planned(scene, &eyes, options);
+        let drawn = self.drawn(scene, options);
+        let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());
         check(&self.gpu, options, &plan, &eyes)?;
         let variant = self.variant(scene, &eyes, options, &plan);
         let mut used = plan.uses(&variant);
         used.places.insert((Target::Unfinished, 0));
-        let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1])), &used).await?;
+        let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1], drawn)), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
         let mut driver = Driver::new(self, scene, &eyes, variant, &targets, options, &mut go_on);
         driver.timestamps = None; // nobody reads them

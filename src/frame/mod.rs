@@ -25,12 +25,13 @@ pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene,
+    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene, Visibility,
     gpu::{Filling, Staging, Timestamps, add_times},
     lanes::Steps,
     message::counted,
     rig::Eyes,
     samples::Jitter,
+    steps::t_buffer,
     variant::Variant,
 };
 use bands::{Band, Bands};
@@ -123,13 +124,14 @@ impl Renderer {
         if options.sky_rays.is_some() {
             scene.weigh_sky().await?;
         }
-        let (method, early, plan) = self.planned(scene, eyes, options);
         let masked = wanted.masks().is_some();
+        let drawn = if masked { None } else { self.drawn(scene, options) };
+        let (method, early, plan) = self.planned(scene, eyes, options, drawn.is_some());
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
         let mut used = plan.uses(&variant);
         used.places.extend(wanted.pictures.then_some((Target::Packed, 0)));
         let rows = wanted.rows(eyes.pose.size).len() as u32;
-        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows)), &used).await?;
+        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
         let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
         // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
@@ -157,18 +159,36 @@ impl Renderer {
     }
 
     /// The method of a frame, what `Auto` chose before its first step, if it could, and the plan that follows.
-    fn planned(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options) -> (Method, Option<Choice>, Plan) {
+    fn planned(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        drawn: bool,
+    ) -> (Method, Option<Choice>, Plan) {
         let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
         let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
         let soft = is_soft.then(|| scene.soft.parts(options).len());
         let chosen = early.map_or(method, |choice| choice.method);
-        let plan = Plan::of(chosen, &eyes.sources, scene.variant.mirrors, soft, options.samples > 1);
+        let plan = Plan::of(chosen, &eyes.sources, scene.variant.mirrors, soft, options.samples > 1, drawn);
         (method, early, plan)
     }
 
+    /// How many primitives are drawn into a T-buffer, where a frame without masks has one.
+    fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<u32> {
+        let is_asked = options.visibility == Visibility::TBuffer && !self.steps.always;
+        if is_asked { t_buffer::drawn(scene, &self.gpu) } else { None }
+    }
+
     /// Of a frame of so many rows.
-    fn shape(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, (plan, rows): (&Plan, u32)) -> Shape {
+    fn shape(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        (plan, rows, drawn): (&Plan, u32, Option<u32>),
+    ) -> Shape {
         let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
         let band_pixels = self.band_pixels / rays.div_ceil(6);
         let views = eyes.sources.len();
@@ -180,6 +200,7 @@ impl Renderer {
             cost_map: options.cost_map,
             g_buffer: options.g_buffer,
             soft_sources: scene.soft.count(options),
+            drawn: drawn.unwrap_or(0),
             parts: (scene.soft.parts(options).len() as u32).max(1),
         }
     }

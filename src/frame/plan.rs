@@ -16,6 +16,8 @@ use crate::{
 pub(crate) enum Made {
     /// All of its pixels were traced.
     Traced,
+    /// All were drawn, but for those that marks in counters say, which were traced.
+    Drawn,
     /// All were resolved, with marks of how.
     Bracketed,
     /// They are its source's.
@@ -73,6 +75,8 @@ pub(crate) enum Step {
     EmptyLists(Target),
     /// The 3D buffer is.
     EmptySlots,
+    /// The T-buffer and the heads of its lists are.
+    EmptyTBuffer,
 }
 
 /// Threads of a step.
@@ -88,6 +92,8 @@ pub(crate) enum Launch {
     WideTiles,
     /// One a row of the band.
     Rows,
+    /// One a primitive of the tree.
+    Primitives,
     /// As the head of a list of a buffer says, which an earlier step filled.
     Listed(Target, u32),
     /// One workgroup.
@@ -128,14 +134,22 @@ impl Step {
 
 impl Plan {
     /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of the parts of what is asked of
-    /// `soft` light, where there is such; `wide` if a pixel has several samples.
-    pub(crate) fn of(method: Method, sources: &[usize], mirrors: bool, soft: Option<usize>, wide: bool) -> Self {
+    /// `soft` light, where there is such; `wide` if a pixel has several samples; `drawn` if hits of traced views are found by a T-buffer.
+    pub(crate) fn of(
+        method: Method,
+        sources: &[usize],
+        mirrors: bool,
+        soft: Option<usize>,
+        wide: bool,
+        drawn: bool,
+    ) -> Self {
         let (bits, samples) = match method {
             Method::Auto => (ShadowReuse::Two, true),
             Method::Bracket(shadows) => (shadows, true),
             _ => (ShadowReuse::Rays, false),
         };
         let made = match method {
+            Method::Naive if drawn => Made::Drawn,
             Method::Naive => Made::Traced,
             Method::Ideal => Made::Copied,
             Method::Auto => Made::Chosen,
@@ -149,15 +163,16 @@ impl Plan {
         );
         let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
         let traced = views(sources).filter(|&view| sources[view] == view);
-        let traced = traced.flat_map(|view| [trace::source(view, soft), behind(view)].concat()).collect();
+        let traced = traced.flat_map(|view| [trace::source(view, soft, drawn), behind(view)].concat()).collect();
         let mut stages = vec![Stage::Steps(traced)];
         for (view, source) in targets(sources) {
-            stages.extend(target(method, view, source, soft, wide));
+            stages.extend(target(method, view, source, (soft, wide, drawn)));
             if method != Method::Ideal {
                 stages.push(Stage::Steps(behind(view)));
             }
         }
-        let made = views(sources).map(|view| if sources[view] == view { Made::Traced } else { made }).collect();
+        let traced = if drawn { Made::Drawn } else { Made::Traced };
+        let made = views(sources).map(|view| if sources[view] == view { traced } else { made }).collect();
         Self { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec() }
     }
 
@@ -190,7 +205,7 @@ impl Plan {
                     used.places.extend(with.linear.then_some((Target::Linear, view)));
                 }
                 // Of kernels that run.
-                Step::EmptyLists(_) | Step::EmptySlots => {}
+                Step::EmptyLists(_) | Step::EmptySlots | Step::EmptyTBuffer => {}
             }
         }
         used.places.remove(&(Target::Slots, 0)); // made when its depth is known
@@ -230,9 +245,9 @@ pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)>
 }
 
 /// The stages by which a method makes a view from its source.
-fn target(method: Method, view: usize, source: usize, soft: Option<usize>, wide: bool) -> Vec<Stage> {
+fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Option<usize>, bool, bool)) -> Vec<Stage> {
     let steps = match method {
-        Method::Naive => trace::target(view, soft),
+        Method::Naive => trace::target(view, soft, drawn),
         Method::Ideal => vec![Step::Copy(view)],
         Method::Auto => bracket::or_traced(view, soft, wide),
         Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check, soft)].concat(),

@@ -30,6 +30,8 @@ impl Tally {
         let landed = pixels - counts.missed;
         let (primary, verification, reused) = match made {
             Made::Traced | Made::Chosen => (pixels, 0, 0),
+            // Of what was drawn its counters say only which pixels were traced after all.
+            Made::Drawn => (counts.missed, 0, 0),
             Made::Copied => (0, 0, pixels),
             Made::Marked { checked } => {
                 (counts.bad + counts.missed, if checked { landed } else { 0 }, landed - counts.bad)
@@ -40,7 +42,7 @@ impl Tally {
         self.work += Work { rays, nodes: counts.nodes, primitive_tests: counts.primitive_tests };
         self.reused += reused;
         self.bad += counts.bad;
-        self.missed += counts.missed;
+        self.missed += if made == Made::Drawn { 0 } else { counts.missed };
         self.lost_candidates += counts.lost_candidates;
         self.own_shadow_rays += counts.own_shadow_rays;
         self.gaps += counts.gaps;

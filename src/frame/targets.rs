@@ -11,6 +11,7 @@ use crate::{
     gpu::{Gpu, Staging, check_bytes},
     kernels::Access,
     layout::{self, WORKGROUP},
+    steps::t_buffer::drawing_bytes,
 };
 
 /// A buffer of a frame, by what it holds of a band.
@@ -38,6 +39,10 @@ pub(crate) enum Target {
     Found,
     /// The 3D buffer.
     Slots,
+    /// Two words a pixel: the nearest t so far, and the primitive that it is of (`shaders/shared/t_buffer.wgsl`).
+    TBuffer,
+    /// Lists of what is drawn into it, with indirect heads.
+    Drawing,
     /// How many threads of an encoded frame were ended.
     Unfinished,
 }
@@ -53,7 +58,8 @@ impl Target {
             Self::SourceLinear => (Self::Linear, source),
             Self::SourceCounters => (Self::Counters, source),
             Self::View | Self::Linear | Self::Bounds | Self::Counters => (self, view),
-            Self::Packed | Self::Lists | Self::Found | Self::Slots | Self::Unfinished => (self, 0),
+            Self::Packed | Self::Lists | Self::Found | Self::Slots => (self, 0),
+            Self::TBuffer | Self::Drawing | Self::Unfinished => (self, 0),
         }
     }
 
@@ -74,6 +80,8 @@ pub(crate) struct Shape {
     pub(crate) g_buffer: GBuffer,
     /// Lights that are not points, and ambient light where it is asked for.
     pub(crate) soft_sources: u32,
+    /// Primitives that are drawn into a T-buffer, if there is one.
+    pub(crate) drawn: u32,
     /// Uniforms a view: one, or one a part of what is asked of these.
     pub(crate) parts: u32,
 }
@@ -115,6 +123,8 @@ impl Shape {
             Target::Found => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + 1 + layout::TILE_WORDS),
             // Made when its depth is known.
             Target::Slots => 0,
+            Target::TBuffer => pixels.saturating_mul(8),
+            Target::Drawing => drawing_bytes(self.drawn),
             Target::Unfinished => 4,
         }
     }

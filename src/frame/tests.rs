@@ -103,7 +103,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
         // Depths are given in place of the first step, by which the source is traced.
-        let mut plan = Plan::of(method, &eyes.sources, false, None, false);
+        let mut plan = Plan::of(method, &eyes.sources, false, None, false, false);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
         let variant = renderer.variant(&scene, eyes, &Options::default(), &plan);
@@ -115,6 +115,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             cost_map: false,
             g_buffer: GBuffer::None,
             soft_sources: 0,
+            drawn: 0,
             parts: 1,
         };
         let targets = renderer.targets(shape, &plan.uses(&variant)).await?;

@@ -9,6 +9,7 @@ pub(crate) mod reproject;
 pub(crate) mod resolve;
 pub(crate) mod show;
 pub(crate) mod soft;
+pub(crate) mod t_buffer;
 pub(crate) mod trace;
 
 use crate::{

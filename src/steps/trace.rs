@@ -1,6 +1,6 @@
 //! A whole view, traced and shaded.
 
-use super::{soft, step};
+use super::{soft, step, t_buffer};
 use crate::{
     frame::{
         plan::{Launch, Step},
@@ -21,14 +21,18 @@ pub(crate) const TRACE_LEFT: Kernel = Kernel {
 pub(crate) const TRACE_IN_STEPS: Kernel =
     Kernel { name: "trace_in_steps", main: part!("trace_in_steps.wgsl"), ..TRACE_LEFT };
 
-/// A view from which others are made.
-pub(crate) fn source(view: usize, soft: Option<usize>) -> Vec<Step> {
-    traced("trace_left", view, Launch::Pixels, soft)
+/// A view from which others are made; `drawn` if its hits are found by a T-buffer.
+pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
+    if drawn { by_t_buffer(view, soft) } else { traced("trace_left", view, Launch::Pixels, soft) }
 }
 
 /// A view that is traced though it has a source.
-pub(crate) fn target(view: usize, soft: Option<usize>) -> Vec<Step> {
-    traced("trace_right", view, Launch::Pixels, soft)
+pub(crate) fn target(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
+    if drawn { by_t_buffer(view, soft) } else { traced("trace_right", view, Launch::Pixels, soft) }
+}
+
+fn by_t_buffer(view: usize, soft: Option<usize>) -> Vec<Step> {
+    [t_buffer::hits(view), soft::behind_hits(view, Launch::Pixels, soft.unwrap_or(0))].concat()
 }
 
 /// The same where `choose` wants it.

@@ -17,13 +17,14 @@ use crate::{
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         show::{PACK, SHOW_COLOR, SHOW_DEPTH},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
+        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Traversal},
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 36] = [
+pub(super) const ALL: [&Kernel; 42] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -57,6 +58,12 @@ pub(super) const ALL: [&Kernel; 36] = [
     &TRACE_SOFT_LISTED,
     &TRACE_SOFT_ASKED,
     &SHADE_HITS,
+    &BEGIN_PASS,
+    &PROJECT_PRIMITIVES,
+    &DRAW_FEW,
+    &DRAW_PARTS,
+    &READ_T_BUFFER,
+    &TRACE_NAMELESS,
     &PACK,
     &SHOW_COLOR,
     &SHOW_DEPTH,
@@ -165,14 +172,14 @@ pub(super) fn variants() -> Vec<Variant> {
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a tree has no tiles to bound.
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a tree has no tiles to bound and nothing to draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
         all.retain(|with| with.has_tree() || with.planes > 0);
         all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
     }
-    if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED, &SHADE_HITS].iter().any(|known| known.name == kernel.name) {
+    if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED].iter().any(|known| known.name == kernel.name) {
         all.retain(Variant::is_soft);
     }
     if [
@@ -190,6 +197,9 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     {
         all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
+    }
+    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_PARTS, &READ_T_BUFFER].iter().any(|known| known.name == kernel.name) {
+        all.retain(Variant::has_tree);
     }
     all
 }

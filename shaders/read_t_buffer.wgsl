@@ -1,0 +1,63 @@
+// What each pixel of a view hits, as trace_hits leaves it, from a T-buffer and from the planes, which no box holds and which are not drawn: their
+// projections have no end, and each ray asks them here, as closest_hit does before it goes through the tree. A pixel that has a t and no
+// primitive is listed to be traced: two kernels of one text may round apart on some adapter.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// reads   t_buffer  [height * width * 2]
+// writes  view      [height * width]      all but color; of a listed pixel depth 0, from which it is traced
+// adds    counters  [height * COUNTERS]
+// appends lists     TO_TRACE
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> t_buffer: array<u32>;
+@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(4) var<storage, read_write> lists: Lists;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn read_t_buffer(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    var nearest = nearest_plane(rays, F(0.0), F(FAR));
+    var nameless: U;
+    var ray = 0u;
+    loop {
+        if of_ray_b(wanted, ray) {
+            let place = 2u * pixel_index(pixel_of_ray(pixels, ray));
+            let key = t_buffer[place];
+            let t = bitcast<f32>(~key);
+            // Of equal t what stands in the tree wins, whose ids are smaller than planes'.
+            if key != 0u && t <= of_ray(nearest.t, ray) {
+                let named = t_buffer[place + 1u];
+                nearest.t = with_ray(nearest.t, ray, select(t, 0.0, named == 0u));
+                nearest.primitive = with_ray_u(nearest.primitive, ray, select(0u, MISS, named == 0u));
+                nearest.slot = with_ray_u(nearest.slot, ray, named - 1u);
+                nameless = with_ray_u(nameless, ray, select(0u, 1u, named == 0u));
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    keep_hits(pixels, wanted, nearest);
+    let to_trace = nameless == U(1u);
+    list_nameless(pixels, to_trace);
+    let first = pixel_of_ray(pixels, 0u);
+    if any_ray(to_trace) { atomicAdd(&counters[first.y * COUNTERS + MISSED_PIXELS], count_rays(to_trace)); }
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
+}
+
+fn list_nameless(pixels: Pixels, to_trace: B) {
+    var place = reserve(TO_TRACE, count_rays(to_trace));
+    var ray = 0u;
+    loop {
+        if of_ray_b(to_trace, ray) {
+            append(TO_TRACE, place, pixel_index(pixel_of_ray(pixels, ray)));
+            place += 1u;
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+}

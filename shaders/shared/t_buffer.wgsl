@@ -1,0 +1,249 @@
+// A T-buffer (Raghuvanshi & Dhande, section II): of each pixel how far the first thing is that its ray meets, and which primitive that is. It is
+// found by drawing one primitive after the other over the pixels that its projection may reach. Rays and tests are those of traversal, so every t
+// is the same to the bit; a ray that misses what is drawn over it leaves nothing. docs/T-BUFFER.md has the argument.
+//
+// Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is not negative, so its
+// bits order as it does, and their complements the other way round: the largest is the nearest.
+
+// Lists of the primitives that may cover a pixel's middle, and which pass draws them.
+struct Drawing {
+    few: DrawnHead,                 // those that a thread draws alone
+    parts: DrawnHead,               // parts of those that threads share
+    further_parts: atomic<u32>,     // parts that were asked for besides each one's first
+    pass_at_work: u32,              // 1: t is kept; SECOND_PASS: which primitive has it
+    entries: array<u32>,
+}
+
+struct DrawnHead {
+    workgroups_x: u32,              // an indirect dispatch, of which rows of workgroups are begun as the list grows
+    workgroups_y: atomic<u32>,
+    workgroups_z: u32,
+    count: atomic<u32>,
+}
+
+const SECOND_PASS: u32 = 2u;
+
+// There is room for two words for each primitive, and for so many further parts. A primitive is in one of the lists: a slot of the few takes a
+// word from the first one on, a part two from the last one backwards: its slot, and which part, with the number of parts from PARTS_BIT on.
+const FURTHER_PARTS: u32 = 65536u;
+const PARTS_BIT: u32 = 16u;
+// Threads that share a part: a vector of a software adapter, which then reads one primitive.
+const GROUP: u32 = 8u;
+// Workgroups in a row of the launches over primitives, over the few, and over parts.
+const PROJECTED_ACROSS: u32 = 1024u;
+const FEW_ACROSS: u32 = 128u;
+const PARTS_ACROSS: u32 = 64u;
+// A list's entries that a row of workgroups takes.
+const FEW_IN_ROW: u32 = FEW_ACROSS * LIST_WORKGROUP;
+const PARTS_IN_ROW: u32 = PARTS_ACROSS * LIST_WORKGROUP / GROUP;
+
+//! if planes is none
+const FIRST_IN_TREE: u32 = 0u;
+
+//! if planes is some
+// Planes have the first places, and are asked by what reads the buffer.
+const FIRST_IN_TREE: u32 = PLANES;
+
+//! end
+// How many primitives there are in the tree: the host made room for as many.
+fn primitives_in_tree() -> u32 {
+    return arrayLength(&drawing.entries) / 2u - FURTHER_PARTS;
+}
+
+// Of a part's two words the first.
+fn place_of_part(part: u32) -> u32 {
+    return arrayLength(&drawing.entries) - 2u - 2u * part;
+}
+
+// Rows of workgroups that a list of so many entries has begun when there are so many more.
+fn rows_begun(before: u32, more: u32, in_row: u32) -> u32 {
+    return (before + more + in_row - 1u) / in_row - (before + in_row - 1u) / in_row;
+}
+
+// The row in which threads count what belongs to no row: one of the band's own, which has up to two others above it.
+fn counted_row() -> u32 {
+    return min(frame.row_begin + 2u, frame.row_end - 1u);
+}
+
+// Where a primitive may be seen.
+
+//! if primitives is triangles
+fn most_along(primitive: Primitive, v: vec3f) -> f32 { return triangle_most(primitive, v); }
+
+fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool { return false; }
+
+//! if primitives is spheres
+fn most_along(primitive: Primitive, v: vec3f) -> f32 { return ball_most(primitive, v); }
+
+fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool { return is_ball_beside_eyes(primitive, forward); }
+
+//! if primitives is mixed
+fn most_along(primitive: Primitive, v: vec3f) -> f32 {
+    return select(triangle_most(primitive, v), ball_most(primitive, v), is_sphere(primitive));
+}
+
+fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool {
+    return is_sphere(primitive) && is_ball_beside_eyes(primitive, forward);
+}
+
+//! if texels is corners or spheres
+fn ball_radius(primitive: Primitive) -> f32 { return primitive.b.x; }
+
+fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return primitive.b.x * length(v); }
+
+//! if texels is ellipsoids
+// The longest semi-axis.
+fn ball_radius(primitive: Primitive) -> f32 { return primitive.reach; }
+
+fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return length(half_widths(primitive, v)); }
+
+//! end
+// More than such products round by: of a vector's length and the other's components.
+const PRODUCT_SLACK: f32 = 1.0 / 1048576.0;
+
+// At least the largest product of v with the way from the eye to a point of a triangle.
+fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
+    let a = primitive.a - frame.target_eye;
+    let b = primitive.b - frame.target_eye;
+    let c = primitive.c - frame.target_eye;
+    let farthest = sqrt(dot(a, a)) + primitive.reach;
+    return max(dot(a, v), max(dot(b, v), dot(c, v))) + farthest * components(v) * PRODUCT_SLACK;
+}
+
+// The same of a sphere or an ellipsoid.
+fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
+    let center = primitive.a - frame.target_eye;
+    let farthest = length(center) + ball_radius(primitive);
+    return dot(center, v) + ball_reach(primitive, v) + farthest * components(v) * PRODUCT_SLACK;
+}
+
+// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this share of its distance and size
+// they round by too much.
+const BESIDE: f32 = 1.0 / 8.0;
+
+fn is_ball_beside_eyes(primitive: Primitive, forward: vec3f) -> bool {
+    let center = primitive.a - frame.target_eye;
+    return dot(center, forward) - ball_reach(primitive, forward) < (length(center) + ball_radius(primitive)) * BESIDE;
+}
+
+fn rows_at_work() -> Tile {
+    let size = vec2u(frame.image_size.x, frame.row_end - frame.row_begin);
+    return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
+}
+
+// First column and row, and the last ones, in the picture, of the pixels of the rows at work whose rays may meet a primitive; none if a first is past
+// its last. What reaches the plane of the eyes has no bounds; much of that lies beside the picture or behind the eye all the same, which
+// the planes around the picture tell.
+fn drawn_over(primitive: Primitive) -> vec4i {
+    let rows = rows_at_work();
+    let projection = projection_of(rows);
+    let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
+    let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
+    let met = min(min(across, down), most_along(primitive, projection.forward)) >= 0.0;
+    let found = projected_bounds(primitive, projection);
+    let bounds = select(found, EVERYWHERE, is_beside_eyes(primitive, projection.forward));
+    // Samples are jittered along their rows only.
+    let margin = vec2f(frame.wider, frame.wider - jitter_reach());
+    let low = vec2f(rows.corner);
+    let high = low + vec2f(rows.size) - 1.0;
+    let first = vec2i(ceil(clamp(bounds.xy - margin - 0.5, low, high + 1.0)));
+    let last = vec2i(floor(clamp(bounds.zw + margin - 0.5, low - 1.0, high)));
+    return select(vec4i(0, 0, -1, -1), vec4i(first, last), met);
+}
+
+fn is_drawn_nowhere(over: vec4i) -> bool { return any(over.xy > over.zw); }
+
+// A lane's pixels from one of the picture on, as buffers count them.
+fn pixels_from(corner: vec2u) -> Pixels {
+    return Pixels(RAY_X + U(corner.x), RAY_Y + U(corner.y - frame.first_row));
+}
+
+// Rays whose answer must wait for their second look, a bit each.
+struct Later {
+    doubtful: u32,    // rounding might decide whether they hit
+    contested: u32,   // another primitive is met at the same t
+}
+
+fn is_none(later: Later) -> bool { return (later.doubtful | later.contested) == 0u; }
+
+// Whether this is the second pass.
+var<private> names_primitives: bool;
+
+// Rays of a lane's pixels, up to a last column and row, against a primitive: keeps what they meet.
+fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
+    let inside = (pixels.x <= U(u32(last.x))) & (pixels.y + frame.first_row <= U(u32(last.y)));
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let found = intersect(primitive, rays, scales_of(rays), F(0.0));
+    if COUNT && any_ray(inside) { count_test(pixel_of_ray(pixels, 0u)); }
+    var later = Later(bits_of(found.doubtful & inside), 0u);
+    // As is_nearer has it, of rays that have met nothing.
+    var left = found.hit & inside & (found.t >= F(0.0)) & (found.t <= F(FAR));
+    loop {
+        let ray = first_ray(left);
+        if of_ray_b(left, ray) {
+            let is_kept = keep_drawn(2u * pixel_index(pixel_of_ray(pixels, ray)), of_ray(found.t, ray), slot);
+            later.contested |= select(1u << ray, 0u, is_kept);
+        }
+        left = without_ray(left, ray);
+        if !any_ray(left) { break; }
+    }
+    return later;
+}
+
+// Of counting kernels, which have one ray a lane.
+fn count_test(pixel: vec2u) {
+    atomicAdd(&counters[pixel.y * COUNTERS + PRIMITIVES_TESTED], 1u);
+    if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], 1u); }
+}
+
+// Keeps what a ray meets. Max commutes, so the order of the threads does not matter; nor in the second pass where one primitive has the nearest t.
+// Whether that is so: else it is to be claimed.
+fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
+    let key = ~bitcast<u32>(abs(t)); // -0 is 0
+    if !names_primitives {
+        atomicMax(&t_buffer[place], key);
+        return true;
+    }
+    if atomicLoad(&t_buffer[place]) != key { return true; }
+    return atomicCompareExchangeWeak(&t_buffer[place + 1u], 0u, slot + 1u).exchanged;
+}
+
+// Of those that are met at a pixel's t the smallest id gets it, and of copies the first place. A round that fails leaves another primitive
+// there, which has a smaller id than the one before.
+fn claim(place: u32, slot: u32, id: u32) {
+    var done = false;
+    loop {
+        let there = atomicLoad(&t_buffer[place + 1u]);
+        let other = max(there, 1u) - 1u;
+        let other_id = primitive_texel(other, 0u).w;
+        let is_first = there == 0u || id < other_id || (id == other_id && slot < other);
+        if !is_first {
+            done = true;
+            break;
+        }
+        if atomicCompareExchangeWeak(&t_buffer[place + 1u], there, slot + 1u).exchanged {
+            done = true;
+            break;
+        }
+    }
+    cut_short |= !done;
+}
+
+// The second look, one ray a round.
+fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
+    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    var left = later.doubtful | later.contested;
+    loop {
+        let ray = min(firstTrailingBit(left), RAYS - 1u);
+        let place = 2u * pixel_index(pixel_of_ray(pixels, ray));
+        let direction = of_ray3(rays.direction, ray);
+        let seen = look_again(primitive, rays.origin, direction, 0.0);
+        let t = at_second_look(primitive, slot, rays.origin, direction, seen);
+        var contested = ((later.contested >> ray) & 1u) != 0u;
+        if left != 0u && !contested && t >= 0.0 && t <= FAR { contested = !keep_drawn(place, t, slot); }
+        if left != 0u && contested { claim(place, slot, primitive.id); }
+        left &= select(left - 1u, 0u, left == 0u);
+        if left == 0u { break; }
+    }
+    cut_short |= left != 0u;
+}

@@ -1,0 +1,163 @@
+//! First hits of a view by a T-buffer: primitives are projected, and drawn one by one over the pixels that they may cover, twice, first for the nearest t,
+//! then for whose it is; then each pixel is read (docs/T-BUFFER.md). What comes after a view's hits need not know.
+
+use super::{resolve::TRACE_LISTED, step};
+use crate::{
+    UploadedScene,
+    frame::{
+        plan::{Launch, Step},
+        targets::Target::{Counters, Drawing, Lists, TBuffer, View},
+    },
+    gpu::Gpu,
+    kernels::{
+        Access::{Read, Write},
+        Kernel, Touches,
+    },
+    layout::{LIST_WORKGROUP, TO_TRACE},
+    wgsl::part,
+};
+
+pub(crate) const BEGIN_PASS: Kernel = Kernel {
+    name: "begin_pass",
+    touches: Touches::Pixels,
+    storage: &[(Drawing, Write)],
+    main: part!("begin_pass.wgsl"),
+};
+pub(crate) const PROJECT_PRIMITIVES: Kernel = Kernel {
+    name: "project_primitives",
+    touches: Touches::Geometry,
+    storage: &[(Counters, Write), (Drawing, Write)],
+    main: part!("project_primitives.wgsl"),
+};
+/// Primitives that one thread draws.
+pub(crate) const DRAW_FEW: Kernel = Kernel {
+    name: "draw_few",
+    touches: Touches::Geometry,
+    storage: &[(TBuffer, Write), (Counters, Write), (Drawing, Write)],
+    main: part!("draw_few.wgsl"),
+};
+/// Primitives that several threads draw.
+pub(crate) const DRAW_PARTS: Kernel = Kernel { name: "draw_parts", main: part!("draw_parts.wgsl"), ..DRAW_FEW };
+pub(crate) const READ_T_BUFFER: Kernel = Kernel {
+    name: "read_t_buffer",
+    touches: Touches::Geometry,
+    storage: &[(TBuffer, Read), (View, Write), (Counters, Write), (Lists, Write)],
+    main: part!("read_t_buffer.wgsl"),
+};
+/// Pixels of which a t was found and no primitive.
+pub(crate) const TRACE_NAMELESS: Kernel = Kernel { name: "trace_nameless", ..TRACE_LISTED };
+
+/// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, as what follows).
+pub(crate) const DRAWING_HEAD: u64 = 40;
+/// Bytes of entries for a primitive, or a part of one.
+const ENTRY: u64 = 8;
+/// Entries for further parts of primitives.
+const FURTHER_PARTS: u32 = 65536;
+/// The lists' heads.
+const FEW: u32 = 0;
+const PARTS: u32 = 1;
+/// Parts that a row of workgroups takes.
+const PARTS_IN_ROW: u32 = 512;
+/// Workgroups in a row of the launch over primitives.
+const PROJECTED_ACROSS: u32 = 1024;
+
+/// Bytes of the lists of a scene of which so many primitives are drawn.
+pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
+    DRAWING_HEAD + ENTRY * (u64::from(primitives) + u64::from(FURTHER_PARTS))
+}
+
+/// How many primitives of a scene are drawn, or none where one binding does not hold their lists.
+pub(crate) fn drawn(scene: &UploadedScene, gpu: &Gpu) -> Option<u32> {
+    let primitives = scene.ids.len() as u32 - scene.variant.planes;
+    let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
+    let fits = drawing_bytes(primitives) <= gpu.binding_limit() && u64::from(primitives + FURTHER_PARTS) <= most;
+    if !fits {
+        log::info!("{primitives} primitives are too many for a T-buffer's lists: rays are traced");
+    }
+    (fits && scene.variant.has_tree()).then_some(primitives)
+}
+
+/// Workgroups over so many primitives, a thread each.
+pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
+    let all = primitives.div_ceil(LIST_WORKGROUP);
+    [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]
+}
+
+/// A view's hits, in its depths and slots.
+pub(crate) fn hits(view: usize) -> Vec<Step> {
+    let begin = step(&BEGIN_PASS, view, Launch::Once);
+    let pass =
+        [step(&DRAW_FEW, view, Launch::Listed(Drawing, FEW)), step(&DRAW_PARTS, view, Launch::Listed(Drawing, PARTS))];
+    let read = [
+        Step::EmptyLists(Lists),
+        step(&READ_T_BUFFER, view, Launch::Pixels),
+        step(&TRACE_NAMELESS, view, Launch::Listed(Lists, TO_TRACE)),
+    ];
+    let project = [Step::EmptyTBuffer, begin, step(&PROJECT_PRIMITIVES, view, Launch::Primitives)];
+    [project.as_slice(), &pass, &[begin], &pass, &read].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{Mesh, Method, Options, Renderer, Scene, StereoCamera, Visibility, random::Random};
+
+    #[test]
+    fn host_and_wgsl_have_the_same_numbers() {
+        let text = part!("shared/t_buffer.wgsl").text;
+        for (name, value) in [
+            ("FURTHER_PARTS", FURTHER_PARTS),
+            ("GROUP", 8),
+            ("PARTS_ACROSS", PARTS_IN_ROW * 8 / LIST_WORKGROUP),
+            ("PROJECTED_ACROSS", PROJECTED_ACROSS),
+        ] {
+            assert!(text.contains(&format!("const {name}: u32 = {value}u;")), "{name}");
+        }
+    }
+
+    #[test]
+    fn each_primitive_gets_a_thread() {
+        for primitives in [1, 64, 65, 65_535, 65_536, 65_537, 1_000_000, 34_000_000] {
+            let [x, y, z] = workgroups(primitives);
+            let threads = u64::from(x) * u64::from(y) * u64::from(z) * u64::from(LIST_WORKGROUP);
+            let more = threads - u64::from(primitives);
+            assert!(
+                more < u64::from(PROJECTED_ACROSS * LIST_WORKGROUP) && x.max(y) <= 1024,
+                "{primitives}: {x} {y} {z}"
+            );
+        }
+    }
+    /// Triangles that stand there three times under turned corners: their t are equal, and of many the smallest id stands behind the others
+    /// in the tree.
+    #[test]
+    fn of_equal_t_the_smaller_id_wins_wherever_it_stands_in_the_tree() {
+        let mut random = Random::new(21);
+        let base: Vec<[Vec3; 3]> = (0..60)
+            .map(|_| {
+                let at = random.point(1.0);
+                [(); 3].map(|()| at + random.point(0.5))
+            })
+            .collect();
+        let mut scene = Scene::new();
+        for turn in [1, 2, 0] {
+            let turned = |corners: &[Vec3; 3]| [0, 1, 2].map(|corner| corners[(corner + turn) % 3]);
+            let triangles = (0..60).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
+            scene.add_mesh(&Mesh::new(base.iter().flat_map(turned).collect(), triangles)).unwrap();
+        }
+        let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+        let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
+        let uploaded = renderer.upload(&scene).unwrap();
+        let place = |id: u32| uploaded.ids.iter().position(|other| *other == id).unwrap();
+        let camera = StereoCamera::look_at(Vec3::new(0.0, 0.4, 3.0), Vec3::ZERO).size(64, 49);
+        let options = Options::new(Method::Naive).visibility(Visibility::TBuffer);
+        let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+        let seen = pair.left.primitive.iter().filter(|&&id| id != crate::MISS);
+        let behind = seen.filter(|&&id| {
+            assert!(id < 60, "{id} is seen");
+            place(id) > place(id + 60).min(place(id + 120))
+        });
+        assert!(behind.count() > 100);
+    }
+}
