@@ -6,10 +6,11 @@ use crate::{
     cast,
     frame::targets::Target,
     gpu::{
-        Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, sampled_type, storage_type, texture_type,
-        uniform_type,
+        Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, sampled_layers_type, sampled_type, storage_type,
+        texture_type, uniform_type,
     },
     layout,
+    shadow_buffer::Reading,
     steps::resolve::TAKE_OVER,
     traversal::Fetch,
     variant::Variant,
@@ -60,6 +61,8 @@ use Access::{Read, Write};
 
 /// Where in group 1 is bound the mask of the pixels that are wanted, the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
 /// and the textures of a second source's samples and of a source's.
+/// Where shadow-buffers are bound that a kernel reads.
+pub(crate) const SHADOW_BINDING: u32 = 8;
 pub(crate) const MASK_BINDING: u32 = 9;
 pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
 pub(crate) const PICTURE_BINDING: u32 = 11;
@@ -129,6 +132,12 @@ impl Kernel {
         let names = ["trace_left", "trace_hits", "trace_soft", "shade_hits", "list_mirrors", "bound_tiles"];
         let of_tiles = ["search_tiles", "resolve_tiles", "shade_sky", "shade_tiles"];
         names.contains(&self.name) || of_tiles.contains(&self.name)
+    }
+
+    /// How it reads shadow-buffers, at `SHADOW_BINDING` of group 1: those do that would else trace shadow rays, in one dispatch.
+    pub(crate) fn shadow_buffer(&self, with: &Variant) -> Option<Reading> {
+        let names = ["trace_left", "shade_hits", "shade_listed", "shade_traced", "trace_mirrored"];
+        with.shadow_buffer.filter(|_| names.contains(&self.name) && with.casts_from_lights())
     }
 
     /// Whether it reads the mask of the view at work, at `MASK_BINDING` of group 1. (`bound_tiles` sees it in the source's depths.)
@@ -222,6 +231,7 @@ impl Kernels {
         }));
         // Read as sampled textures are, of which there may be more.
         own.extend(kernel.asks_second(with).then(|| entry(SECOND_SAMPLES_BINDING, sampled_type())));
+        own.extend(kernel.shadow_buffer(with).map(|_| entry(SHADOW_BINDING, sampled_layers_type())));
         own.extend(kernel.reads_mask(with).then(|| entry(MASK_BINDING, sampled_type())));
         let scene = self.layouts(with.traversal.fetch);
         let text = kernel.text(with);

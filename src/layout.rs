@@ -76,6 +76,24 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
+/// `Filling` of shaders/fill_shadow_buffer.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Filling {
+    pub(crate) light: [f32; 3],
+    pub(crate) theta_begin: f32,
+    pub(crate) axis_x: [f32; 3],
+    pub(crate) theta_step: f32,
+    pub(crate) axis_y: [f32; 3],
+    pub(crate) phi_begin: f32,
+    pub(crate) axis_z: [f32; 3],
+    pub(crate) phi_step: f32,
+    pub(crate) row_begin: u32,
+    pub(crate) row_end: u32,
+    pub(crate) columns: u32,
+    pub(crate) per_row: u32,
+}
+
 /// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of nothing, and no entries.
 pub(crate) const EMPTY_LIST: [u32; 4] = [0, 1, 1, 0];
 /// Lists in `Lists`, and which is which.

@@ -110,6 +110,7 @@ pub mod renderer;
 pub mod rig;
 mod samples;
 pub mod scene;
+mod shadow_buffer;
 mod steps;
 mod table;
 mod traversal;
@@ -144,6 +145,7 @@ pub use scene::{
 };
 #[cfg(feature = "obj")]
 pub use scene::{MissingTextures, ObjOptions};
+pub use shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};
 pub use visibility::Visibility;

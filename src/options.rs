@@ -1,6 +1,6 @@
 //! What to render with.
 
-use crate::{Error, Filter, Method, Visibility, output};
+use crate::{Error, Filter, Method, ShadowBuffer, Visibility, output};
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +45,8 @@ pub struct Options {
     pub tone: Tone,
     /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal noise would show.
     pub noise_by_view: bool,
+    /// Whether points ask shadow-buffers which point lights they see; `None` where nothing is said: they trace shadow rays.
+    pub shadow_buffer: Option<ShadowBuffer>,
 }
 
 /// What becomes of what is too bright for a picture.
@@ -185,6 +187,7 @@ impl Options {
             exposure: 0.0,
             tone: Tone::Clamp,
             noise_by_view: false,
+            shadow_buffer: None,
         }
     }
 
@@ -353,6 +356,7 @@ impl Options {
             above_zero("the radius of occlusion", radius)?;
         }
         self.check_adaptive()?;
+        self.shadow_buffer.map_or(Ok(()), |buffer| buffer.check())?;
         if let Some(rays) = self.sky_rays {
             within("sky_rays", rays, 1..=MAX_SOFT_RAYS)?;
             if self.occlusion.is_some() {

@@ -2,7 +2,7 @@
 
 use std::{sync::LazyLock, time::Duration};
 
-use crate::{Choice, Method, Pose};
+use crate::{Choice, Method, Pose, ShadowBufferWork};
 
 /// Primitive or object id where nothing was hit.
 pub const MISS: u32 = u32::MAX;
@@ -163,6 +163,9 @@ pub struct Statistics {
     pub times: Option<PassTimes>,
     /// Device memory of the buffers between the passes in bytes, without the pair's own pictures.
     pub intermediate_bytes: u64,
+    /// What filling shadow-buffers cost, all zeros where none are asked ([`Options::shadow_buffer`](crate::Options::shadow_buffer)). It is in no view's
+    /// work, and its time in none of the passes'.
+    pub shadow_buffer: ShadowBufferWork,
 }
 
 impl Statistics {

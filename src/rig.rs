@@ -1,7 +1,7 @@
 //! Eyes on one line behind one screen: which are traced, and from which the others are made.
 
 use crate::{
-    Choice, Error, Method, PassTimes, PixelSource, Pose, ShadowSource, StereoCamera, View, Work, cpu,
+    Choice, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera, View, Work, cpu,
     frame::uniform::{frame_uniform, same_parallax},
     layout,
 };
@@ -225,6 +225,8 @@ pub struct Views {
     pub in_steps: bool,
     /// Device memory of the buffers between the passes in bytes, without the views themselves.
     pub intermediate_bytes: u64,
+    /// What filling shadow-buffers cost: see [`Statistics::shadow_buffer`](crate::Statistics::shadow_buffer).
+    pub shadow_buffer: ShadowBufferWork,
 }
 
 impl Views {

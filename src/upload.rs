@@ -1,7 +1,7 @@
 //! A scene on a device: its BVH and primitives, and the table that shading reads.
 
 use std::{
-    sync::{Arc, OnceLock},
+    sync::{Arc, Mutex, OnceLock},
     time::Duration,
 };
 
@@ -19,7 +19,7 @@ use crate::{
     large::LargePrimitives,
     layout,
     message::counted,
-    steps::soft::SoftLights,
+    steps::{shadow_buffer::Tables, soft::SoftLights},
     table::{Pictures, ShadingTable},
     traversal::{Fetch, Traversal},
     variant::{Shadows, Variant},
@@ -44,6 +44,12 @@ pub struct UploadedScene {
     pub(crate) ids: Vec<u32>,
     /// Positions of those that are points.
     pub(crate) lights: Vec<Vec3>,
+    /// The same with their places among all lights.
+    pub(crate) point_lights: Vec<(u32, Vec3)>,
+    /// Of all but planes.
+    pub(crate) bounds: Option<(Vec3, Vec3)>,
+    /// Those of the last frame that asked for some.
+    pub(crate) shadow_tables: Mutex<Option<Arc<Tables>>>,
     pub(crate) soft: SoftLights,
     pub(crate) large: LargePrimitives,
     /// What is kept of the tree for a refit.
@@ -185,6 +191,7 @@ impl Renderer {
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
             uploaded.lights = positions(scene);
+            uploaded.point_lights = point_lights(scene);
             uploaded.soft = SoftLights::of(scene);
             (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, pictures);
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
@@ -249,6 +256,9 @@ impl Renderer {
             variant: Variant::of(scene, traversal, &packed),
             objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
             lights: positions(scene),
+            point_lights: point_lights(scene),
+            bounds: scene.bounds(),
+            shadow_tables: Mutex::default(),
             soft: SoftLights::of(scene),
             large: LargePrimitives::of(scene),
             shape,
@@ -314,7 +324,12 @@ fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(Packed
 }
 
 fn positions(scene: &Scene) -> Vec<Vec3> {
-    scene.lights.iter().filter(|light| !light.is_soft()).map(|light| light.position).collect()
+    point_lights(scene).into_iter().map(|(_, position)| position).collect()
+}
+
+fn point_lights(scene: &Scene) -> Vec<(u32, Vec3)> {
+    let points = (0..).zip(&scene.lights).filter(|(_, light)| !light.is_soft());
+    points.map(|(place, light)| (place, light.position)).collect()
 }
 
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.

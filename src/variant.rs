@@ -9,6 +9,7 @@ use crate::{
     Material, Scene, ShadowReuse, Sky,
     bvh::PackedBvh,
     kernels::{Kernel, Touches},
+    shadow_buffer::Reading,
     steps::{
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         resolve::TAKE_OVER,
@@ -167,6 +168,8 @@ pub(crate) struct Variant {
     pub(crate) count: bool,
     /// Count them for each pixel.
     pub(crate) cost_map: bool,
+    /// Points ask shadow-buffers before they trace shadow rays.
+    pub(crate) shadow_buffer: Option<Reading>,
 }
 
 impl Variant {
@@ -205,6 +208,7 @@ impl Variant {
         bits: ShadowReuse::Rays,
         count: false,
         cost_map: false,
+        shadow_buffer: None,
     };
 
     /// What a scene needs; counting is the frame's to choose.
@@ -261,7 +265,7 @@ impl Variant {
             Touches::Shading => self,
             Touches::RayList => Self { bits: ShadowReuse::Rays, ..self.unlit() },
         };
-        Self { masked: self.masked && kernel.minds_mask(), ..with }
+        Self { masked: self.masked && kernel.minds_mask(), shadow_buffer: kernel.shadow_buffer(&with), ..with }
     }
 
     /// Where the texels of a primitive stand that not all scenes have.
@@ -288,6 +292,7 @@ impl Variant {
             samples: false,
             second: false,
             linear: false,
+            shadow_buffer: None,
             ..self
         }
     }
@@ -295,6 +300,11 @@ impl Variant {
     /// Whether there is light that is asked for by more than a ray.
     pub(crate) fn is_soft(&self) -> bool {
         (self.soft_lights || self.occlusion_rays > 0) && (self.has_tree() || self.planes > 0)
+    }
+
+    /// Whether shadow rays run from points among its lights.
+    pub(crate) fn casts_from_lights(&self) -> bool {
+        self.lights && self.shadows == Shadows::FromLight && (self.has_tree() || self.planes > 0)
     }
 
     /// Whether there is anything to hit but planes.

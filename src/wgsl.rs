@@ -70,6 +70,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "samples",
     "search",
     "shade",
+    "shadow_buffer",
     "shadows",
     "sky",
     "sky_light",

@@ -5,14 +5,14 @@ use std::{error::Error, path::PathBuf};
 use crate::{
     studio,
     values::{
-        CreaseAngle, OcclusionArgument, above_zero, adaptive, crease_angle, missing_textures, occlusion, point, size,
-        tone,
+        CreaseAngle, OcclusionArgument, above_zero, adaptive, crease_angle, missing_textures, occlusion, point,
+        shadow_buffer, size, tone,
     },
 };
 use clap::{Args, Parser};
 use stereotrace::{
     Adaptive, AmbientOcclusion, Filter, Gpu, Light, LightShape, Limits, MAX_BOUNCES, Method, MissingTextures,
-    ObjOptions, Options, Scene, Sky, SkyMap, StereoCamera, Tone, Visibility,
+    ObjOptions, Options, Scene, ShadowBuffer, Sky, SkyMap, StereoCamera, Tone, Visibility,
     glam::Vec3,
     output::{Anaglyph, Packing},
     scene::builtin::Builtin,
@@ -108,6 +108,10 @@ pub(crate) struct Arguments {
     /// Rays of a sample to each light that is not a point, 1 to 32 [default: 16; 4 where an OBJ file's samples are not said]
     #[arg(long, value_name = "N")]
     shadow_rays: Option<u32>,
+    /// Ask tables of directions around point lights, of so many rows, in place of shadow rays: by the nearest object alone, by its depth, or (hybrid) where
+    /// texels agree, with rays elsewhere
+    #[arg(long, value_name = "ROWS[:object|depth|hybrid]", value_parser = shadow_buffer)]
+    shadow_buffer: Option<ShadowBuffer>,
     /// Let what stands near keep ambient light off: by N rays a sample, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     occlusion: Option<OcclusionArgument>,
@@ -233,7 +237,7 @@ impl Arguments {
         let options = options.samples(self.samples.unwrap_or(1)).filter(self.filter).jitter(self.jitter);
         let options = options.adaptive(self.adaptive).bounces(self.bounces);
         let options = options.shadow_rays(self.shadow_rays.unwrap_or(16)).occlusion(occlusion).sky_rays(self.sky_light);
-        options.exposure(self.exposure).tone(self.tone)
+        options.exposure(self.exposure).tone(self.tone).shadow_buffer(self.shadow_buffer)
     }
 
     fn limits(&self) -> Limits {

@@ -94,6 +94,11 @@ impl Report<'_> {
             let counts = format!("{:>12}{:>14}{:>12}{all:>12}", rays.primary, rays.verification, rays.shadow);
             line(f, "", format!("{eye:<6}{counts}"))?;
         }
+        let buffer = statistics.shadow_buffer;
+        if buffer.bytes > 0 {
+            let (texels, mib) = (noun(buffer.filled, "texel", "texels"), buffer.bytes.div_ceil(1 << 20));
+            line(f, "", format!("shadow-buffers: {} {texels} filled, a ray each; {mib} MiB", buffer.filled))?;
+        }
         if self.arguments.count {
             for (index, (eye, work)) in eyes.into_iter().enumerate() {
                 let heading = if index == 0 { "work" } else { "" };

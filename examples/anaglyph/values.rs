@@ -1,6 +1,6 @@
 //! Values of options, and how they are read.
 
-use stereotrace::{Adaptive, MissingTextures, Tone, glam::Vec3};
+use stereotrace::{Adaptive, MissingTextures, ShadowBuffer, ShadowRule, Tone, glam::Vec3};
 
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,18 @@ pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {
         return Err("it must be a tolerance like 8, or with a number of levels like 8:3".into());
     };
     Ok(Adaptive::new(levels, tolerance))
+}
+
+pub(crate) fn shadow_buffer(text: &str) -> Result<ShadowBuffer, String> {
+    let (rows, rule) = text.split_once(':').unwrap_or((text, "hybrid"));
+    let rows = rows.parse().map_err(|_| "it must be a number of rows like 400, or with a rule like 400:object")?;
+    let rule = match rule {
+        "object" => ShadowRule::Object,
+        "depth" => ShadowRule::DEPTH,
+        "hybrid" => ShadowRule::HYBRID,
+        _ => return Err("its rule must be object, depth or hybrid".into()),
+    };
+    Ok(ShadowBuffer::new(rows).rule(rule))
 }
 
 pub(crate) fn tone(text: &str) -> Result<Tone, String> {

@@ -12,6 +12,7 @@ var<private> found_bits: U;
 // What hides the last of the lights that are hidden, by its place among the primitives.
 var<private> found_occluders: U = U(MISS);
 
+//! if visibility is traced and shadow_buffer is none
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let occluders = occluders_of(ray, wanted);
     let lit = wanted & (occluders == U(MISS));
@@ -22,6 +23,7 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     return lit;
 }
 
+//! if visibility is traced
 fn light_bits() -> U {
     return found_bits;
 }
@@ -73,6 +75,7 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 
 const TO_SHADE: u32 = TO_LIGHT;
 
+//! if visibility is taken_or_traced and shadow_buffer is none
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
     let unknown = wanted & !known;
@@ -85,6 +88,7 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     return lit;
 }
 
+//! if visibility is taken_or_traced
 fn light_bits() -> U {
     return U(0u);
 }

@@ -11,6 +11,7 @@ pub mod double_float;
 pub mod intersect;
 pub mod reproject;
 pub mod resolve_right;
+pub mod shadow_buffer;
 pub mod trace_left;
 
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! Runs plans: encoders, bindings, indirect heads and timestamps.
 
-use std::{ops::ControlFlow, time::Duration};
+use std::{ops::ControlFlow, sync::Arc, time::Duration};
 
 use super::{
     bands::Band,
@@ -13,13 +13,14 @@ use crate::{
     auto::CostModel,
     gpu::{Gpu, Timestamps, bind_group_at},
     kernels::{
-        Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, STEPS_BINDING, Touches,
+        Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, SHADOW_BINDING,
+        STEPS_BINDING, Touches,
     },
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
     samples::Jitter,
-    steps::{soft::Part, t_buffer, trace::TRACE_LEFT},
+    steps::{shadow_buffer::Tables, soft::Part, t_buffer, trace::TRACE_LEFT},
     variant::Variant,
 };
 
@@ -49,6 +50,8 @@ pub(crate) struct Driver<'a> {
     pub(crate) lanes: Option<Lanes>,
     /// Which pixels of each view are wanted, where not all are, of the band at work.
     pub(crate) masks: Vec<wgpu::TextureView>,
+    /// Shadow-buffers, where kernels read them.
+    pub(crate) shadow_tables: Option<Arc<Tables>>,
     /// The texture that a kernel writes, if it writes one.
     pub(crate) picture: Option<wgpu::TextureView>,
     /// Time of what the host did in place of a step.
@@ -105,6 +108,7 @@ impl<'a> Driver<'a> {
             timestamps: renderer.timestamps.as_mut(),
             lanes: None,
             masks: Vec::new(),
+            shadow_tables: None,
             picture: None,
             host: Duration::ZERO,
             rows_done: 0,
@@ -370,6 +374,9 @@ impl Driver<'_> {
         });
         let mask = kernel.reads_mask(&self.variant.of_kernel(kernel)).then(|| &self.masks[view]);
         let mask = mask.map(|texture| (MASK_BINDING, wgpu::BindingResource::TextureView(texture)));
+        let tables =
+            self.shadow_tables.as_ref().filter(|_| kernel.shadow_buffer(&self.variant.of_kernel(kernel)).is_some());
+        let tables = tables.map(|tables| (SHADOW_BINDING, wgpu::BindingResource::TextureView(&tables.view)));
         let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());
         let picture = picture.map(|texture| (PICTURE_BINDING, wgpu::BindingResource::TextureView(texture)));
         let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
@@ -380,6 +387,7 @@ impl Driver<'_> {
             .chain(samples)
             .chain(second)
             .chain(mask)
+            .chain(tables)
             .chain(lanes)
             .chain(picture);
         bind_group_at(self.gpu, kernel.name, layout, resources)

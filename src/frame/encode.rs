@@ -10,7 +10,10 @@ use super::{
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
     rig::Eyes,
-    steps::show::{SHOW_COLOR, SHOW_DEPTH},
+    steps::{
+        shadow_buffer::Tables,
+        show::{SHOW_COLOR, SHOW_DEPTH},
+    },
 };
 
 /// Views on the device, there once the commands that make them have run.
@@ -25,6 +28,7 @@ pub struct Encoded {
     /// What the commands use.
     _targets: Arc<Targets>,
     _upload: wgpu::Buffer,
+    _tables: Option<Arc<Tables>>,
 }
 
 /// A view on the device: textures that can be sampled and copied.
@@ -96,6 +100,7 @@ impl Renderer {
             scene.weigh_sky().await?;
         }
         let eyes = rig.eyes()?;
+        let tables = self.shadow_tables(scene, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
         let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());
         check(&self.gpu, options, &plan, &eyes)?;
@@ -106,12 +111,13 @@ impl Renderer {
         let mut go_on = |_| ControlFlow::Continue(());
         let mut driver = Driver::new(self, scene, &eyes, variant, &targets, options, &mut go_on);
         driver.timestamps = None; // nobody reads them
+        driver.shadow_tables = tables.clone();
         driver.upload_tables(&plan).await?;
         let depth = options.g_buffer != GBuffer::None;
         let gpu = driver.gpu;
         let encode = || {
             let views = eyes.sources.iter().map(|_| EncodedView::new(gpu, eyes.pose.size, depth));
-            let encoded = Encoded::new(gpu, views.collect(), &targets);
+            let encoded = Encoded::new(gpu, views.collect(), &targets, tables);
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
             let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
@@ -136,7 +142,7 @@ impl Renderer {
 }
 
 impl Encoded {
-    fn new(gpu: &Gpu, views: Vec<EncodedView>, targets: &Arc<Targets>) -> Self {
+    fn new(gpu: &Gpu, views: Vec<EncodedView>, targets: &Arc<Targets>, tables: Option<Arc<Tables>>) -> Self {
         let buffer = |label, size, usage| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
@@ -148,6 +154,7 @@ impl Encoded {
             unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
             _upload: buffer("uniforms", FRAME_STRIDE + uniforms, from | to),
             _targets: targets.clone(),
+            _tables: tables,
         }
     }
 

@@ -25,7 +25,8 @@ pub use rows::{Rows, ViewRows};
 pub(crate) use targets::Cache;
 
 use crate::{
-    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowReuse, UploadedScene, Visibility,
+    Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowBufferWork, ShadowReuse,
+    UploadedScene, Visibility,
     gpu::{Filling, Staging, Timestamps, add_times},
     lanes::Steps,
     message::counted,
@@ -63,6 +64,8 @@ pub(crate) struct Done {
     pub(crate) buffer_depth: u32,
     pub(crate) times: Option<PassTimes>,
     pub(crate) intermediate_bytes: u64,
+    /// What filling them cost.
+    pub(crate) shadow_buffer: ShadowBufferWork,
 }
 
 impl Done {
@@ -124,6 +127,7 @@ impl Renderer {
         if options.sky_rays.is_some() {
             scene.weigh_sky().await?;
         }
+        let tables = self.shadow_tables(scene, options).await?;
         let masked = wanted.masks().is_some();
         let drawn = if masked { None } else { self.drawn(scene, options) };
         let (method, early, plan) = self.planned(scene, eyes, options, drawn.is_some());
@@ -151,8 +155,10 @@ impl Renderer {
             on_rows,
             driver: Driver::new(self, scene, eyes, variant, &targets, options, progress),
         };
+        let (tables, shadow_buffer) = tables.unzip();
+        frame.driver.shadow_tables = tables;
         frame.run().await?;
-        let done = frame.done(method, early, &used);
+        let done = Done { shadow_buffer: shadow_buffer.unwrap_or_default(), ..frame.done(method, early, &used) };
         let stagings = frame.stagings;
         self.cache.staging.extend(stagings);
         Ok(done)
@@ -225,6 +231,7 @@ impl Renderer {
             sky_light: options.sky_rays.is_some(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
+            shadow_buffer: scene.shadow_reading(options),
             ..counting
         }
     }
@@ -369,6 +376,7 @@ impl Frame<'_> {
             buffer_depth: self.driver.buffer_depth,
             times: timed.then(|| std::mem::take(&mut self.times)),
             intermediate_bytes: targets.intermediate_bytes(used) + self.driver.most_slot_bytes + lanes,
+            shadow_buffer: ShadowBufferWork::default(),
         }
     }
 }

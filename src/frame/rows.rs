@@ -163,6 +163,7 @@ impl Done {
             buffer_depth: self.buffer_depth,
             times: self.times.clone(),
             intermediate_bytes: self.intermediate_bytes,
+            shadow_buffer: self.shadow_buffer,
         }
     }
 }
@@ -197,7 +198,7 @@ impl Views {
             work: done.tallies[index].work,
         };
         let views = views.into_iter().enumerate().map(with_what_it_cost).collect();
-        let Done { times, in_steps, intermediate_bytes, eyes, .. } = done;
-        Self { views, pose: eyes.pose, times, in_steps, intermediate_bytes }
+        let Done { times, in_steps, intermediate_bytes, shadow_buffer, eyes, .. } = done;
+        Self { views, pose: eyes.pose, times, in_steps, intermediate_bytes, shadow_buffer }
     }
 }

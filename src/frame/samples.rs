@@ -131,6 +131,7 @@ impl Done {
         self.in_steps |= other.in_steps;
         self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
         self.intermediate_bytes = self.intermediate_bytes.max(other.intermediate_bytes);
+        self.shadow_buffer = self.shadow_buffer.with(other.shadow_buffer);
         self
     }
 }

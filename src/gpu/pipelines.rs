@@ -96,11 +96,16 @@ pub(crate) fn texture_type(format: wgpu::TextureFormat, access: wgpu::StorageTex
 
 /// Of texels that are read without filtering.
 pub(crate) fn sampled_type() -> wgpu::BindingType {
-    wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Uint,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    }
+    sampled(wgpu::TextureViewDimension::D2)
+}
+
+/// Of layers of such texels.
+pub(crate) fn sampled_layers_type() -> wgpu::BindingType {
+    sampled(wgpu::TextureViewDimension::D2Array)
+}
+
+fn sampled(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Uint, view_dimension, multisampled: false }
 }
 
 /// A layout of bindings from 0 on.

@@ -171,7 +171,7 @@ fn bindings_of_group_1_are_as_the_table_says() {
             .global_variables
             .iter()
             .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-            .filter(|(binding, _)| binding.group == 1 && (1..MASK_BINDING).contains(&binding.binding))
+            .filter(|(binding, _)| binding.group == 1 && (1..SHADOW_BINDING).contains(&binding.binding))
             .map(|(binding, space)| match space {
                 naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
                     (binding.binding, Write)

@@ -7,6 +7,7 @@ pub(crate) mod host;
 pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
+pub(crate) mod shadow_buffer;
 pub(crate) mod show;
 pub(crate) mod soft;
 pub(crate) mod t_buffer;

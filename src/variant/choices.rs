@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 27] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 28] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -98,6 +98,7 @@ impl Kernel {
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("shadows", shadows),
+            ("shadow_buffer", self.shadow_buffer(with).map_or("none", |reading| reading.rule)),
             ("soft", soft),
             ("surroundings", surroundings),
             ("visibility", visibility),
@@ -130,13 +131,18 @@ impl Kernel {
             0 | 1 => String::new(),
             side => format!("const SAMPLES_SIDE: u32 = {side}u;\n"),
         };
+        let buffer = self.shadow_buffer(with).map(|reading| {
+            let (lights, margin) = (reading.lights, reading.value());
+            format!("const BUFFERED_LIGHTS: u32 = {lights}u;\nconst BUFFER_MARGIN: f32 = {margin:?};\n")
+        });
+        let buffer = buffer.unwrap_or_default();
         format!(
             "{planes}const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
              const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
              const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
              const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\
              const LIGHT_RAYS: u32 = {shadow_rays}u;\nconst OCCLUSION_RAYS: u32 = {occlusion_rays}u;\n\
-             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{jitter}{}",
+             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{jitter}{buffer}{}",
             wgsl::text(self.main, &self.choices(with))
         )
     }

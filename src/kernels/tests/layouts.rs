@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use super::{variants::variants, *};
+use crate::steps::shadow_buffer::FILL_SHADOW_BUFFER;
 
 macro_rules! assert_layout {
     ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
@@ -83,6 +84,23 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     let cut_out = parse(&TRACE_LEFT, &Variant { cutouts: true, ..with });
     assert_struct(&cut_out, "Bvh", &stated, size_of::<layout::CutOutBvh>());
     assert_layout!(module, Pixel { depth, slot, marks, color });
+    assert_layout!(
+        &parse(&FILL_SHADOW_BUFFER, &with),
+        Filling {
+            light,
+            theta_begin,
+            axis_x,
+            theta_step,
+            axis_y,
+            phi_begin,
+            axis_z,
+            phi_step,
+            row_begin,
+            row_end,
+            columns,
+            per_row,
+        }
+    );
     let listed = parse(&TRACE_LISTED, &with);
     let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
         naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),

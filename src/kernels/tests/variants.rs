@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::{
-    ShadowReuse,
+    ShadowReuse, ShadowRule,
     cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+    shadow_buffer::Reading,
     steps::{
         bracket::{
             BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES,
@@ -15,6 +16,7 @@ use crate::{
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
+        shadow_buffer::FILL_SHADOW_BUFFER,
         show::{PACK, SHOW_COLOR, SHOW_DEPTH},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
         t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
@@ -24,7 +26,7 @@ use crate::{
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 42] = [
+pub(super) const ALL: [&Kernel; 43] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -67,6 +69,7 @@ pub(super) const ALL: [&Kernel; 42] = [
     &PACK,
     &SHOW_COLOR,
     &SHOW_DEPTH,
+    &FILL_SHADOW_BUFFER,
 ];
 
 /// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
@@ -108,8 +111,8 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2]);
-    let with = |row: &[usize; 14]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4]);
+    let with = |row: &[usize; 15]| {
         let &[
             traversal,
             kind,
@@ -125,6 +128,7 @@ pub(super) fn variants() -> Vec<Variant> {
             masked,
             planes,
             jitter,
+            buffer,
         ] = row;
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
@@ -164,6 +168,8 @@ pub(super) fn variants() -> Vec<Variant> {
             bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
             count: counting > 0,
             cost_map: counting > 1,
+            shadow_buffer: [None, Some(ShadowRule::Object), Some(ShadowRule::DEPTH), Some(ShadowRule::HYBRID)][buffer]
+                .map(|rule| Reading::new(rule, 0b101)),
         }
     };
     // What the scenes of spheres alone are paired with, a scene without primitives, or of planes alone, is paired with too.
