@@ -120,14 +120,15 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
 }
 
+/// A third of each kernel's variants, another one from kernel to kernel: drivers take their time, and naga and Tint read all of them.
 #[test]
-fn every_specialised_kernel_makes_a_pipeline() {
+fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
     let make = || {
         let pipelines = Kernels::new(&gpu);
         let mut built = BTreeSet::new();
-        for kernel in ALL {
-            for with in variants_of(kernel) {
+        for (index, kernel) in ALL.into_iter().enumerate() {
+            for with in variants_of(kernel).into_iter().skip(index % 3).step_by(3) {
                 if built.insert((kernel.text(&with), with.count, with.cost_map)) {
                     pipelines.get(&gpu, kernel, with);
                 }
