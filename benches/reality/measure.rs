@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, StereoCamera, UploadedScene, Work};
+use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, ShadowBufferWork, StereoCamera, UploadedScene, Work};
 
 use crate::{
     common::{
@@ -11,7 +11,7 @@ use crate::{
         records::Record,
         rounds::{Spread, order},
     },
-    ways::{Way, filling},
+    ways::Way,
 };
 
 /// What a way to a picture cost.
@@ -24,8 +24,8 @@ pub(crate) struct Measured {
     passes_ms: Option<Spread>,
     /// What was counted of the view.
     pub(crate) work: Work,
-    /// Texels of a shadow-buffer that were filled, and tests of primitives for them.
-    pub(crate) filled: [u64; 2],
+    /// And of filling a shadow-buffer.
+    pub(crate) filling: ShadowBufferWork,
     /// It did not fit in one dispatch.
     pub(crate) in_steps: bool,
 }
@@ -42,7 +42,7 @@ pub(crate) struct Sample {
 impl Sample {
     /// As results.csv has it.
     pub(crate) fn record(&self, provenance: &Provenance) -> Record {
-        let Measured { way, ms, passes_ms, work, filled, in_steps } = self.measured;
+        let Measured { way, ms, passes_ms, work, filling, in_steps } = self.measured;
         let number = |spread: Option<Spread>, of: fn(Spread) -> f64| spread.map_or(Value::Null, |one| json!(of(one)));
         vec![
             ("figure", json!(self.figure)),
@@ -60,8 +60,10 @@ impl Sample {
             ("shadow_rays", json!(work.rays.shadow)),
             ("primitive_tests", json!(work.primitive_tests)),
             ("nodes", json!(work.nodes)),
-            ("filled_texels", json!(filled[0])),
-            ("filling_tests", json!(filled[1])),
+            ("filled_texels", json!(filling.filled)),
+            ("filling_tests", json!(filling.primitive_tests)),
+            ("filling_nodes", json!(filling.nodes)),
+            ("shadow_buffer_bytes", json!(filling.bytes)),
             ("in_steps", json!(in_steps)),
             ("adapter", json!(provenance.adapter)),
             ("driver", json!(provenance.driver)),
@@ -85,7 +87,7 @@ impl<'a> View<'a> {
 
     /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no rounds.
     pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
-        let options: Vec<Options> = ways.iter().filter_map(|way| way.options()).collect();
+        let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();
         for way in ways {
             scenes.push(renderer.upload_with(self.scene, way.build())?);
@@ -121,7 +123,7 @@ impl<'a> View<'a> {
                 ms: spread(|time| time[0]),
                 passes_ms: spread(|time| time[1]),
                 work: views.views[0].work,
-                filled: filling(&views),
+                filling: views.shadow_buffer,
                 in_steps: views.in_steps,
             });
         }
@@ -143,16 +145,20 @@ pub(crate) enum By {
     Time,
     /// Tests of primitives, as the paper explains its gains; those that fill a shadow-buffer too.
     Tests,
+    /// The same with boxes of a tree, two a node.
+    Counters,
 }
 
 impl By {
-    pub(crate) const ALL: [Self; 2] = [Self::Time, Self::Tests];
-
     /// Of a way; `None` where it was not timed.
     pub(crate) fn cost(self, measured: &Measured) -> Option<f64> {
         match self {
             Self::Time => measured.ms.map(|ms| ms.median),
-            Self::Tests => Some((measured.work.primitive_tests + measured.filled[1]) as f64),
+            Self::Tests => Some((measured.work.primitive_tests + measured.filling.primitive_tests) as f64),
+            Self::Counters => {
+                let filling = 2 * measured.filling.nodes + measured.filling.primitive_tests;
+                Some((measured.work.cost() + filling) as f64)
+            }
         }
     }
 
@@ -160,13 +166,14 @@ impl By {
         match self {
             Self::Time => "time",
             Self::Tests => "primitive tests",
+            Self::Counters => "boxes and primitive tests",
         }
     }
 
     pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Time => "milliseconds",
-            Self::Tests => "primitive tests",
+            _ => self.name(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::{error::Error, fmt::Write};
 
-use serde_json::json;
+use serde_json::{Value, json};
 use stereotrace::{
     Renderer, Rig, RigView, Scene, StereoCamera,
     output::Picture,
@@ -11,6 +11,7 @@ use stereotrace::{
 
 use crate::{
     charts::{Chart, Series},
+    common::records::Record,
     fits::Point,
     options::Plan,
     report::{Report, number},
@@ -22,23 +23,27 @@ const CONFIGURATIONS: [(&str, Builtin); 3] =
     [("9", Builtin::ThreeSpheres), ("10", Builtin::ThreeSpheresMirrors), ("11", Builtin::ThreeSpheresTextured)];
 
 /// One eye's view by a way.
-fn view(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, way: Way) -> Result<RigView, Box<dyn Error>> {
-    let options = way.options().ok_or_else(|| format!("{way} is not there"))?;
+pub(crate) fn view(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    camera: StereoCamera,
+    way: Way,
+) -> Result<RigView, Box<dyn Error>> {
     let uploaded = renderer.upload_with(scene, way.build())?;
-    let mut views = renderer.render_views(&uploaded, &Rig::at(camera, vec![0.0]), &options)?;
+    let mut views = renderer.render_views(&uploaded, &Rig::at(camera, vec![0.0]), &way.options())?;
     Ok(views.views.remove(0))
 }
 
 /// How many pixels have another colour than the true one, darker ones and brighter ones.
 #[derive(Clone, Copy, Default)]
-struct Wrong {
+pub(crate) struct Wrong {
     darker: usize,
     brighter: usize,
     pixels: usize,
 }
 
 impl Wrong {
-    fn of(found: &RigView, truth: &RigView) -> Self {
+    pub(crate) fn of(found: &RigView, truth: &RigView) -> Self {
         let (found, truth) = (&found.view.rgba8, &truth.view.rgba8);
         let mut wrong = Self { pixels: truth.len(), ..Self::default() };
         for (found, truth) in found.iter().zip(truth).filter(|(found, truth)| found != truth) {
@@ -51,14 +56,30 @@ impl Wrong {
         wrong
     }
 
-    fn percent(&self) -> f64 {
+    pub(crate) fn percent(&self) -> f64 {
         100.0 * (self.darker + self.brighter) as f64 / self.pixels as f64
+    }
+
+    /// As shadows.csv has it.
+    pub(crate) fn record(&self, figure: &str, scene: &str, side: u32, way: Way) -> Record {
+        let of_table = |of: fn(Table) -> Value| way.table.map_or(Value::Null, of);
+        vec![
+            ("figure", json!(figure)),
+            ("scene", json!(scene)),
+            ("way", json!(way.to_string())),
+            ("shadow_rows", of_table(|table| json!(table.rows))),
+            ("shadow_rule", of_table(|table| json!(table.rule.to_string()))),
+            ("side", json!(side)),
+            ("too_dark", json!(self.darker)),
+            ("too_bright", json!(self.brighter)),
+            ("pixels", json!(self.pixels)),
+        ]
     }
 }
 
 /// Figures 9 to 11: the three configurations, by every way that traces shadows the same picture.
 pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
-    let ways = Way::there([Way::CLASSICAL, Way::T_BUFFER, Way::BVH, Way::BVH_T_BUFFER]);
+    let ways = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH, Way::BVH_T_BUFFER];
     report.text += "## Figures 9 to 11\n\nPixels that differ from the classical ray tracer's; the paper's pictures by both algorithms are \
                     identical for figure 9.\n\n| figure | scene |";
     ways[1..].iter().for_each(|way| {
@@ -101,23 +122,14 @@ pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
         let rules = [Rule::Object, Rule::Depth, Rule::Hybrid];
         let ways = rules.iter().flat_map(|&rule| plan.quality_rows.iter().map(move |&rows| Way::both(rows).rule(rule)));
         let mut points: [Vec<Point>; 3] = Default::default();
-        for way in Way::there(ways) {
+        for way in ways {
             let Some(Table { rows, rule, .. }) = way.table else { continue };
             let found = view(renderer, &scene, camera, way)?;
             let wrong = Wrong::of(&found, &truth);
             let dark = 100.0 * wrong.darker as f64 / (wrong.darker + wrong.brighter).max(1) as f64;
             let _ = writeln!(report.text, "| {name} | {way} | {:.3} | {} |", wrong.percent(), number(Some(dark)));
             points[rule as usize].push((f64::from(rows), wrong.percent()));
-            report.shadows.push(vec![
-                ("scene", json!(name)),
-                ("way", json!(way.to_string())),
-                ("shadow_rows", json!(rows)),
-                ("shadow_rule", json!(rule.to_string())),
-                ("side", json!(plan.side)),
-                ("too_dark", json!(wrong.darker)),
-                ("too_bright", json!(wrong.brighter)),
-                ("pixels", json!(wrong.pixels)),
-            ]);
+            report.shadows.push(wrong.record("18", &name, plan.side, way));
             let file = format!("figure-18-{}-{rule}-{rows}", name.replace(' ', "-"));
             report.pictures.push((format!("{file}-wrong"), marked(&found, &truth)));
             report.pictures.push((file, found.view.picture()));
