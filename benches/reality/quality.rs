@@ -1,4 +1,4 @@
-//! Figures 9 to 11 and 18: pictures, and how many of their pixels have a wrong shadow.
+//! Figures 9 to 12 and 18: pictures, and how many of their pixels have a wrong shadow.
 
 use std::{error::Error, fmt::Write};
 
@@ -21,6 +21,9 @@ use crate::{
 /// The paper's three configurations, and its figures of them.
 const CONFIGURATIONS: [(&str, Builtin); 3] =
     [("9", Builtin::ThreeSpheres), ("10", Builtin::ThreeSpheresMirrors), ("11", Builtin::ThreeSpheresTextured)];
+
+/// Objects of the paper's figure 12.
+const STACKED: [usize; 3] = [3, 50, 100];
 
 /// One eye's view by a way.
 pub(crate) fn view(
@@ -75,6 +78,21 @@ impl Wrong {
             ("pixels", json!(self.pixels)),
         ]
     }
+}
+
+/// Figure 12: stacks of as many objects as there, and how much of the view they fill.
+pub(crate) fn stacks(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    report.text += "## Figure 12\n\n| objects | pixels that show one, % |\n|---|---|\n";
+    for objects in STACKED {
+        let stacked = StackedObjects::new(objects, plan.kind);
+        let found = view(renderer, &stacked.scene(), stacked.camera(plan.side, plan.side), Way::BVH)?;
+        let filled = found.view.depth.iter().filter(|depth| depth.is_finite()).count();
+        let percent = 100.0 * filled as f64 / found.view.depth.len() as f64;
+        let _ = writeln!(report.text, "| {objects} | {} |", number(Some(percent)));
+        report.pictures.push((format!("figure-12-{objects}"), found.view.picture()));
+    }
+    report.text += "\n";
+    Ok(())
 }
 
 /// Figures 9 to 11: the three configurations, by every way that traces shadows the same picture.
