@@ -116,7 +116,12 @@ pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report
             let _ = write!(report.text, " {} |", wrong.darker + wrong.brighter);
         }
         report.text += "\n";
-        report.pictures.push((format!("figure-{figure}"), truth.view.picture()));
+        // The last configuration has the shadow-buffer on.
+        let shown = match builtin {
+            Builtin::ThreeSpheresTextured => view(renderer, &scene, camera, Way::both(plan.quality_rows[0]))?,
+            _ => truth,
+        };
+        report.pictures.push((format!("figure-{figure}"), shown.view.picture()));
     }
     report.text += "\n";
     Ok(())
