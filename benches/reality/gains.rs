@@ -66,6 +66,7 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
         if by == By::Tests || plan.rounds > 0 {
             report.text += &table(&stacks, &ways, plan.side, by);
             report.text += &fits(&stacks, plan, by);
+            report.text += &growth(&stacks, plan, by);
         }
     }
     report.text += &wrong_shadows(&stacks);
@@ -135,6 +136,21 @@ fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
             let _ = write!(text, " {} |", number(there));
         }
         let _ = writeln!(text, " {says} |");
+    }
+    text + "\n"
+}
+
+/// How the cost itself grows: the paper has the classical ray tracer's linear and that of both buffers all but constant.
+fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
+    let mut text =
+        format!("Cost by {} over objects:\n\n| way | most over least | r² of the line |\n|---|---|---|\n", by.name());
+    for way in [Way::CLASSICAL, Way::T_BUFFER, Way::both(plan.gain_rows[0]), Way::both(plan.gain_rows[1]), Way::BVH] {
+        let point = |stack: &Stack| Some((stack.objects as f64, by.cost(of_way(&stack.ways, way)?)?));
+        let points: Vec<Point> = stacks.iter().filter_map(point).collect();
+        let fold = |start: f64, choose: fn(f64, f64) -> f64| points.iter().map(|point| point.1).fold(start, choose);
+        let ratio = fold(0.0, f64::max) / fold(f64::INFINITY, f64::min);
+        let line = Line::through(&points).map_or(f64::NAN, |line| line.r_squared);
+        let _ = writeln!(text, "| {way} | {} | {line:.4} |", number(Some(ratio)));
     }
     text + "\n"
 }
