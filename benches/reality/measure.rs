@@ -26,7 +26,7 @@ pub(crate) struct Measured {
     pub(crate) work: Work,
     /// And of filling a shadow-buffer.
     pub(crate) filling: ShadowBufferWork,
-    /// It did not fit in one dispatch.
+    /// Some frame did not fit in one dispatch.
     pub(crate) in_steps: bool,
 }
 
@@ -92,7 +92,7 @@ impl<'a> View<'a> {
         for way in ways {
             scenes.push(renderer.upload_with(self.scene, way.build())?);
         }
-        let mut times = vec![Vec::new(); ways.len()];
+        let mut times: Vec<Vec<([f64; 2], bool)>> = vec![Vec::new(); ways.len()];
         for round in 0..=rounds {
             if rounds == 0 {
                 break;
@@ -117,25 +117,31 @@ impl<'a> View<'a> {
                 count()?;
             }
             let views = count()?;
-            let spread = |of: fn(&[f64; 2]) -> f64| (rounds > 0).then(|| Spread::of(times[index].iter().map(of)));
+            let spread =
+                |place: usize| (rounds > 0).then(|| Spread::of(times[index].iter().map(|(time, _)| time[place])));
             all.push(Measured {
                 way,
-                ms: spread(|time| time[0]),
-                passes_ms: spread(|time| time[1]),
+                ms: spread(0),
+                passes_ms: spread(1),
                 work: views.views[0].work,
                 filling: views.shadow_buffer,
-                in_steps: views.in_steps,
+                in_steps: views.in_steps || times[index].iter().any(|&(_, in_steps)| in_steps),
             });
         }
         Ok(all)
     }
 
-    /// Milliseconds by the host's clock, and of the passes.
-    fn time(&self, renderer: &mut Renderer, scene: &UploadedScene, options: &Options) -> Result<[f64; 2], Error> {
+    /// Milliseconds by the host's clock and of the passes, and whether it took several dispatches.
+    fn time(
+        &self,
+        renderer: &mut Renderer,
+        scene: &UploadedScene,
+        options: &Options,
+    ) -> Result<([f64; 2], bool), Error> {
         let start = Instant::now();
         let views = renderer.render_views(scene, &self.rig, &options.clone().g_buffer(GBuffer::None))?;
         let wall = 1e3 * start.elapsed().as_secs_f64();
-        Ok([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())])
+        Ok(([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())], views.in_steps))
     }
 }
 
