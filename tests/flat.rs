@@ -4,8 +4,8 @@ mod common;
 
 use common::{is_exact, render, renderer};
 use stereotrace::{
-    BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
-    StereoPair, Traversal, Update, UploadedScene, Work,
+    BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, ShadowBuffer, ShadowRule,
+    Sphere, StereoCamera, StereoPair, Traversal, Update, UploadedScene, Visibility, Work,
     glam::{Affine3A, DVec3, Vec3},
     scene::{
         builtin::{Builtin, StackedKind, StackedObjects},
@@ -148,13 +148,52 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
     }
 }
 
+/// What the bench of Raghuvanshi and Dhande compares: a T-buffer beside a list, whose shadow rays go through that, and a shadow-buffer.
+#[test]
+fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
+    let three = Builtin::ThreeSpheresMirrors;
+    let scenes = [
+        ("balls", stack(120, StackedKind::Spheres, 48)),
+        ("triangles", stack(120, StackedKind::Triangles, 48)),
+        ("three", (three.scene(), three.camera(48, 32))),
+    ];
+    let mut renderer = renderer();
+    let exact = is_exact(&renderer);
+    for (name, (scene, camera)) in &scenes {
+        let [list, tree] =
+            [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(scene, build).unwrap());
+        let [rays, drawn] = [Visibility::Rays, Visibility::TBuffer].map(|visibility| {
+            let options = Options::new(Method::Naive).visibility(visibility).linear(true).count(true);
+            renderer.render(&list, camera, &options).unwrap()
+        });
+        assert_same(&drawn, &rays, exact, name);
+        assert_same(&drawn, &pair(&mut renderer, &tree, camera, Method::Naive), exact, name);
+        // Shadow rays stay, and first hits take tests of what is near a pixel alone.
+        let [drawn, rays] = [&drawn, &rays].map(|pair| pair.statistics.left);
+        assert_eq!((drawn.rays.primary, drawn.rays.shadow), (0, rays.rays.shadow), "{name}");
+        let primary = rays.rays.primary * scene.primitive_count() as u64;
+        let of_shadows_and_mirrors = rays.primitive_tests - primary;
+        let own = drawn.primitive_tests - of_shadows_and_mirrors;
+        assert!(own < 5 * rays.rays.primary, "{name}: {own} tests of first hits");
+        for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
+            let options = Options::new(Method::Naive).shadow_buffer(ShadowBuffer::new(40).rule(rule)).linear(true);
+            let [list, tree] = [&list, &tree].map(|scene| renderer.render(scene, camera, &options).unwrap());
+            assert_same(&list, &tree, exact, &format!("{name}, {rule:?}"));
+        }
+    }
+}
+
 #[test]
 fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_error() {
     let mut renderer = renderer();
     let exact = is_exact(&renderer);
     let (scene, camera) = stack(6000, StackedKind::Spheres, 24);
     let [list, tree] = [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
+    // What is counted is one ray a lane, what is not is four on a software adapter.
+    let uncounted = renderer.render(&list, &camera, &Options::new(Method::Naive).linear(true)).unwrap();
+    assert!(!uncounted.statistics.in_steps);
     let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
+    assert_same(&uncounted, &tree, exact, "6000 spheres, uncounted");
     assert_same(&list, &tree, exact, "6000 spheres");
     assert!(!list.statistics.in_steps);
     assert!(list.statistics.left.primitive_tests > 24 * 24 * 6000);

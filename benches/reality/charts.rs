@@ -73,6 +73,8 @@ impl Chart<'_> {
                 .axis_desc_style((FONT, 14).into_font().color(&INK))
                 .x_desc(self.x)
                 .y_desc(self.y)
+                .x_label_formatter(&label)
+                .y_label_formatter(&label)
                 .draw()?;
             let (mut index, mut legend) = (0, 74);
             for series in shown {
@@ -98,4 +100,9 @@ impl Chart<'_> {
         }
         Ok(Some(text))
     }
+}
+
+/// A place on an axis, as short as it is round.
+fn label(value: &f64) -> String {
+    format!("{}", (value * 1e6).round() / 1e6)
 }

@@ -9,8 +9,9 @@ use crate::{
     fits::{Line, Point},
     measure::{By, Measured, Sample, View, gain, of_way},
     options::Plan,
+    quality::{Wrong, view},
     report::{Report, number},
-    ways::Way,
+    ways::{Rule, Way},
 };
 
 /// Where the paper reads its gains off.
@@ -20,6 +21,8 @@ const READ_AT: [f64; 2] = [500.0, 6000.0];
 struct Stack {
     objects: usize,
     ways: Vec<Measured>,
+    /// Pixels with a wrong shadow by each way that has a shadow-buffer of the figures, percent.
+    wrong: Vec<(Way, f64)>,
 }
 
 impl Stack {
@@ -39,24 +42,34 @@ impl Stack {
 pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let [few, many] = plan.gain_rows.map(Way::both);
     let paper = [Way::CLASSICAL, Way::T_BUFFER, few, many];
-    let others = [few.kept(), Way::BVH, Way::BVH_T_BUFFER, Way::bvh_shadow_buffer(plan.gain_rows[0])];
-    let ways = Way::there(paper.into_iter().chain(others));
+    let others =
+        [few.kept(), few.rule(Rule::Hybrid), Way::BVH, Way::BVH_T_BUFFER, Way::bvh_shadow_buffer(plan.gain_rows[0])];
+    let ways: Vec<Way> = paper.into_iter().chain(others).collect();
     let mut stacks = Vec::new();
     for &objects in &plan.objects {
         eprintln!("figures 13 to 16: {objects} objects");
         let stacked = StackedObjects::new(objects, plan.kind);
-        let scene = stacked.scene();
-        let ways = View::of(&scene, stacked.camera(plan.side, plan.side)).measure(renderer, &ways, plan.rounds)?;
+        let (scene, camera) = (stacked.scene(), stacked.camera(plan.side, plan.side));
+        let ways = View::of(&scene, camera).measure(renderer, &ways, plan.rounds)?;
         let sample = |&measured| Sample { figure: "13 to 16", objects, side: plan.side, measured };
         report.samples.extend(ways.iter().map(sample));
-        stacks.push(Stack { objects, ways });
+        let truth = view(renderer, &scene, camera, Way::BVH)?;
+        let mut wrong = Vec::new();
+        for way in [few, many, few.rule(Rule::Hybrid)] {
+            let found = Wrong::of(&view(renderer, &scene, camera, way)?, &truth);
+            report.shadows.push(found.record("13 to 16", &format!("{objects} objects"), plan.side, way));
+            wrong.push((way, found.percent()));
+        }
+        stacks.push(Stack { objects, ways, wrong });
     }
-    for by in By::ALL {
+    for by in [By::Time, By::Tests] {
         if by == By::Tests || plan.rounds > 0 {
             report.text += &table(&stacks, &ways, plan.side, by);
             report.text += &fits(&stacks, plan, by);
+            report.text += &growth(&stacks, plan, by);
         }
     }
+    report.text += &wrong_shadows(&stacks);
     report.text += &against_bvh(&stacks, &ways);
     let by = if plan.rounds > 0 { By::Time } else { By::Tests };
     charts(&stacks, &ways, plan, by, report)
@@ -69,7 +82,7 @@ fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
         by.name(),
         match by {
             By::Time => "Milliseconds of a frame by the host's clock, medians",
-            By::Tests => "Millions of tests",
+            _ => "Millions of tests",
         }
     );
     ways.iter().for_each(|way| {
@@ -84,7 +97,7 @@ fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
             let cost = of_way(&stack.ways, way).and_then(|one| by.cost(one));
             let cost = cost.map(|cost| if by == By::Tests { cost / 1e6 } else { cost });
             let gain = stack.gain(way, by).filter(|_| way != Way::CLASSICAL).map(|gain| gain.1);
-            let gain = gain.map_or(String::new(), |gain| format!(" ({gain:.2})"));
+            let gain = gain.map_or(String::new(), |gain| format!(" ({})", number(Some(gain))));
             let _ = write!(text, " {}{gain} |", number(cost));
         }
         let _ = writeln!(text, " {} |", number(stack.limit(side)));
@@ -127,12 +140,47 @@ fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
     text + "\n"
 }
 
+/// How the cost itself grows: the paper has the classical ray tracer's linear and that of both buffers all but constant.
+fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
+    let mut text =
+        format!("Cost by {} over objects:\n\n| way | most over least | r² of the line |\n|---|---|---|\n", by.name());
+    for way in [Way::CLASSICAL, Way::T_BUFFER, Way::both(plan.gain_rows[0]), Way::both(plan.gain_rows[1]), Way::BVH] {
+        let point = |stack: &Stack| Some((stack.objects as f64, by.cost(of_way(&stack.ways, way)?)?));
+        let points: Vec<Point> = stacks.iter().filter_map(point).collect();
+        let fold = |start: f64, choose: fn(f64, f64) -> f64| points.iter().map(|point| point.1).fold(start, choose);
+        let ratio = fold(0.0, f64::max) / fold(f64::INFINITY, f64::min);
+        let line = Line::through(&points).map_or(f64::NAN, |line| line.r_squared);
+        let _ = writeln!(text, "| {way} | {} | {line:.4} |", number(Some(ratio)));
+    }
+    text + "\n"
+}
+
+/// What the gains are bought with: cells of one size for objects that grow smaller.
+fn wrong_shadows(stacks: &[Stack]) -> String {
+    let mut text = "## Wrong shadows in figures 13 to 16\n\nPixels whose colour is not that of traced shadows, percent.\n\n| objects |".to_owned();
+    let ways = stacks.first().map_or(&[][..], |stack| &stack.wrong);
+    ways.iter().for_each(|(way, _)| {
+        let _ = write!(text, " {way} |");
+    });
+    text += "\n|---|";
+    text += &"---|".repeat(ways.len());
+    text += "\n";
+    for stack in stacks {
+        let _ = write!(text, "| {} |", stack.objects);
+        stack.wrong.iter().for_each(|(_, percent)| {
+            let _ = write!(text, " {} |", number(Some(*percent)));
+        });
+        text += "\n";
+    }
+    text + "\n"
+}
+
 /// What the paper could not show: which of the other ways is the cheaper one beside a tree.
 fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
-    let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way: above 1 the way wins.\n\n| objects |".to_owned();
+    let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way, by time and by boxes and primitive tests: above 1 the way wins.\n\n| objects |".to_owned();
     let others: Vec<Way> = ways.iter().copied().filter(|&way| way != Way::BVH).collect();
     others.iter().for_each(|way| {
-        let _ = write!(text, " {way}: by time, tests |");
+        let _ = write!(text, " {way}: by time, counters |");
     });
     text += "\n|---|";
     text += &"---|".repeat(others.len());
@@ -140,8 +188,8 @@ fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
     for stack in stacks {
         let _ = write!(text, "| {} |", stack.objects);
         for &way in &others {
-            let [time, tests] = By::ALL.map(|by| number(gain(&stack.ways, Way::BVH, way, by)));
-            let _ = write!(text, " {time}, {tests} |");
+            let [time, counters] = [By::Time, By::Counters].map(|by| number(gain(&stack.ways, Way::BVH, way, by)));
+            let _ = write!(text, " {time}, {counters} |");
         }
         text += "\n";
     }

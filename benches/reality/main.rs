@@ -39,7 +39,10 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let mut report = Report::new(Provenance::of(renderer.gpu()));
     for part in &plan.parts {
         match part {
-            Part::Pictures => quality::pictures(&mut renderer, &plan, &mut report)?,
+            Part::Pictures => {
+                quality::pictures(&mut renderer, &plan, &mut report)?;
+                quality::stacks(&mut renderer, &plan, &mut report)?;
+            }
             Part::Gains => gains::measure(&mut renderer, &plan, &mut report)?,
             Part::Resolution => resolution::measure(&mut renderer, &plan, &mut report)?,
             Part::Quality => quality::shadows(&mut renderer, &plan, &mut report)?,

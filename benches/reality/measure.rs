@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, StereoCamera, UploadedScene, Work};
+use stereotrace::{Error, GBuffer, Options, Renderer, Rig, Scene, ShadowBufferWork, StereoCamera, UploadedScene, Work};
 
 use crate::{
     common::{
@@ -11,7 +11,7 @@ use crate::{
         records::Record,
         rounds::{Spread, order},
     },
-    ways::{Way, filling},
+    ways::Way,
 };
 
 /// What a way to a picture cost.
@@ -24,9 +24,9 @@ pub(crate) struct Measured {
     passes_ms: Option<Spread>,
     /// What was counted of the view.
     pub(crate) work: Work,
-    /// Texels of a shadow-buffer that were filled, and tests of primitives for them.
-    pub(crate) filled: [u64; 2],
-    /// It did not fit in one dispatch.
+    /// And of filling a shadow-buffer.
+    pub(crate) filling: ShadowBufferWork,
+    /// Some frame did not fit in one dispatch.
     pub(crate) in_steps: bool,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Sample {
 impl Sample {
     /// As results.csv has it.
     pub(crate) fn record(&self, provenance: &Provenance) -> Record {
-        let Measured { way, ms, passes_ms, work, filled, in_steps } = self.measured;
+        let Measured { way, ms, passes_ms, work, filling, in_steps } = self.measured;
         let number = |spread: Option<Spread>, of: fn(Spread) -> f64| spread.map_or(Value::Null, |one| json!(of(one)));
         vec![
             ("figure", json!(self.figure)),
@@ -60,8 +60,10 @@ impl Sample {
             ("shadow_rays", json!(work.rays.shadow)),
             ("primitive_tests", json!(work.primitive_tests)),
             ("nodes", json!(work.nodes)),
-            ("filled_texels", json!(filled[0])),
-            ("filling_tests", json!(filled[1])),
+            ("filled_texels", json!(filling.filled)),
+            ("filling_tests", json!(filling.primitive_tests)),
+            ("filling_nodes", json!(filling.nodes)),
+            ("shadow_buffer_bytes", json!(filling.bytes)),
             ("in_steps", json!(in_steps)),
             ("adapter", json!(provenance.adapter)),
             ("driver", json!(provenance.driver)),
@@ -85,12 +87,12 @@ impl<'a> View<'a> {
 
     /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no rounds.
     pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
-        let options: Vec<Options> = ways.iter().filter_map(|way| way.options()).collect();
+        let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();
         for way in ways {
             scenes.push(renderer.upload_with(self.scene, way.build())?);
         }
-        let mut times = vec![Vec::new(); ways.len()];
+        let mut times: Vec<Vec<([f64; 2], bool)>> = vec![Vec::new(); ways.len()];
         for round in 0..=rounds {
             if rounds == 0 {
                 break;
@@ -115,25 +117,31 @@ impl<'a> View<'a> {
                 count()?;
             }
             let views = count()?;
-            let spread = |of: fn(&[f64; 2]) -> f64| (rounds > 0).then(|| Spread::of(times[index].iter().map(of)));
+            let spread =
+                |place: usize| (rounds > 0).then(|| Spread::of(times[index].iter().map(|(time, _)| time[place])));
             all.push(Measured {
                 way,
-                ms: spread(|time| time[0]),
-                passes_ms: spread(|time| time[1]),
+                ms: spread(0),
+                passes_ms: spread(1),
                 work: views.views[0].work,
-                filled: filling(&views),
-                in_steps: views.in_steps,
+                filling: views.shadow_buffer,
+                in_steps: views.in_steps || times[index].iter().any(|&(_, in_steps)| in_steps),
             });
         }
         Ok(all)
     }
 
-    /// Milliseconds by the host's clock, and of the passes.
-    fn time(&self, renderer: &mut Renderer, scene: &UploadedScene, options: &Options) -> Result<[f64; 2], Error> {
+    /// Milliseconds by the host's clock and of the passes, and whether it took several dispatches.
+    fn time(
+        &self,
+        renderer: &mut Renderer,
+        scene: &UploadedScene,
+        options: &Options,
+    ) -> Result<([f64; 2], bool), Error> {
         let start = Instant::now();
         let views = renderer.render_views(scene, &self.rig, &options.clone().g_buffer(GBuffer::None))?;
         let wall = 1e3 * start.elapsed().as_secs_f64();
-        Ok([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())])
+        Ok(([wall, views.times.map_or(f64::NAN, |times| 1e3 * times.total().as_secs_f64())], views.in_steps))
     }
 }
 
@@ -143,16 +151,20 @@ pub(crate) enum By {
     Time,
     /// Tests of primitives, as the paper explains its gains; those that fill a shadow-buffer too.
     Tests,
+    /// The same with boxes of a tree, two a node.
+    Counters,
 }
 
 impl By {
-    pub(crate) const ALL: [Self; 2] = [Self::Time, Self::Tests];
-
     /// Of a way; `None` where it was not timed.
     pub(crate) fn cost(self, measured: &Measured) -> Option<f64> {
         match self {
             Self::Time => measured.ms.map(|ms| ms.median),
-            Self::Tests => Some((measured.work.primitive_tests + measured.filled[1]) as f64),
+            Self::Tests => Some((measured.work.primitive_tests + measured.filling.primitive_tests) as f64),
+            Self::Counters => {
+                let filling = 2 * measured.filling.nodes + measured.filling.primitive_tests;
+                Some((measured.work.cost() + filling) as f64)
+            }
         }
     }
 
@@ -160,13 +172,14 @@ impl By {
         match self {
             Self::Time => "time",
             Self::Tests => "primitive tests",
+            Self::Counters => "boxes and primitive tests",
         }
     }
 
     pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Time => "milliseconds",
-            Self::Tests => "primitive tests",
+            _ => self.name(),
         }
     }
 }

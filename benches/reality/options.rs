@@ -38,7 +38,7 @@ pub(crate) struct Options {
 /// Figures of the paper that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
-    /// Figures 9 to 11: three spheres on a ground
+    /// Figures 9 to 12: three spheres on a ground, stacks
     Pictures,
     /// Figures 13 to 16: gain over the number of objects
     Gains,

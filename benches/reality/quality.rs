@@ -1,8 +1,8 @@
-//! Figures 9 to 11 and 18: pictures, and how many of their pixels have a wrong shadow.
+//! Figures 9 to 12 and 18: pictures, and how many of their pixels have a wrong shadow.
 
 use std::{error::Error, fmt::Write};
 
-use serde_json::json;
+use serde_json::{Value, json};
 use stereotrace::{
     Renderer, Rig, RigView, Scene, StereoCamera,
     output::Picture,
@@ -11,6 +11,7 @@ use stereotrace::{
 
 use crate::{
     charts::{Chart, Series},
+    common::records::Record,
     fits::Point,
     options::Plan,
     report::{Report, number},
@@ -21,24 +22,31 @@ use crate::{
 const CONFIGURATIONS: [(&str, Builtin); 3] =
     [("9", Builtin::ThreeSpheres), ("10", Builtin::ThreeSpheresMirrors), ("11", Builtin::ThreeSpheresTextured)];
 
+/// Objects of the paper's figure 12.
+const STACKED: [usize; 3] = [3, 50, 100];
+
 /// One eye's view by a way.
-fn view(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, way: Way) -> Result<RigView, Box<dyn Error>> {
-    let options = way.options().ok_or_else(|| format!("{way} is not there"))?;
+pub(crate) fn view(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    camera: StereoCamera,
+    way: Way,
+) -> Result<RigView, Box<dyn Error>> {
     let uploaded = renderer.upload_with(scene, way.build())?;
-    let mut views = renderer.render_views(&uploaded, &Rig::at(camera, vec![0.0]), &options)?;
+    let mut views = renderer.render_views(&uploaded, &Rig::at(camera, vec![0.0]), &way.options())?;
     Ok(views.views.remove(0))
 }
 
 /// How many pixels have another colour than the true one, darker ones and brighter ones.
 #[derive(Clone, Copy, Default)]
-struct Wrong {
+pub(crate) struct Wrong {
     darker: usize,
     brighter: usize,
     pixels: usize,
 }
 
 impl Wrong {
-    fn of(found: &RigView, truth: &RigView) -> Self {
+    pub(crate) fn of(found: &RigView, truth: &RigView) -> Self {
         let (found, truth) = (&found.view.rgba8, &truth.view.rgba8);
         let mut wrong = Self { pixels: truth.len(), ..Self::default() };
         for (found, truth) in found.iter().zip(truth).filter(|(found, truth)| found != truth) {
@@ -51,14 +59,45 @@ impl Wrong {
         wrong
     }
 
-    fn percent(&self) -> f64 {
+    pub(crate) fn percent(&self) -> f64 {
         100.0 * (self.darker + self.brighter) as f64 / self.pixels as f64
     }
+
+    /// As shadows.csv has it.
+    pub(crate) fn record(&self, figure: &str, scene: &str, side: u32, way: Way) -> Record {
+        let of_table = |of: fn(Table) -> Value| way.table.map_or(Value::Null, of);
+        vec![
+            ("figure", json!(figure)),
+            ("scene", json!(scene)),
+            ("way", json!(way.to_string())),
+            ("shadow_rows", of_table(|table| json!(table.rows))),
+            ("shadow_rule", of_table(|table| json!(table.rule.to_string()))),
+            ("side", json!(side)),
+            ("too_dark", json!(self.darker)),
+            ("too_bright", json!(self.brighter)),
+            ("pixels", json!(self.pixels)),
+        ]
+    }
+}
+
+/// Figure 12: stacks of as many objects as there, and how much of the view they fill.
+pub(crate) fn stacks(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    report.text += "## Figure 12\n\n| objects | pixels that show one, % |\n|---|---|\n";
+    for objects in STACKED {
+        let stacked = StackedObjects::new(objects, plan.kind);
+        let found = view(renderer, &stacked.scene(), stacked.camera(plan.side, plan.side), Way::BVH)?;
+        let filled = found.view.depth.iter().filter(|depth| depth.is_finite()).count();
+        let percent = 100.0 * filled as f64 / found.view.depth.len() as f64;
+        let _ = writeln!(report.text, "| {objects} | {} |", number(Some(percent)));
+        report.pictures.push((format!("figure-12-{objects}"), found.view.picture()));
+    }
+    report.text += "\n";
+    Ok(())
 }
 
 /// Figures 9 to 11: the three configurations, by every way that traces shadows the same picture.
 pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
-    let ways = Way::there([Way::CLASSICAL, Way::T_BUFFER, Way::BVH, Way::BVH_T_BUFFER]);
+    let ways = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH, Way::BVH_T_BUFFER];
     report.text += "## Figures 9 to 11\n\nPixels that differ from the classical ray tracer's; the paper's pictures by both algorithms are \
                     identical for figure 9.\n\n| figure | scene |";
     ways[1..].iter().for_each(|way| {
@@ -77,7 +116,12 @@ pub(crate) fn pictures(renderer: &mut Renderer, plan: &Plan, report: &mut Report
             let _ = write!(report.text, " {} |", wrong.darker + wrong.brighter);
         }
         report.text += "\n";
-        report.pictures.push((format!("figure-{figure}"), truth.view.picture()));
+        // The last configuration has the shadow-buffer on.
+        let shown = match builtin {
+            Builtin::ThreeSpheresTextured => view(renderer, &scene, camera, Way::both(plan.quality_rows[0]))?,
+            _ => truth,
+        };
+        report.pictures.push((format!("figure-{figure}"), shown.view.picture()));
     }
     report.text += "\n";
     Ok(())
@@ -101,23 +145,14 @@ pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
         let rules = [Rule::Object, Rule::Depth, Rule::Hybrid];
         let ways = rules.iter().flat_map(|&rule| plan.quality_rows.iter().map(move |&rows| Way::both(rows).rule(rule)));
         let mut points: [Vec<Point>; 3] = Default::default();
-        for way in Way::there(ways) {
+        for way in ways {
             let Some(Table { rows, rule, .. }) = way.table else { continue };
             let found = view(renderer, &scene, camera, way)?;
             let wrong = Wrong::of(&found, &truth);
             let dark = 100.0 * wrong.darker as f64 / (wrong.darker + wrong.brighter).max(1) as f64;
             let _ = writeln!(report.text, "| {name} | {way} | {:.3} | {} |", wrong.percent(), number(Some(dark)));
             points[rule as usize].push((f64::from(rows), wrong.percent()));
-            report.shadows.push(vec![
-                ("scene", json!(name)),
-                ("way", json!(way.to_string())),
-                ("shadow_rows", json!(rows)),
-                ("shadow_rule", json!(rule.to_string())),
-                ("side", json!(plan.side)),
-                ("too_dark", json!(wrong.darker)),
-                ("too_bright", json!(wrong.brighter)),
-                ("pixels", json!(wrong.pixels)),
-            ]);
+            report.shadows.push(wrong.record("18", &name, plan.side, way));
             let file = format!("figure-18-{}-{rule}-{rows}", name.replace(' ', "-"));
             report.pictures.push((format!("{file}-wrong"), marked(&found, &truth)));
             report.pictures.push((file, found.view.picture()));

@@ -19,7 +19,7 @@ const STEPS: u32 = 60;
 pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let objects = plan.fixed_objects;
     eprintln!("figure 17: {objects} objects");
-    let ways = Way::there(plan.time_rows.iter().map(|&rows| Way::both(rows)).chain([Way::CLASSICAL, Way::BVH]));
+    let ways: Vec<Way> = plan.time_rows.iter().map(|&rows| Way::both(rows)).chain([Way::CLASSICAL, Way::BVH]).collect();
     let stacked = StackedObjects::new(objects, plan.kind);
     let scene = stacked.scene();
     let all = View::of(&scene, stacked.camera(plan.side, plan.side)).measure(renderer, &ways, plan.rounds)?;
@@ -54,7 +54,7 @@ fn table(all: &[Measured], plan: &Plan) -> String {
             format!("{} ({} to {})", number(Some(ms.median)), number(Some(ms.min)), number(Some(ms.max)))
         });
         let tests = number(By::Tests.cost(one).map(|tests| tests / 1e6));
-        let _ = writeln!(text, "| {} | {ms} | {tests} | {} |", one.way, number(Some(one.filled[0] as f64 / 1e6)));
+        let _ = writeln!(text, "| {} | {ms} | {tests} | {} |", one.way, number(Some(one.filling.filled as f64 / 1e6)));
     }
     text += "\nThe parabola of least squares over rows:\n\n\
              | | at no rows | linear, a thousand rows | quadratic, a million texels | r² |\n|---|---|---|---|---|\n\

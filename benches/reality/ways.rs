@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use stereotrace::{BvhBuild, Method, Options, Views};
+use stereotrace::{BvhBuild, Method, Options, ShadowBuffer, ShadowRule, Visibility};
 
 /// A way to a picture of one eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,21 +71,18 @@ impl Way {
         if self.list { BvhBuild::Flat } else { BvhBuild::Balanced }
     }
 
-    /// What it is rendered with; `None` where the library has no such way.
-    pub(crate) fn options(self) -> Option<Options> {
-        // The T-buffer and the shadow-buffer are asked for here.
-        (!self.t_buffer && self.table.is_none()).then(|| Options::new(Method::Naive))
+    /// What it is rendered with.
+    pub(crate) fn options(self) -> Options {
+        let visibility = if self.t_buffer { Visibility::TBuffer } else { Visibility::Rays };
+        let table = self.table.map(|table| {
+            ShadowBuffer::new(table.rows).rule(match table.rule {
+                Rule::Object => ShadowRule::Object,
+                Rule::Depth => ShadowRule::DEPTH,
+                Rule::Hybrid => ShadowRule::HYBRID,
+            })
+        });
+        Options::new(Method::Naive).visibility(visibility).shadow_buffer(table)
     }
-
-    /// Those of these that the library has.
-    pub(crate) fn there(ways: impl IntoIterator<Item = Self>) -> Vec<Self> {
-        ways.into_iter().filter(|way| way.options().is_some()).collect()
-    }
-}
-
-/// What filling shadow-buffers took: texels, and tests of primitives.
-pub(crate) fn filling(_views: &Views) -> [u64; 2] {
-    [0; 2]
 }
 
 impl fmt::Display for Rule {
