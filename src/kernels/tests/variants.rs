@@ -17,14 +17,14 @@ use crate::{
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
         show::{PACK, SHOW_COLOR, SHOW_DEPTH},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
-        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
+        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Traversal},
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 42] = [
+pub(super) const ALL: [&Kernel; 43] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -61,6 +61,7 @@ pub(super) const ALL: [&Kernel; 42] = [
     &BEGIN_PASS,
     &PROJECT_PRIMITIVES,
     &DRAW_FEW,
+    &DRAW_MORE,
     &DRAW_PARTS,
     &READ_T_BUFFER,
     &TRACE_NAMELESS,
@@ -198,7 +199,10 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
     }
-    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_PARTS, &READ_T_BUFFER].iter().any(|known| known.name == kernel.name) {
+    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_MORE, &DRAW_PARTS, &READ_T_BUFFER]
+        .iter()
+        .any(|known| known.name == kernel.name)
+    {
         all.retain(Variant::has_tree);
     }
     all
