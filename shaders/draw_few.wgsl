@@ -30,8 +30,8 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
             primitive = primitive_at(slot);
             let over = drawn_over(primitive, projection);
             let corner = vec2u(over.xy);
-            // By other rounding than before it may be nothing: then its corner's pixels are beyond its last ones.
-            let blocks = (vec2u(over.zw + 1) - corner + BLOCK - 1u) / BLOCK;
+            // By other rounding than before it may be nothing.
+            let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
             loop {
                 pixels = pixels_from(corner + block * BLOCK);
                 later = draw(primitive, slot, pixels, over.zw);

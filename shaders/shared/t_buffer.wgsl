@@ -183,7 +183,8 @@ var<private> names_primitives: bool;
 
 // Rays of a lane's pixels, up to a last column and row, against a primitive: keeps what they meet.
 fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
-    let inside = (pixels.x <= U(u32(last.x))) & (pixels.y + frame.first_row <= U(u32(last.y)));
+    let end = vec2u(max(last, vec2i(0)));
+    let inside = (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
     if COUNT && any_ray(inside) { count_test(pixel_of_ray(pixels, 0u)); }

@@ -55,6 +55,8 @@ const ENTRIES: u64 = 12;
 const PART: u64 = 8;
 /// Entries for further parts of primitives.
 const FURTHER_PARTS: u32 = 65536;
+/// Of more primitives the parts, up to 64 of each, could not be counted.
+const MOST_PRIMITIVES: u32 = 1 << 26;
 /// The lists' heads.
 const FEW: u32 = 0;
 const MORE: u32 = 1;
@@ -73,7 +75,9 @@ pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
 pub(crate) fn drawn(scene: &UploadedScene, gpu: &Gpu) -> Option<u32> {
     let primitives = scene.ids.len() as u32 - scene.variant.planes;
     let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
-    let fits = drawing_bytes(primitives) <= gpu.binding_limit() && u64::from(primitives + FURTHER_PARTS) <= most;
+    let fits = primitives <= MOST_PRIMITIVES
+        && drawing_bytes(primitives) <= gpu.binding_limit()
+        && u64::from(primitives + FURTHER_PARTS) <= most;
     if !fits {
         log::info!("{primitives} primitives are too many for a T-buffer's lists: rays are traced");
     }
