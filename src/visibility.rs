@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use crate::Error;
+use crate::{Error, Options};
 
 /// How the first hits of views that are traced are found: by both ways the same hits. Views that a method makes from another one are
 /// made as ever.
@@ -34,6 +34,14 @@ impl Visibility {
             Self::Rays => "rays",
             Self::TBuffer => "t-buffer",
         }
+    }
+}
+
+impl Options {
+    /// How the first hits of views that are traced are found: [`Visibility::Rays`] unless something else is asked for.
+    pub fn visibility(mut self, visibility: Visibility) -> Self {
+        self.visibility = visibility;
+        self
     }
 }
 
