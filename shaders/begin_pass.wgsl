@@ -1,4 +1,4 @@
-// Before the projection and the first pass of a T-buffer, and before its second pass: says which one it is. The host cleared all but the entries before.
+// Before each pass of a T-buffer: says which one it is, and how many workgroups draw what project_primitives listed. The host emptied the lists before that.
 //
 // launch  one thread
 // updates drawing
@@ -9,8 +9,10 @@
 @compute @workgroup_size(1)
 fn begin_pass() {
     drawing.pass_at_work += 1u;
-    drawing.few.workgroups_x = FEW_ACROSS;
-    drawing.few.workgroups_z = 1u;
-    drawing.parts.workgroups_x = PARTS_ACROSS;
-    drawing.parts.workgroups_z = 1u;
+    let few = atomicLoad(&drawing.few.count);
+    drawing.few.workgroups = vec3u(FEW_ACROSS, (few + FEW_IN_ROW - 1u) / FEW_IN_ROW, 1u);
+    let more = atomicLoad(&drawing.more.count);
+    drawing.more.workgroups = vec3u(MORE_ACROSS, (more + MORE_IN_ROW - 1u) / MORE_IN_ROW, 1u);
+    let parts = atomicLoad(&drawing.parts.count);
+    drawing.parts.workgroups = vec3u(PARTS_ACROSS, (parts + PARTS_IN_ROW - 1u) / PARTS_IN_ROW, 1u);
 }

@@ -1,6 +1,6 @@
 // T-buffer, both passes: primitives that cover few pixels, each over all of these. One kernel serves both passes, so that a t of the second is that of the first.
 //
-// launch  one thread per entry of the few, dispatched indirectly
+// launch  one thread per FEW_EACH entries of the few, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]
 // adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
@@ -12,30 +12,42 @@
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn draw_few(@builtin(global_invocation_id) id: vec3u) {
-    let entry = id.y * FEW_IN_ROW + id.x;
-    if entry >= atomicLoad(&drawing.few.count) { return; }
+    // The threads of a workgroup take neighbours, and then the next ones.
+    let first = id.y * FEW_IN_ROW + id.x / LIST_WORKGROUP * (LIST_WORKGROUP * FEW_EACH) + id.x % LIST_WORKGROUP;
+    let end = min(first + LIST_WORKGROUP * FEW_EACH, atomicLoad(&drawing.few.count));
+    if first >= end { return; }
     names_primitives = drawing.pass_at_work == SECOND_PASS;
-    let slot = drawing.entries[entry];
-    let primitive = primitive_at(slot);
-    let over = drawn_over(primitive);
-    // Found elsewhere to cover something: by other rounding it may be nothing.
-    if is_drawn_nowhere(over) { return; }
-    let corner = vec2u(over.xy);
-    let blocks = (vec2u(over.zw) + 1u - corner + BLOCK - 1u) / BLOCK;
+    let projection = projection_of(rows_at_work());
+    var entry = first;
     var block = vec2u(0u);
     loop {
+        var slot: u32;
+        var primitive: Primitive;
         var pixels: Pixels;
         var later: Later;
         loop {
-            pixels = pixels_from(corner + block * BLOCK);
-            later = draw(primitive, slot, pixels, over.zw);
-            block.x += 1u;
-            if block.x >= blocks.x { block = vec2u(0u, block.y + 1u); }
-            if !is_none(later) || block.y >= blocks.y { break; }
+            slot = drawing.entries[entry];
+            primitive = primitive_at(slot);
+            let over = drawn_over(primitive, projection);
+            let corner = vec2u(over.xy);
+            // By other rounding than before it may be nothing.
+            let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
+            loop {
+                pixels = pixels_from(corner + block * BLOCK);
+                later = draw(primitive, slot, pixels, over.zw);
+                block.x += 1u;
+                if block.x >= blocks.x { block = vec2u(0u, block.y + 1u); }
+                if !is_none(later) || block.y >= blocks.y { break; }
+            }
+            if block.y >= blocks.y {
+                block.y = 0u;
+                entry += LIST_WORKGROUP;
+            }
+            if !is_none(later) || entry >= end { break; }
         }
         draw_again(primitive, slot, pixels, later);
-        if block.y >= blocks.y { break; }
+        if entry >= end { break; }
     }
-    cut_short |= block.y < blocks.y;
+    cut_short |= entry < end;
     count_view(counted_row(), 0u, 0u, 0u);
 }

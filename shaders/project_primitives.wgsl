@@ -1,5 +1,5 @@
 // T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work are listed (shared/t_buffer.wgsl): those that cover few pixels,
-// and the others in parts. So the vectors of a software adapter that draw them are full, and both passes draw what was projected once.
+// those that cover a few tiles, and the others in parts. So the vectors of a software adapter that draw them are full, and both passes draw what was projected once.
 //
 // launch  one thread per primitive of the tree
 // adds    counters   [height * COUNTERS]
@@ -9,47 +9,41 @@
 @group(1) @binding(1) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(2) var<storage, read_write> drawing: Drawing;
 
-// Pixels that a thread draws over alone, the others of a vector waiting for it.
+// Pixels over which all is drawn, and tiles that a thread draws over alone, the others of a vector waiting for it.
 const FEW_PIXELS: u32 = 32u;
+const MORE_TILES: u32 = 8u;
 // Tiles of a part, of which each thread of a group has an eighth.
 const PART_TILES: u32 = 64u;
+// Parts at most, so that as many of each primitive can be counted.
+const MOST_PARTS: u32 = 64u;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     let index = id.y * (PROJECTED_ACROSS * LIST_WORKGROUP) + id.x;
     if index >= primitives_in_tree() { return; }
     let slot = FIRST_IN_TREE + index;
-    let over = drawn_over(primitive_at(slot));
-    if !is_drawn_nowhere(over) {
-        let size = vec2u(over.zw - over.xy) + 1u;
-        let blocks = (size + BLOCK - 1u) / BLOCK;
+    let primitive = primitive_at(slot);
+    let projection = projection_of(rows_at_work());
+    let over = drawn_over(primitive, projection);
+    if !is_drawn_nowhere(over) && !is_out_of_sight(primitive, projection) {
+        let blocks = (vec2u(over.zw + 1 - over.xy) + BLOCK - 1u) / BLOCK;
+        let tiles = tiles_over(over);
         if blocks.x * blocks.y * RAYS <= FEW_PIXELS {
-            list_one(slot);
+            drawing.entries[atomicAdd(&drawing.few.count, 1u)] = slot;
+        } else if tiles <= MORE_TILES {
+            drawing.entries[place_of_more(atomicAdd(&drawing.more.count, 1u))] = slot;
         } else {
-            let tiles = (size + TILE - 1u) / TILE;
-            list_parts(slot, tiles.x * tiles.y);
+            list_parts(slot, tiles);
         }
     }
     count_view(counted_row(), 0u, 1u, 0u);
 }
 
-fn list_one(slot: u32) {
-    let place = atomicAdd(&drawing.few.count, 1u);
-    if rows_begun(place, 1u, FEW_IN_ROW) > 0u { atomicAdd(&drawing.few.workgroups_y, 1u); }
-    drawing.entries[place] = slot;
-}
-
-// Lists a primitive that covers so many tiles in so many parts, or as one where there is no room for more: no thread draws a whole ground.
+// Lists a primitive that covers so many tiles in parts, or as one where there is no room for more: no thread draws a whole ground.
 fn list_parts(slot: u32, tiles: u32) {
-    var parts = (tiles + PART_TILES - 1u) / PART_TILES;
-    if parts > 1u {
-        // Looked at before it grows, so that it can't overflow.
-        let is_full = atomicLoad(&drawing.further_parts) > FURTHER_PARTS;
-        if is_full || atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }
-    }
+    var parts = clamp((tiles + PART_TILES - 1u) / PART_TILES, 1u, MOST_PARTS);
+    if parts > 1u && atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }
     let first = atomicAdd(&drawing.parts.count, parts);
-    let begun = rows_begun(first, parts, PARTS_IN_ROW);
-    if begun > 0u { atomicAdd(&drawing.parts.workgroups_y, begun); }
     var part = 0u;
     loop {
         let place = place_of_part(first + part);

@@ -197,12 +197,6 @@ impl Options {
         self
     }
 
-    /// How the first hits of views that are traced are found: [`Visibility::Rays`] unless something else is asked for.
-    pub fn visibility(mut self, visibility: Visibility) -> Self {
-        self.visibility = visibility;
-        self
-    }
-
     /// Whether BVH nodes and primitive tests are counted (slower).
     pub fn count(mut self, count: bool) -> Self {
         self.count = count;

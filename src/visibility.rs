@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use crate::Error;
+use crate::{Error, Options};
 
 /// How the first hits of views that are traced are found: by both ways the same hits. Views that a method makes from another one are
 /// made as ever.
@@ -19,8 +19,8 @@ pub enum Visibility {
     ///
     /// Rays are traced all the same where pixels are masked ([`Options::adaptive`](crate::Options::adaptive), but for the first level and pixels' centres), in
     /// frames [in steps](crate::Statistics::in_steps), in bands of which [`Method::Auto`](crate::Method::Auto) finds out on the device that both
-    /// views are traced, in scenes without anything but planes, and where a scene has more primitives than a list of 8 bytes each in
-    /// one storage buffer holds: 16.7 million at WebGPU's default of 128 MiB.
+    /// views are traced, in scenes without anything but planes, and where a scene has more primitives than a list of 12 bytes each in
+    /// one storage buffer holds: 11.1 million at WebGPU's default of 128 MiB.
     TBuffer,
 }
 
@@ -34,6 +34,14 @@ impl Visibility {
             Self::Rays => "rays",
             Self::TBuffer => "t-buffer",
         }
+    }
+}
+
+impl Options {
+    /// How the first hits of views that are traced are found: [`Visibility::Rays`] unless something else is asked for.
+    pub fn visibility(mut self, visibility: Visibility) -> Self {
+        self.visibility = visibility;
+        self
     }
 }
 

@@ -4,7 +4,8 @@ mod common;
 
 use common::{gpu, random_stage};
 use stereotrace::{
-    EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, StereoCamera, View, glam::Vec3, wgpu,
+    EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, StereoCamera, View, Visibility,
+    glam::Vec3, wgpu,
 };
 
 /// Two bands of 64 rows, and 30 rows more.
@@ -119,8 +120,9 @@ fn encoded_views_are_those_that_are_read_back() {
     let methods = [Method::Auto, Method::Naive, Method::Ideal, Method::VERIFIED, "atomic-edges".parse().unwrap()];
     for (uploaded, method) in methods.map(|method| (&by_points, method)).into_iter().chain([(&softly, Method::BRACKET)])
     {
-        for g_buffer in [GBuffer::Depth, GBuffer::None] {
-            let options = Options::new(method).g_buffer(g_buffer).shadow_rays(20);
+        let drawn = (GBuffer::Depth, Visibility::TBuffer);
+        for (g_buffer, way) in [(GBuffer::Depth, Visibility::Rays), (GBuffer::None, Visibility::Rays), drawn] {
+            let options = Options::new(method).g_buffer(g_buffer).shadow_rays(20).visibility(way);
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let encoded = renderer.encode(uploaded, &rig, &options, &mut encoder).unwrap();
             let (by_bands, commands) = renderer.encode_bands(uploaded, &rig, &options).unwrap();

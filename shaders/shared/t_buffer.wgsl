@@ -7,34 +7,38 @@
 
 // Lists of the primitives that may cover a pixel's middle, and which pass draws them.
 struct Drawing {
-    few: DrawnHead,                 // those that a thread draws alone
-    parts: DrawnHead,               // parts of those that threads share
+    few: DrawnHead,                 // those that cover few pixels
+    more: DrawnHead,                // those that cover a few tiles
+    parts: DrawnHead,               // parts of those that cover many
     further_parts: atomic<u32>,     // parts that were asked for besides each one's first
     pass_at_work: u32,              // 1: t is kept; SECOND_PASS: which primitive has it
     entries: array<u32>,
 }
 
 struct DrawnHead {
-    workgroups_x: u32,              // an indirect dispatch, of which rows of workgroups are begun as the list grows
-    workgroups_y: atomic<u32>,
-    workgroups_z: u32,
+    workgroups: vec3u,              // an indirect dispatch
     count: atomic<u32>,
 }
 
 const SECOND_PASS: u32 = 2u;
 
-// There is room for two words for each primitive, and for so many further parts. A primitive is in one of the lists: a slot of the few takes a
-// word from the first one on, a part two from the last one backwards: its slot, and which part, with the number of parts from PARTS_BIT on.
+// There is room for three words for each primitive, and for so many further parts. A primitive is in one of the lists. Slots of the few stand from
+// the first word on, those that cover more from the last of the first third backwards. A part takes two words, from the last ones backwards: its slot,
+// and which part, with the number of parts from PARTS_BIT on.
 const FURTHER_PARTS: u32 = 65536u;
 const PARTS_BIT: u32 = 16u;
 // Threads that share a part: a vector of a software adapter, which then reads one primitive.
 const GROUP: u32 = 8u;
-// Workgroups in a row of the launches over primitives, over the few, and over parts.
+// Of the few so many are a thread's: a second look, which a software adapter's vector takes once in any case, is then taken once for all of them.
+const FEW_EACH: u32 = 4u;
+// Workgroups in a row of the launches over primitives, and over each list.
 const PROJECTED_ACROSS: u32 = 1024u;
-const FEW_ACROSS: u32 = 128u;
+const FEW_ACROSS: u32 = 32u;
+const MORE_ACROSS: u32 = 64u;
 const PARTS_ACROSS: u32 = 64u;
 // A list's entries that a row of workgroups takes.
-const FEW_IN_ROW: u32 = FEW_ACROSS * LIST_WORKGROUP;
+const FEW_IN_ROW: u32 = FEW_ACROSS * LIST_WORKGROUP * FEW_EACH;
+const MORE_IN_ROW: u32 = MORE_ACROSS * LIST_WORKGROUP;
 const PARTS_IN_ROW: u32 = PARTS_ACROSS * LIST_WORKGROUP / GROUP;
 
 //! if planes is none
@@ -47,17 +51,16 @@ const FIRST_IN_TREE: u32 = PLANES;
 //! end
 // How many primitives there are in the tree: the host made room for as many.
 fn primitives_in_tree() -> u32 {
-    return arrayLength(&drawing.entries) / 2u - FURTHER_PARTS;
+    return (arrayLength(&drawing.entries) - 2u * FURTHER_PARTS) / 3u;
+}
+
+fn place_of_more(entry: u32) -> u32 {
+    return primitives_in_tree() - 1u - entry;
 }
 
 // Of a part's two words the first.
 fn place_of_part(part: u32) -> u32 {
     return arrayLength(&drawing.entries) - 2u - 2u * part;
-}
-
-// Rows of workgroups that a list of so many entries has begun when there are so many more.
-fn rows_begun(before: u32, more: u32, in_row: u32) -> u32 {
-    return (before + more + in_row - 1u) / in_row - (before + in_row - 1u) / in_row;
 }
 
 // The row in which threads count what belongs to no row: one of the band's own, which has up to two others above it.
@@ -131,27 +134,36 @@ fn rows_at_work() -> Tile {
     return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
 }
 
-// First column and row, and the last ones, in the picture, of the pixels of the rows at work whose rays may meet a primitive; none if a first is past
-// its last. What reaches the plane of the eyes has no bounds; much of that lies beside the picture or behind the eye all the same, which
-// the planes around the picture tell.
-fn drawn_over(primitive: Primitive) -> vec4i {
-    let rows = rows_at_work();
-    let projection = projection_of(rows);
+// Whether no ray of the rows at work may meet a primitive, as the planes around these rays tell. What reaches the plane of the eyes has no bounds;
+// much of that lies beside the picture or behind the eye.
+fn is_out_of_sight(primitive: Primitive, projection: Projection) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
-    let met = min(min(across, down), most_along(primitive, projection.forward)) >= 0.0;
+    return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
+}
+
+// First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's projection may reach; none if a first is
+// past its last.
+fn drawn_over(primitive: Primitive, projection: Projection) -> vec4i {
     let found = projected_bounds(primitive, projection);
     let bounds = select(found, EVERYWHERE, is_beside_eyes(primitive, projection.forward));
     // Samples are jittered along their rows only.
     let margin = vec2f(frame.wider, frame.wider - jitter_reach());
+    let rows = rows_at_work();
     let low = vec2f(rows.corner);
     let high = low + vec2f(rows.size) - 1.0;
-    let first = vec2i(ceil(clamp(bounds.xy - margin - 0.5, low, high + 1.0)));
-    let last = vec2i(floor(clamp(bounds.zw + margin - 0.5, low - 1.0, high)));
-    return select(vec4i(0, 0, -1, -1), vec4i(first, last), met);
+    let first = ceil(clamp(bounds.xy - margin - 0.5, low, high + 1.0));
+    let last = floor(clamp(bounds.zw + margin - 0.5, low - 1.0, high));
+    return vec4i(vec2i(first), vec2i(last));
 }
 
 fn is_drawn_nowhere(over: vec4i) -> bool { return any(over.xy > over.zw); }
+
+// How many tiles these pixels are, from the first one on.
+fn tiles_over(over: vec4i) -> u32 {
+    let tiles = (vec2u(over.zw + 1 - over.xy) + TILE - 1u) / TILE;
+    return tiles.x * tiles.y;
+}
 
 // A lane's pixels from one of the picture on, as buffers count them.
 fn pixels_from(corner: vec2u) -> Pixels {
@@ -171,7 +183,8 @@ var<private> names_primitives: bool;
 
 // Rays of a lane's pixels, up to a last column and row, against a primitive: keeps what they meet.
 fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
-    let inside = (pixels.x <= U(u32(last.x))) & (pixels.y + frame.first_row <= U(u32(last.y)));
+    let end = vec2u(max(last, vec2i(0)));
+    let inside = (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
     if COUNT && any_ray(inside) { count_test(pixel_of_ray(pixels, 0u)); }
@@ -246,4 +259,56 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
         if left == 0u { break; }
     }
     cut_short |= left != 0u;
+}
+
+// A lane's turns at a block of 2x2 pixels.
+const TURNS: u32 = 4u / RAYS;
+
+// Draws a primitive over tiles of the pixels that it may cover, row by row: from one on to before another, so many from each to the next. Of a triangle only
+// those blocks are drawn that may lie within its edges.
+fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32, apart: u32) {
+    let corner = vec2u(over.xy);
+    let size = vec2u(over.zw + 1) - corner;
+    let across = (size.x + TILE - 1u) / TILE;
+    var tile = begin;
+    var first = vec2u(0u);
+    var blocks = 0u;
+    var turn = 0u;
+    loop {
+        var pixels: Pixels;
+        var later: Later;
+        loop {
+            // The next tile with something to draw.
+            loop {
+                if blocks != 0u || tile >= end { break; }
+                first = corner + vec2u(tile % across, tile / across) * TILE;
+                blocks = blocks_to_draw(primitive, Tile(first, min(vec2u(TILE), corner + size - first)));
+                tile += apart;
+            }
+            if blocks == 0u { break; }
+            loop {
+                let block = firstTrailingBit(blocks);
+                let place = vec2u(block % BLOCKS, block / BLOCKS) * 2u + vec2u(turn & 1u, turn >> 1u);
+                pixels = pixels_from(first + place);
+                later = draw(primitive, slot, pixels, over.zw);
+                turn += 1u;
+                if turn >= TURNS {
+                    turn = 0u;
+                    blocks &= blocks - 1u;
+                }
+                if !is_none(later) || blocks == 0u { break; }
+            }
+            if !is_none(later) { break; }
+        }
+        // Once for all tiles, but for those that wait for it.
+        draw_again(primitive, slot, pixels, later);
+        if blocks == 0u && tile >= end { break; }
+    }
+    cut_short |= blocks != 0u || tile < end;
+}
+
+// The blocks of a tile, a bit each, row by row.
+fn blocks_to_draw(primitive: Primitive, tile: Tile) -> u32 {
+    let all = vec4i(vec2i(0), vec2i(tile.size) - 1);
+    return covered_blocks(all) & blocks_within_edges(primitive, tile);
 }

@@ -29,14 +29,15 @@ pub(crate) const PROJECT_PRIMITIVES: Kernel = Kernel {
     storage: &[(Counters, Write), (Drawing, Write)],
     main: part!("project_primitives.wgsl"),
 };
-/// Primitives that one thread draws.
+/// Primitives that cover few pixels.
 pub(crate) const DRAW_FEW: Kernel = Kernel {
     name: "draw_few",
     touches: Touches::Geometry,
     storage: &[(TBuffer, Write), (Counters, Write), (Drawing, Write)],
     main: part!("draw_few.wgsl"),
 };
-/// Primitives that several threads draw.
+/// Those that cover a few tiles, and parts of those that cover many.
+pub(crate) const DRAW_MORE: Kernel = Kernel { name: "draw_more", main: part!("draw_more.wgsl"), ..DRAW_FEW };
 pub(crate) const DRAW_PARTS: Kernel = Kernel { name: "draw_parts", main: part!("draw_parts.wgsl"), ..DRAW_FEW };
 pub(crate) const READ_T_BUFFER: Kernel = Kernel {
     name: "read_t_buffer",
@@ -48,14 +49,18 @@ pub(crate) const READ_T_BUFFER: Kernel = Kernel {
 pub(crate) const TRACE_NAMELESS: Kernel = Kernel { name: "trace_nameless", ..TRACE_LISTED };
 
 /// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, as what follows).
-pub(crate) const DRAWING_HEAD: u64 = 40;
-/// Bytes of entries for a primitive, or a part of one.
-const ENTRY: u64 = 8;
+pub(crate) const DRAWING_HEAD: u64 = 56;
+/// Bytes of a primitive's entries, and of a further part.
+const ENTRIES: u64 = 12;
+const PART: u64 = 8;
 /// Entries for further parts of primitives.
 const FURTHER_PARTS: u32 = 65536;
+/// Of more primitives the parts, up to 64 of each, could not be counted.
+const MOST_PRIMITIVES: u32 = 1 << 26;
 /// The lists' heads.
 const FEW: u32 = 0;
-const PARTS: u32 = 1;
+const MORE: u32 = 1;
+const PARTS: u32 = 2;
 /// Parts that a row of workgroups takes.
 const PARTS_IN_ROW: u32 = 512;
 /// Workgroups in a row of the launch over primitives.
@@ -63,14 +68,16 @@ const PROJECTED_ACROSS: u32 = 1024;
 
 /// Bytes of the lists of a scene of which so many primitives are drawn.
 pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
-    DRAWING_HEAD + ENTRY * (u64::from(primitives) + u64::from(FURTHER_PARTS))
+    DRAWING_HEAD + ENTRIES * u64::from(primitives) + PART * u64::from(FURTHER_PARTS)
 }
 
 /// How many primitives of a scene are drawn, or none where one binding does not hold their lists.
 pub(crate) fn drawn(scene: &UploadedScene, gpu: &Gpu) -> Option<u32> {
     let primitives = scene.ids.len() as u32 - scene.variant.planes;
     let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
-    let fits = drawing_bytes(primitives) <= gpu.binding_limit() && u64::from(primitives + FURTHER_PARTS) <= most;
+    let fits = primitives <= MOST_PRIMITIVES
+        && drawing_bytes(primitives) <= gpu.binding_limit()
+        && u64::from(primitives + FURTHER_PARTS) <= most;
     if !fits {
         log::info!("{primitives} primitives are too many for a T-buffer's lists: rays are traced");
     }
@@ -86,14 +93,17 @@ pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
 /// A view's hits, in its depths and slots.
 pub(crate) fn hits(view: usize) -> Vec<Step> {
     let begin = step(&BEGIN_PASS, view, Launch::Once);
-    let pass =
-        [step(&DRAW_FEW, view, Launch::Listed(Drawing, FEW)), step(&DRAW_PARTS, view, Launch::Listed(Drawing, PARTS))];
+    let pass = [
+        step(&DRAW_FEW, view, Launch::Listed(Drawing, FEW)),
+        step(&DRAW_MORE, view, Launch::Listed(Drawing, MORE)),
+        step(&DRAW_PARTS, view, Launch::Listed(Drawing, PARTS)),
+    ];
     let read = [
         Step::EmptyLists(Lists),
         step(&READ_T_BUFFER, view, Launch::Pixels),
         step(&TRACE_NAMELESS, view, Launch::Listed(Lists, TO_TRACE)),
     ];
-    let project = [Step::EmptyTBuffer, begin, step(&PROJECT_PRIMITIVES, view, Launch::Primitives)];
+    let project = [Step::EmptyTBuffer, step(&PROJECT_PRIMITIVES, view, Launch::Primitives), begin];
     [project.as_slice(), &pass, &[begin], &pass, &read].concat()
 }
 

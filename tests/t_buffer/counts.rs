@@ -68,7 +68,7 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
     }
     let names: Vec<&str> = first.statistics.times.iter().flat_map(|times| &times.passes).map(|pass| pass.0).collect();
     if !names.is_empty() {
-        for name in ["project_primitives", "draw_few", "draw_parts", "read_t_buffer", "shade_hits"] {
+        for name in ["project_primitives", "draw_few", "draw_more", "draw_parts", "read_t_buffer", "shade_hits"] {
             assert!(names.contains(&name), "{names:?}");
         }
     }

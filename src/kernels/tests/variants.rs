@@ -19,7 +19,7 @@ use crate::{
         shadow_buffer::FILL_SHADOW_BUFFER,
         show::{PACK, SHOW_COLOR, SHOW_DEPTH},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
-        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
+        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
     traversal::{Boxes, Traversal},
@@ -63,6 +63,7 @@ pub(super) const ALL: [&Kernel; 43] = [
     &BEGIN_PASS,
     &PROJECT_PRIMITIVES,
     &DRAW_FEW,
+    &DRAW_MORE,
     &DRAW_PARTS,
     &READ_T_BUFFER,
     &TRACE_NAMELESS,
@@ -204,7 +205,10 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
     }
-    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_PARTS, &READ_T_BUFFER].iter().any(|known| known.name == kernel.name) {
+    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_MORE, &DRAW_PARTS, &READ_T_BUFFER]
+        .iter()
+        .any(|known| known.name == kernel.name)
+    {
         all.retain(Variant::has_tree);
     }
     all

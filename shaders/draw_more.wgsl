@@ -1,0 +1,24 @@
+// T-buffer, both passes: primitives that cover a few tiles, a thread each.
+//
+// launch  one thread per entry, dispatched indirectly
+// reads   drawing
+// updates t_buffer   [height * width * 2]
+// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;
+@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> drawing: Drawing;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn draw_more(@builtin(global_invocation_id) id: vec3u) {
+    let entry = id.y * MORE_IN_ROW + id.x;
+    if entry >= atomicLoad(&drawing.more.count) { return; }
+    names_primitives = drawing.pass_at_work == SECOND_PASS;
+    let slot = drawing.entries[place_of_more(entry)];
+    let primitive = primitive_at(slot);
+    let over = drawn_over(primitive, projection_of(rows_at_work()));
+    if is_drawn_nowhere(over) { return; }
+    draw_tiles(primitive, slot, over, 0u, tiles_over(over), 1u);
+    count_view(counted_row(), 0u, 0u, 0u);
+}
