@@ -45,7 +45,7 @@ impl Asked {
             scenes: Vec::new(),
             size: if quick { [64, 64] } else { [600, 600] },
             rows: if quick { vec![40] } else { vec![100, 200, 400, 800] },
-            rules: [0.05, 0.1, 0.3].map(|margin| ShadowRule::Hybrid { margin }).to_vec(),
+            rules: [0.01, 0.03, 0.1].map(|margin| ShadowRule::Hybrid { margin }).to_vec(),
             methods: vec![Method::Naive, Method::BRACKET],
             rounds: if quick { 0 } else { 5 },
         };
@@ -194,7 +194,8 @@ impl Cost {
         for frame in 0..VIEWS {
             // A step of an interaxial each.
             let aside = pose.right * (pose.interaxial * (frame as f32 - 0.5 * VIEWS as f32));
-            let moved = camera.eye(camera.eye + aside).target(camera.target + aside);
+            let eye = pose.eye + aside;
+            let moved = camera.eye(eye).target(eye + pose.screen_distance * pose.forward);
             film += of_pair(&renderer.trace(uploaded, &moved, options)?);
         }
         let mut times = Vec::new();

@@ -101,8 +101,8 @@ impl Renderer {
         let Some(buffer) = options.shadow_buffer.filter(|_| scene.shadow_reading(options).is_some()) else {
             return Ok(None);
         };
+        let size = Tables::size(&self.gpu, &buffer, scene.buffered_lights().count())?;
         let layers = scene.layers(&buffer);
-        let size = Tables::size(&self.gpu, &buffer, layers.len())?;
         let mut work = ShadowBufferWork { bytes: Tables::bytes(size), ..Default::default() };
         let is_kept = |kept: &&Arc<Tables>| kept.texture.0.size() == size && kept.layers == layers;
         if let Some(kept) = lock(&scene.shadow_tables).as_ref().filter(is_kept) {
