@@ -154,7 +154,7 @@ struct Asking {
 struct Neighbours {
     own: i32,          // how many show the point's own surface
     before: i32,       // how many show something that is before it
-    one: bool,         // whether that lies in one plane
+    one: bool,         // whether that lies in one plane and hangs together
     first: u32,        // what the first and the last of these show
     last: u32,
 }
@@ -212,12 +212,14 @@ fn with_proof(before: Said, slots: U, ray: ShadowRay) -> Said {
 }
 
 // A texel shows what is before the point where that is nearer than the plane of the point's surface, along the texel's direction, and the point is behind
-// the plane of what is shown: what it is before of can't hide the light from it, as a wall beside a floor that both face the light.
+// the plane of what is shown. What the point is clearly above of can't hide the light from it, as a wall beside a floor that both face the light; where it
+// is hard to say, the texel shows neither.
 fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
     var found = Neighbours(0, 0, true, MISS, MISS);
-    // Where the first of those that are before the point is, and its normal.
+    // Where the first of those that are before the point is, its normal, and its component.
     var at_first: vec3f;
     var normal: vec3f;
+    var component: u32;
     // The square's first texel; middles stand half a texel behind its begin.
     let first = vec2i(ceil(asking.place - 0.5 - 0.5 * f32(ASKED_SIDE)));
     var at = 0;
@@ -234,18 +236,21 @@ fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
         let there = direction * t;
         if texel.y < UNFILLED {
             let seen = surface_at(Rays(light, all3(direction)), Hits(F(t), U(0u), U(texel.y)), 0u);
-            let behind = dot(seen.geometric_normal, asking.from_light - there) < -BUFFER_MARGIN * width;
-            let is_before = behind && (!meets || t < plane - BUFFER_MARGIN * width);
-            if is_before {
+            let above = dot(seen.geometric_normal, asking.from_light - there);
+            let margin = BUFFER_MARGIN * width;
+            let nearer = !meets || t < plane - margin;
+            if nearer && above < -margin {
                 if found.first == MISS {
                     found.first = texel.y;
                     at_first = there;
                     normal = seen.geometric_normal;
+                    component = seen.component;
                 }
                 found.last = texel.y;
                 found.before += 1;
+                found.one &= component == seen.component;
                 found.one &= abs(dot(normal, there - at_first)) <= BUFFER_MARGIN * table.theta_step * t;
-            } else if meets && t < plane + ONE_SURFACE * width {
+            } else if meets && t < plane + ONE_SURFACE * width && (!nearer || above > margin) {
                 found.own += 1;
             }
         }
