@@ -50,8 +50,8 @@ pub enum ShadowRule {
 impl ShadowRule {
     /// [`ShadowRule::Depth`] by the width of a texel.
     pub const DEPTH: Self = Self::Depth { bias: 1.0 };
-    /// [`ShadowRule::Hybrid`] by 0.03 of the width of a texel.
-    pub const HYBRID: Self = Self::Hybrid { margin: 0.03 };
+    /// [`ShadowRule::Hybrid`] by a tenth of the width of a texel.
+    pub const HYBRID: Self = Self::Hybrid { margin: 0.1 };
 
     /// What shaders/shared/shadow_buffer.wgsl has sections for.
     fn name(self) -> &'static str {

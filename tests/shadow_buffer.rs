@@ -154,7 +154,7 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays: as measured on llvmpipe, and with a third more and 20 besides
+/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays: as measured on llvmpipe, and with a third more and 10 besides
 /// what a test allows.
 fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
@@ -166,7 +166,7 @@ fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera,
         let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
         let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
         println!("{name}: {wrong} of {} pixels, {saved:.1}% of shadow rays saved", 2 * truth.left.rgba8.len());
-        if wrong > measured + measured / 3 + 20 {
+        if wrong > measured + measured / 3 + 10 {
             worse.push(format!("{name}: {wrong} pixels, {measured} were measured"));
         }
     }
@@ -177,10 +177,10 @@ fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera,
 fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
     let measured = [
         (Builtin::Spheres, 0),
-        (Builtin::Hall, 30),
-        (Builtin::Hidden, 175),
-        (Builtin::Near, 219),
-        (Builtin::Grazing, 230),
+        (Builtin::Hall, 24),
+        (Builtin::Hidden, 1),
+        (Builtin::Near, 1),
+        (Builtin::Grazing, 76),
         (Builtin::ThreeSpheres, 0),
         (Builtin::ThreeSpheresMirrors, 0),
     ];
@@ -190,8 +190,7 @@ fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
 }
 
 /// Of each of the trials, in their order.
-const OF_TRIALS: [usize; 19] =
-    [393, 175, 219, 230, 2924, 1632, 70, 1025, 141, 1743, 168, 62, 1370, 128, 79, 131, 382, 0, 320];
+const OF_TRIALS: [usize; 19] = [3, 1, 1, 76, 2608, 1472, 0, 1084, 44, 305, 19, 80, 1370, 2, 1, 3, 382, 0, 3];
 
 #[test]
 fn hybrid_shadows_of_hard_scenes_are_as_good_as_measured() {
