@@ -148,6 +148,7 @@ struct Asking {
     normal: vec3f,       // of its surface
     height: f32,         // of its surface's plane from the light, along the normal: below 0, since it faces the light
     distance: f32,
+    component: u32,
 }
 
 // What a square of texels says of one point.
@@ -159,7 +160,7 @@ struct Neighbours {
     last: u32,
 }
 
-// Where all texels of the square show the point's own surface, the light is taken to be open; where all show one plane before it, to be hidden. Else
+// Where all texels of the square show the point's own surface, or of a ball nothing before it, the light is taken to be open; where all show one plane before it, to be hidden. Else
 // a primitive before it that is met is proof, and if none is nothing is said.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
@@ -178,7 +179,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             let distance = of_ray(ray.distance, index);
             let from_light = of_ray3(ray.direction, index) * distance;
             let normal = of_ray3(asked_normal, index);
-            let asking = Asking(place, from_light, normal, of_ray(height, index), distance);
+            let asking = Asking(place, from_light, normal, of_ray(height, index), distance, of_ray_u(asked_component, index));
             let found = neighbours(table, asking, ray.light);
             let all = ASKED_SIDE * ASKED_SIDE;
             if found.own == all || (found.before == all && found.one) {
@@ -220,6 +221,8 @@ fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
     var at_first: vec3f;
     var normal: vec3f;
     var component: u32;
+    // A ball has no rims that stand up from it, so a texel that passes it by says as much as one that shows it.
+    let is_convex = (asking.component & IS_SPHERE) != 0u;
     // The square's first texel; middles stand half a texel behind its begin.
     let first = vec2i(ceil(asking.place - 0.5 - 0.5 * f32(ASKED_SIDE)));
     var at = 0;
@@ -250,9 +253,11 @@ fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
                 found.before += 1;
                 found.one &= component == seen.component;
                 found.one &= abs(dot(normal, there - at_first)) <= BUFFER_MARGIN * table.theta_step * t;
-            } else if meets && t < plane + ONE_SURFACE * width && (!nearer || above > margin) {
+            } else if meets && (t < plane + ONE_SURFACE * width || is_convex) && (!nearer || above > margin) {
                 found.own += 1;
             }
+        } else if texel.y == MISS && meets && is_convex {
+            found.own += 1;
         }
         at += 1;
         if at >= ASKED_SIDE * ASKED_SIDE { break; }
