@@ -53,7 +53,7 @@ impl ShadowRule {
     /// [`ShadowRule::Hybrid`] by a tenth of the width of a texel.
     pub const HYBRID: Self = Self::Hybrid { margin: 0.1 };
 
-    /// What shaders/shared/shadow_buffer.wgsl has sections for.
+    /// What `shaders/shared/shadow_buffer.wgsl` has sections for.
     fn name(self) -> &'static str {
         match self {
             Self::Object => "object",

@@ -279,7 +279,7 @@ impl Texture {
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
-    /// Says behind a table where its directions are (`directions_of` of shaders/shared/shadow_buffer.wgsl).
+    /// Says behind a table where its directions are (`directions_of` of `shaders/shared/shadow_buffer.wgsl`).
     fn write_head(&self, gpu: &Gpu, layer: u32, mapping: &Mapping) {
         let Mapping { axes: [x, _, z], theta, phi, rows, columns } = *mapping;
         let floats = [theta, phi, [x.x, x.y], [x.z, z.x], [z.y, z.z]].map(|two| two.map(f32::to_bits));
