@@ -45,7 +45,7 @@ impl Asked {
             scenes: Vec::new(),
             size: if quick { [64, 64] } else { [600, 600] },
             rows: if quick { vec![40] } else { vec![100, 200, 400, 800] },
-            rules: [0.05, 0.1, 0.3].map(|margin| ShadowRule::Hybrid { margin }).to_vec(),
+            rules: [0.03, 0.1, 0.3].map(|margin| ShadowRule::Hybrid { margin }).to_vec(),
             methods: vec![Method::Naive, Method::BRACKET],
             rounds: if quick { 0 } else { 5 },
         };

@@ -76,7 +76,7 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
-/// `Filling` of shaders/fill_shadow_buffer.wgsl.
+/// `Filling` of `shaders/fill_shadow_buffer.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Filling {

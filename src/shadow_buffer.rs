@@ -41,8 +41,8 @@ pub enum ShadowRule {
     },
     /// Texels answer where those around the point's direction agree, and a shadow ray is traced elsewhere: see `docs/SHADOW-BUFFER.md`.
     Hybrid {
-        /// By how much a texel must be nearer than the plane of the point's surface to count as something in the way, in widths of a texel at the
-        /// point's distance. At least 0.
+        /// By how much what a texel shows must be nearer than the plane of the point's surface to count as something in the way, and how far off one
+        /// plane what hides it may lie, in widths of a texel there. At least 0.
         margin: f32,
     },
 }
@@ -53,7 +53,7 @@ impl ShadowRule {
     /// [`ShadowRule::Hybrid`] by a tenth of the width of a texel.
     pub const HYBRID: Self = Self::Hybrid { margin: 0.1 };
 
-    /// What shaders/shared/shadow_buffer.wgsl has sections for.
+    /// What `shaders/shared/shadow_buffer.wgsl` has sections for.
     fn name(self) -> &'static str {
         match self {
             Self::Object => "object",

@@ -154,40 +154,49 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// What each scene's pair showed of other shadows than rays find, of pixels of both views, and what a test allows: measured on llvmpipe with 200x150
-/// pixels and 200 rows, with a third more and 20 pixels besides.
-fn assert_hybrid(name: &str, scene: &Scene, camera: &StereoCamera, measured: usize) {
+/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays: as measured on llvmpipe, and with a third more and 10 besides
+/// what a test allows.
+fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
-    let uploaded = renderer.upload(scene).unwrap();
-    let truth = renderer.render(&uploaded, camera, &Options::new(Method::Naive)).unwrap();
-    let pair = renderer.render(&uploaded, camera, &options(Method::Naive, 200, ShadowRule::HYBRID)).unwrap();
-    let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
-    let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
-    println!("{name}: {wrong} of {} pixels, {saved:.1}% of shadow rays saved", 2 * truth.left.rgba8.len());
-    assert!(wrong <= measured + measured / 3 + 20, "{name}: {wrong} pixels, {measured} were measured");
+    let mut worse = Vec::new();
+    for (name, scene, camera, measured) in scenes {
+        let uploaded = renderer.upload(&scene).unwrap();
+        let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+        let pair = renderer.render(&uploaded, &camera, &options(Method::Naive, 200, ShadowRule::HYBRID)).unwrap();
+        let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
+        let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
+        println!("{name}: {wrong} of {} pixels, {saved:.1}% of shadow rays saved", 2 * truth.left.rgba8.len());
+        if wrong > measured + measured / 3 + 10 {
+            worse.push(format!("{name}: {wrong} pixels, {measured} were measured"));
+        }
+    }
+    assert!(worse.is_empty(), "{worse:#?}");
 }
 
 #[test]
 fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
-    for (builtin, measured) in [
+    let measured = [
         (Builtin::Spheres, 0),
-        (Builtin::Hall, 0),
-        (Builtin::Fence, 0),
-        (Builtin::Hidden, 0),
-        (Builtin::Near, 0),
-        (Builtin::Grazing, 0),
+        (Builtin::Hall, 24),
+        (Builtin::Hidden, 1),
+        (Builtin::Near, 1),
+        (Builtin::Grazing, 76),
         (Builtin::ThreeSpheres, 0),
         (Builtin::ThreeSpheresMirrors, 0),
-    ] {
-        assert_hybrid(&builtin.to_string(), &builtin.scene(), &builtin.camera(200, 150), measured);
-    }
+    ];
+    assert_hybrid(
+        measured.into_iter().map(|(one, measured)| (one.name(), one.scene(), one.camera(200, 150), measured)),
+    );
 }
+
+/// Of each of the trials, in their order.
+const OF_TRIALS: [usize; 19] = [3, 1, 1, 76, 2622, 1472, 0, 1084, 44, 305, 19, 80, 1370, 2, 1, 3, 386, 0, 3];
 
 #[test]
 fn hybrid_shadows_of_hard_scenes_are_as_good_as_measured() {
-    for &trial in Trial::ALL {
-        assert_hybrid(trial.name(), &trial.scene(), &trial.camera(200, 150), 0);
-    }
+    assert_eq!(Trial::ALL.len(), OF_TRIALS.len());
+    let trials = Trial::ALL.iter().zip(OF_TRIALS);
+    assert_hybrid(trials.map(|(trial, measured)| (trial.name(), trial.scene(), trial.camera(200, 150), measured)));
 }
 
 /// Both eyes ask the same tables by the same rule, whatever makes the second one.
@@ -241,6 +250,9 @@ fn bands_change_no_picture() {
     assert!(pair.left == naive.left && pair.right == naive.right);
 }
 
+/// A change of a scene, with its name and how it is followed.
+type Change = (&'static str, fn(&mut Scene), Update);
+
 #[test]
 fn pictures_after_an_update_are_those_of_a_new_renderer() {
     let camera = Builtin::Near.camera(100, 75);
@@ -248,7 +260,7 @@ fn pictures_after_an_update_are_those_of_a_new_renderer() {
     let mut kept = Renderer::new(gpu());
     let mut uploaded = kept.upload(&scene).unwrap();
     let with = options(Method::BRACKET, 120, ShadowRule::HYBRID);
-    let changes: [(&str, fn(&mut Scene), Update); 4] = [
+    let changes: [Change; 4] = [
         ("nothing", |_| {}, Update::Refit),
         ("a light moves", |scene| scene.lights[1].position.y -= 0.4, Update::Refit),
         (

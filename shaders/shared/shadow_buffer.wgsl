@@ -135,8 +135,11 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 //! if shadow_buffer is hybrid
 // Texels a side of the square around a point's direction that are asked.
 const ASKED_SIDE: i32 = 2;
-// A texel says nothing of a plane that its direction meets farther away than so many times as far as the point lies.
-const FARTHEST_ALONG: f32 = 4.0;
+// A texel says nothing of a plane that its direction meets farther away than so many times as far as the point lies: of a surface that slants so much,
+// a texel covers more than what stands on it.
+const FARTHEST_ALONG: f32 = 1.03;
+// What a texel shows may be so many widths of a texel behind the plane of the point's surface to be that surface.
+const ONE_SURFACE: f32 = 1.0;
 
 // A point that asks, as seen from a light.
 struct Asking {
@@ -145,18 +148,20 @@ struct Asking {
     normal: vec3f,       // of its surface
     height: f32,         // of its surface's plane from the light, along the normal: below 0, since it faces the light
     distance: f32,
+    component: u32,
 }
 
 // What a square of texels says of one point.
 struct Neighbours {
-    before: i32,       // how many show something that is before the point's surface
-    unknown: i32,      // how many say nothing
-    first: u32,        // what the first and the last of them show
+    own: i32,          // how many show the point's own surface
+    before: i32,       // how many show something that is before it
+    one: bool,         // whether that lies in one plane and hangs together
+    first: u32,        // what the first and the last of these show
     last: u32,
 }
 
-// Where no texel of the square shows anything before the point's surface, the light is taken to be open; where all do, to be hidden. Where they
-// differ, a primitive that is met is proof; else nothing is said.
+// Where all texels of the square show the point's own surface, or of a ball nothing before it, the light is taken to be open; where all show one plane before it, to be hidden. Else
+// a primitive before it that is met is proof, and if none is nothing is said.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
     if !has_table(light) { return said; }
@@ -174,9 +179,10 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             let distance = of_ray(ray.distance, index);
             let from_light = of_ray3(ray.direction, index) * distance;
             let normal = of_ray3(asked_normal, index);
-            let asking = Asking(place, from_light, normal, of_ray(height, index), distance);
+            let asking = Asking(place, from_light, normal, of_ray(height, index), distance, of_ray_u(asked_component, index));
             let found = neighbours(table, asking, ray.light);
-            if found.unknown == 0 && found.before % (ASKED_SIDE * ASKED_SIDE) == 0 {
+            let all = ASKED_SIDE * ASKED_SIDE;
+            if found.own == all || (found.before == all && found.one) {
                 said.unknown = without_ray(said.unknown, index);
                 said.occluders = with_ray_u(said.occluders, index, found.first);
             }
@@ -206,8 +212,17 @@ fn with_proof(before: Said, slots: U, ray: ShadowRay) -> Said {
     return said;
 }
 
+// A texel shows what is before the point where that is nearer than the plane of the point's surface, along the texel's direction, and the point is behind
+// the plane of what is shown. What the point is clearly above of can't hide the light from it, as a wall beside a floor that both face the light; where it
+// is hard to say, the texel shows neither.
 fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
-    var found = Neighbours(0, 0, MISS, MISS);
+    var found = Neighbours(0, 0, true, MISS, MISS);
+    // Where the first of those that are before the point is, its normal, and its component.
+    var at_first: vec3f;
+    var normal: vec3f;
+    var component: u32;
+    // A ball has no rims that stand up from it, so a texel that passes it by says as much as one that shows it.
+    let is_convex = (asking.component & IS_SPHERE) != 0u;
     // The square's first texel; middles stand half a texel behind its begin.
     let first = vec2i(ceil(asking.place - 0.5 - 0.5 * f32(ASKED_SIDE)));
     var at = 0;
@@ -220,13 +235,29 @@ fn neighbours(table: Directions, asking: Asking, light: vec3f) -> Neighbours {
         let plane = asking.height / select(-1.0, slope, meets);
         let texel = texel_of(table, row, column);
         let t = bitcast<f32>(texel.x);
-        let margin = BUFFER_MARGIN * table.theta_step * plane;
-        if !meets || texel.y == UNFILLED {
-            found.unknown += 1;
-        } else if t < plane - margin && is_behind(asking.from_light, texel.y, direction, t, light, margin) {
-            found.before += 1;
-            found.first = select(found.first, texel.y, found.first == MISS);
-            found.last = texel.y;
+        let width = table.theta_step * asking.distance;
+        let there = direction * t;
+        if texel.y < UNFILLED {
+            let seen = surface_at(Rays(light, all3(direction)), Hits(F(t), U(0u), U(texel.y)), 0u);
+            let above = dot(seen.geometric_normal, asking.from_light - there);
+            let margin = BUFFER_MARGIN * width;
+            let nearer = !meets || t < plane - margin;
+            if nearer && above < -margin {
+                if found.first == MISS {
+                    found.first = texel.y;
+                    at_first = there;
+                    normal = seen.geometric_normal;
+                    component = seen.component;
+                }
+                found.last = texel.y;
+                found.before += 1;
+                found.one &= component == seen.component;
+                found.one &= abs(dot(normal, there - at_first)) <= BUFFER_MARGIN * table.theta_step * t;
+            } else if meets && (t < plane + ONE_SURFACE * width || is_convex) && (!nearer || above > margin) {
+                found.own += 1;
+            }
+        } else if texel.y == MISS && meets && is_convex {
+            found.own += 1;
         }
         at += 1;
         if at >= ASKED_SIDE * ASKED_SIDE { break; }
@@ -240,13 +271,6 @@ fn table_direction(table: Directions, row: i32, column: i32) -> vec3f {
     let phi = table.phi_begin + (f32(column) + 0.5) * table.phi_step;
     let across = sin(theta);
     return table.axis_x * (across * cos(phi)) + table.axis_y * (across * sin(phi)) + table.axis_z * cos(theta);
-}
-
-// Whether a point is on the other side than the light of the plane of what a texel shows. What it is before of can't hide the light from it: so a wall
-// beside a floor that both face the light hides nothing of the floor.
-fn is_behind(from_light: vec3f, slot: u32, direction: vec3f, t: f32, light: vec3f, margin: f32) -> bool {
-    let seen = surface_at(Rays(light, all3(direction)), Hits(F(t), U(0u), U(slot)), 0u);
-    return dot(seen.geometric_normal, from_light - direction * t) < -margin;
 }
 
 //! if shadow_buffer is object or depth or hybrid and visibility is traced

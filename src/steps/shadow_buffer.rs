@@ -101,8 +101,8 @@ impl Renderer {
         let Some(buffer) = options.shadow_buffer.filter(|_| scene.shadow_reading(options).is_some()) else {
             return Ok(None);
         };
+        let size = Tables::size(&self.gpu, &buffer, scene.buffered_lights().count())?;
         let layers = scene.layers(&buffer);
-        let size = Tables::size(&self.gpu, &buffer, layers.len())?;
         let mut work = ShadowBufferWork { bytes: Tables::bytes(size), ..Default::default() };
         let is_kept = |kept: &&Arc<Tables>| kept.texture.0.size() == size && kept.layers == layers;
         if let Some(kept) = lock(&scene.shadow_tables).as_ref().filter(is_kept) {
@@ -279,7 +279,7 @@ impl Texture {
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
-    /// Says behind a table where its directions are (`directions_of` of shaders/shared/shadow_buffer.wgsl).
+    /// Says behind a table where its directions are (`directions_of` of `shaders/shared/shadow_buffer.wgsl`).
     fn write_head(&self, gpu: &Gpu, layer: u32, mapping: &Mapping) {
         let Mapping { axes: [x, _, z], theta, phi, rows, columns } = *mapping;
         let floats = [theta, phi, [x.x, x.y], [x.z, z.x], [z.y, z.z]].map(|two| two.map(f32::to_bits));

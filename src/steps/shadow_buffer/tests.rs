@@ -97,7 +97,7 @@ fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) ->
     (differing, all)
 }
 
-/// `UNFILLED` of shaders/shared/shadow_buffer.wgsl.
+/// `UNFILLED` of `shaders/shared/shadow_buffer.wgsl`.
 const UNFILLED: u32 = 0xffff_fffe;
 
 #[test]
