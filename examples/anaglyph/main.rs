@@ -147,7 +147,8 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn Error>> {
 
     let difference = match arguments.compare {
         true => {
-            let naive = renderer.render(&uploaded, &camera, &arguments.options(Method::Naive))?;
+            let truth = arguments.options(Method::Naive).shadow_buffer(None);
+            let naive = renderer.render(&uploaded, &camera, &truth)?;
             Some(compare(&pair.right, &naive.right, &pair.pose)?)
         }
         false => None,
