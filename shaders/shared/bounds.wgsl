@@ -84,8 +84,13 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     return (bits.x | bits.y) | (bits.z | bits.w);
 }
 
+//! end
+// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this share of its distance and size
+// they round by too much.
+const NEAR_PLANE: f32 = 1.0 / 8.0;
+
 //! if texels is corners or spheres
-// Least and largest column and row of a sphere's projection; everywhere if it reaches the plane of the eyes. The bounds are those of
+// Least and largest column and row of a sphere's projection; everywhere if it comes close to the plane of the eyes. The bounds are those of
 // the tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
@@ -99,7 +104,7 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let x = (columns - dot(frame.target_corner, frame.right_axis)) * per_column;
     let y = (rows - dot(frame.target_corner, up)) * per_row;
     let bounds = vec4f(min(x.x, x.y), min(y.x, y.y), max(x.x, x.y), max(y.x, y.y));
-    return select(EVERYWHERE, bounds, z - radius > 0.0);
+    return select(EVERYWHERE, bounds, z - radius > (length(center) + radius) * NEAR_PLANE);
 }
 
 // Least and largest slope of the lines through the eye that touch a circle around (across, z).

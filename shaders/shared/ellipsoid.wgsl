@@ -114,11 +114,7 @@ fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
     return primitive.reach * inverseSqrt(grown);
 }
 
-// An ellipsoid that is nearer to the plane of the eyes than this share of its distance and size has its projection bounded by nothing: the bounds
-// grow beyond all bounds there, and their rounding with them.
-const NEAR_PLANE: f32 = 1.0 / 64.0;
-
-// Least and largest column and row of an ellipsoid's projection; everywhere if it reaches the plane of the eyes, or nearly. The bounds are those
+// Least and largest column and row of an ellipsoid's projection; everywhere if it comes close to the plane of the eyes. The bounds are those
 // of the planes through the eye and along the picture's columns and rows that touch it.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
@@ -134,7 +130,7 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let x = (columns - dot(frame.target_corner, frame.right_axis)) * per_column;
     let y = (rows - dot(frame.target_corner, up)) * per_row;
     let bounds = vec4f(min(x.x, x.y), min(y.x, y.y), max(x.x, x.y), max(y.x, y.y));
-    return select(EVERYWHERE, bounds, z - depth > (length(center) + depth) * NEAR_PLANE);
+    return select(EVERYWHERE, bounds, z - depth > (length(center) + primitive.reach) * NEAR_PLANE);
 }
 
 // The components of an axis along the ellipsoid's semi-axes, each times the semi-axis.

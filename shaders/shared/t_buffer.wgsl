@@ -73,20 +73,12 @@ fn counted_row() -> u32 {
 //! if primitives is triangles
 fn most_along(primitive: Primitive, v: vec3f) -> f32 { return triangle_most(primitive, v); }
 
-fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool { return false; }
-
 //! if primitives is spheres
 fn most_along(primitive: Primitive, v: vec3f) -> f32 { return ball_most(primitive, v); }
-
-fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool { return is_ball_beside_eyes(primitive, forward); }
 
 //! if primitives is mixed
 fn most_along(primitive: Primitive, v: vec3f) -> f32 {
     return select(triangle_most(primitive, v), ball_most(primitive, v), is_sphere(primitive));
-}
-
-fn is_beside_eyes(primitive: Primitive, forward: vec3f) -> bool {
-    return is_sphere(primitive) && is_ball_beside_eyes(primitive, forward);
 }
 
 //! if texels is corners or spheres
@@ -120,15 +112,6 @@ fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
     return dot(center, v) + ball_reach(primitive, v) + farthest * components(v) * PRODUCT_SLACK;
 }
 
-// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this share of its distance and size
-// they round by too much.
-const BESIDE: f32 = 1.0 / 8.0;
-
-fn is_ball_beside_eyes(primitive: Primitive, forward: vec3f) -> bool {
-    let center = primitive.a - frame.target_eye;
-    return dot(center, forward) - ball_reach(primitive, forward) < (length(center) + ball_radius(primitive)) * BESIDE;
-}
-
 fn rows_at_work() -> Tile {
     let size = vec2u(frame.image_size.x, frame.row_end - frame.row_begin);
     return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
@@ -145,8 +128,7 @@ fn is_out_of_sight(primitive: Primitive, projection: Projection) -> bool {
 // First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's projection may reach; none if a first is
 // past its last.
 fn drawn_over(primitive: Primitive, projection: Projection) -> vec4i {
-    let found = projected_bounds(primitive, projection);
-    let bounds = select(found, EVERYWHERE, is_beside_eyes(primitive, projection.forward));
+    let bounds = projected_bounds(primitive, projection);
     // Samples are jittered along their rows only.
     let margin = vec2f(frame.wider, frame.wider - jitter_reach());
     let rows = rows_at_work();

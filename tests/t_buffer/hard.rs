@@ -50,7 +50,7 @@ fn what_stands_around_the_eyes_is_that_of_rays() {
 
 /// Balls that reach nearly, just or far behind the plane of the eyes, beside the eye and around it.
 #[test]
-fn balls_at_the_plane_of_the_eyes_are_those_of_rays() {
+fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket() {
     let forward = Vec3::new(0.0, -0.4, -3.0).normalize();
     let mut random = Random::new(4);
     for round in [false, true] {
@@ -67,7 +67,12 @@ fn balls_at_the_plane_of_the_eyes_are_those_of_rays() {
                 }
             }
             let wide = camera().vertical_fov_degrees(120.0);
-            check(&format!("balls {away} before the plane of the eyes, round: {round}"), &scene, &wide);
+            let what = format!("balls {away} before the plane of the eyes, round: {round}");
+            check(&what, &scene, &wide);
+            let mut renderer = renderer();
+            let uploaded = renderer.upload(&scene).unwrap();
+            let mut right = |method| renderer.render(&uploaded, &wide, &Options::new(method)).unwrap().right;
+            assert!(right(Method::BRACKET_RAYS) == right(Method::Naive), "{what}, by bracket");
         }
     }
 }
