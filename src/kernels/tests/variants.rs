@@ -26,7 +26,7 @@ use crate::{
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 43] = [
+pub(super) const ALL: [&Kernel; 44] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
