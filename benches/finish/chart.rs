@@ -10,7 +10,7 @@ use plotters::{
 use crate::{
     Figures,
     common::{
-        chart::{Area, FONT, INK, LEGEND_LINE, LEGEND_X, Panel, Pixel, Point, axes, color, heading, marker},
+        chart::{Area, FONT, INK, LEGEND_LINE, Panel, Pixel, Point, axes, color, heading, marker},
         provenance::Provenance,
         scenes,
     },
@@ -18,6 +18,8 @@ use crate::{
 
 /// Two panels, one above the other.
 const SIZE: (u32, u32) = (860, 860);
+/// Beside the plots, which end where the other charts' do, as seen from the right.
+const LEGEND_X: i32 = 685;
 const COST: &str = "cost of the second eye by time (first eye = 1)";
 
 type Figure = fn(&Figures) -> f64;

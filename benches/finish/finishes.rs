@@ -52,7 +52,7 @@ pub(crate) fn finishes(bench: &BenchScene) -> Result<Vec<Finished>, Error> {
         of("points, sky's light", &sky, plain.clone().sky_rays(16)),
         of("points, mirror ball", &mirror, plain.clone()),
         of("points, glass ball", &glass, plain.clone()),
-        of("balls, occlusion, mirror ball", &all, plain.occlusion(occlusion)),
+        of("balls, occlusion, mirror", &all, plain.occlusion(occlusion)),
     ])
 }
 
