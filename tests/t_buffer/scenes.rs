@@ -8,7 +8,6 @@ use stereotrace::{
 };
 
 use crate::{
-    both,
     common::{RandomScene, is_exact, random_foliage, random_stage, renderer},
     pair,
 };
@@ -110,6 +109,6 @@ fn real_meshes_are_those_of_rays() {
             pair(name, &mut renderer, &uploaded, &camera, &Options::new(method));
         }
         let rig = stereotrace::Rig::at(camera, vec![-1.5, 0.0, 1.5]).traced(vec![0, 2]);
-        both(name, &mut renderer, &uploaded, &rig, &Options::new(Method::ATOMIC), &[0, 2]);
+        crate::both(name, &mut renderer, &uploaded, &rig, &Options::new(Method::ATOMIC), &[0, 2]);
     }
 }
