@@ -17,7 +17,7 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
     let end = min(first + LIST_WORKGROUP * FEW_EACH, atomicLoad(&drawing.few.count));
     if first >= end { return; }
     names_primitives = drawing.pass_at_work == SECOND_PASS;
-    let projection = projection_of(rows_at_work());
+    let canvas = canvas_at_work();
     var entry = first;
     var block = vec2u(0u);
     loop {
@@ -28,7 +28,7 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
         loop {
             slot = drawing.entries[entry];
             primitive = primitive_at(slot);
-            let over = drawn_over(primitive, projection);
+            let over = drawn_over(primitive, canvas);
             let corner = vec2u(over.xy);
             // By other rounding than before it may be nothing.
             let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;

@@ -17,7 +17,7 @@ fn draw_more(@builtin(global_invocation_id) id: vec3u) {
     names_primitives = drawing.pass_at_work == SECOND_PASS;
     let slot = drawing.entries[place_of_more(entry)];
     let primitive = primitive_at(slot);
-    let over = drawn_over(primitive, projection_of(rows_at_work()));
+    let over = drawn_over(primitive, canvas_at_work());
     if is_drawn_nowhere(over) { return; }
     draw_tiles(primitive, slot, over, 0u, tiles_over(over), 1u);
     count_view(counted_row(), 0u, 0u, 0u);

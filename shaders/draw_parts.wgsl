@@ -18,7 +18,7 @@ fn draw_parts(@builtin(global_invocation_id) id: vec3u) {
     let slot = drawing.entries[place_of_part(entry)];
     let part = drawing.entries[place_of_part(entry) + 1u];
     let primitive = primitive_at(slot);
-    let over = drawn_over(primitive, projection_of(rows_at_work()));
+    let over = drawn_over(primitive, canvas_at_work());
     if is_drawn_nowhere(over) { return; }
     // Shared out anew: where drawn_over rounded otherwise before, no tile is left out.
     let tiles = tiles_over(over);

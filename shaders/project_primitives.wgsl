@@ -23,9 +23,9 @@ fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     if index >= primitives_in_tree() { return; }
     let slot = FIRST_IN_TREE + index;
     let primitive = primitive_at(slot);
-    let projection = projection_of(rows_at_work());
-    let over = drawn_over(primitive, projection);
-    if !is_drawn_nowhere(over) && !is_out_of_sight(primitive, projection) {
+    let canvas = canvas_at_work();
+    let over = drawn_over(primitive, canvas);
+    if !is_drawn_nowhere(over) && !is_out_of_sight(primitive, canvas) {
         let blocks = (vec2u(over.zw + 1 - over.xy) + BLOCK - 1u) / BLOCK;
         let tiles = tiles_over(over);
         if blocks.x * blocks.y * RAYS <= FEW_PIXELS {

@@ -76,11 +76,11 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
-/// `Filling` of `shaders/fill_shadow_buffer.wgsl`.
+/// `Frame` of shaders/shared/types.wgsl where it is a light's table.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Filling {
-    pub(crate) light: [f32; 3],
+pub(crate) struct Table {
+    pub(crate) target_eye: [f32; 3],
     pub(crate) theta_begin: f32,
     pub(crate) axis_x: [f32; 3],
     pub(crate) theta_step: f32,
@@ -88,10 +88,11 @@ pub(crate) struct Filling {
     pub(crate) phi_begin: f32,
     pub(crate) axis_z: [f32; 3],
     pub(crate) phi_step: f32,
-    pub(crate) row_begin: u32,
-    pub(crate) row_end: u32,
+    pub(crate) image_size: [u32; 2],
     pub(crate) columns: u32,
-    pub(crate) per_row: u32,
+    pub(crate) first_row: u32,
+    pub(crate) margin: f32,
+    pub(crate) _pad: [u32; 3],
 }
 
 /// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of nothing, and no entries.

@@ -251,6 +251,10 @@ impl Variant {
         let with = match kernel.touches {
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
+            // A texel a lane.
+            Touches::Geometry if kernel.name.ends_with("_texels") => {
+                Self { traversal: self.traversal.rays(RaysPerLane::One), bits: ShadowReuse::Rays, ..self.unlit() }
+            }
             Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
             // One ray a lane, which starts anywhere; and where none is cast, a pixel a lane.
             Touches::Shading if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) => Self {

@@ -48,6 +48,7 @@ macro_rules! shared {
 
 /// All files of `shaders/shared/`.
 pub(crate) const SHARED: &[Part] = shared![
+    "angles",
     "bits",
     "bounds",
     "boxes",
@@ -71,6 +72,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "search",
     "shade",
     "shadow_buffer",
+    "shadow_canvas",
     "shadows",
     "sky",
     "sky_light",

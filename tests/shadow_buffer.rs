@@ -154,20 +154,26 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays: as measured on llvmpipe, and with a third more and 10 besides
-/// what a test allows.
+/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays. Without a margin there are none (far off 15 were measured); with the usual one as many as were
+/// measured on llvmpipe, and a third more and 10 besides are allowed.
 fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
     let mut worse = Vec::new();
     for (name, scene, camera, measured) in scenes {
         let uploaded = renderer.upload(&scene).unwrap();
         let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
-        let pair = renderer.render(&uploaded, &camera, &options(Method::Naive, 200, ShadowRule::HYBRID)).unwrap();
-        let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
-        let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
-        println!("{name}: {wrong} of {} pixels, {saved:.1}% of shadow rays saved", 2 * truth.left.rgba8.len());
-        if wrong > measured + measured / 3 + 10 {
-            worse.push(format!("{name}: {wrong} pixels, {measured} were measured"));
+        // Far off f32 does not tell points from their surfaces.
+        let exact = if name == Trial::FarOff.name() { 25 } else { 0 };
+        for (margin, most) in [(0.0, exact), (0.1, measured + measured / 3 + 10)] {
+            let pair = renderer
+                .render(&uploaded, &camera, &options(Method::Naive, 200, ShadowRule::Hybrid { margin }))
+                .unwrap();
+            let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
+            let saved = 100.0 - 100.0 * shadow_rays(&pair) as f64 / shadow_rays(&truth) as f64;
+            println!("| {name} | {margin} | {wrong} | {saved:.1} |");
+            if wrong > most {
+                worse.push(format!("{name}, margin {margin}: {wrong} pixels, at most {most} were expected"));
+            }
         }
     }
     assert!(worse.is_empty(), "{worse:#?}");
@@ -177,10 +183,10 @@ fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera,
 fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
     let measured = [
         (Builtin::Spheres, 0),
-        (Builtin::Hall, 24),
-        (Builtin::Hidden, 1),
+        (Builtin::Hall, 61),
+        (Builtin::Hidden, 0),
         (Builtin::Near, 1),
-        (Builtin::Grazing, 76),
+        (Builtin::Grazing, 1),
         (Builtin::ThreeSpheres, 0),
         (Builtin::ThreeSpheresMirrors, 0),
     ];
@@ -190,7 +196,7 @@ fn hybrid_shadows_of_built_in_scenes_are_as_good_as_measured() {
 }
 
 /// Of each of the trials, in their order.
-const OF_TRIALS: [usize; 19] = [3, 1, 1, 76, 2622, 1472, 0, 1084, 44, 305, 19, 80, 1370, 2, 1, 3, 386, 0, 3];
+const OF_TRIALS: [usize; 19] = [2, 0, 1, 1, 0, 2, 0, 1029, 1, 410, 0, 190, 0, 1, 0, 31, 0, 0, 3];
 
 #[test]
 fn hybrid_shadows_of_hard_scenes_are_as_good_as_measured() {

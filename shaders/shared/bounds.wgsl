@@ -43,6 +43,11 @@ fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, near > 0.0);
 }
 
+fn components(v: vec3f) -> f32 {
+    return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+//! if canvas is picture
 // The blocks of a tile, a bit each, of which some ray may lie on the inner sides of the planes through the eye and a triangle's edges,
 // which are those of intersect_triangle; which sides these are, the triangle's winding says.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
@@ -66,10 +71,6 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
         | (blocks_of_row(values + 4.0 * down, across, reach) << 8u)
         | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
-}
-
-fn components(v: vec3f) -> f32 {
-    return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
 // The same of a row of blocks, all four at once.

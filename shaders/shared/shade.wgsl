@@ -75,16 +75,14 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     return Samples(color, depth, slots, surfaces.component, light_bits());
 }
 
-//! if shadow_buffer is none
 // What comes along rays from what they hit, in linear colour, as bright as it may be.
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
+    ask_tables(hits, surfaces);
     let light = direct_light(surfaces, rays.origin);
     var color = product3(surfaces.albedo, add3(all3(open_ambient()), light.diffuse));
     if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }
     return select3(sky(rays.direction), color, surfaces.there);
 }
-
-//! end
 
 // Normals and albedos are fetched here, once a hit.
 fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {

@@ -15,19 +15,19 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is from_light and planes is none
-// Whether a primitive stands in the way of one of the rays, as traversal would find it.
-fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
+// Of which rays a primitive stands in the way, as traversal would find it.
+fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     if COUNT { primitives_tested += 1u; }
     let rays = Rays(ray.light, ray.direction);
     let found = intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
-    return of_ray_b(found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance), index);
+    return found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance);
 }
 
 //! if shadows is from_light and planes is some
-fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
+fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     if COUNT { primitives_tested += 1u; }
     let found = met_at(slot, Rays(ray.light, ray.direction));
-    return of_ray_b(found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance), index);
+    return found.hit & (found.t >= F(0.0)) & (found.t <= ray.distance);
 }
 
 //! if shadows is from_surface
@@ -65,6 +65,12 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 
 //! if shadows is from_surface or none
 // Rays from far off round in another way than those from the surface: nothing is known without one.
+fn occluded_by(slot: u32, ray: ShadowRay) -> B {
+    return B(false);
+}
+
+//! end
+// Whether it stands in the way of one of them.
 fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
-    return false;
+    return of_ray_b(occluded_by(slot, ray), index);
 }

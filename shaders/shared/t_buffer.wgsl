@@ -4,6 +4,8 @@
 //
 // Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is not negative, so its
 // bits order as it does, and their complements the other way round: the largest is the nearest.
+//
+// What is drawn on is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
 
 // Lists of the primitives that may cover a pixel's middle, and which pass draws them.
 struct Drawing {
@@ -63,6 +65,7 @@ fn place_of_part(part: u32) -> u32 {
     return arrayLength(&drawing.entries) - 2u - 2u * part;
 }
 
+//! if canvas is picture
 // The row in which threads count what belongs to no row: one of the band's own, which has up to two others above it.
 fn counted_row() -> u32 {
     return min(frame.row_begin + 2u, frame.row_end - 1u);
@@ -112,6 +115,12 @@ fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
     return dot(center, v) + ball_reach(primitive, v) + farthest * components(v) * PRODUCT_SLACK;
 }
 
+//! if canvas is picture
+// How a picture's pixels see what is drawn.
+alias Canvas = Projection;
+
+fn canvas_at_work() -> Canvas { return projection_of(rows_at_work()); }
+
 fn rows_at_work() -> Tile {
     let size = vec2u(frame.image_size.x, frame.row_end - frame.row_begin);
     return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
@@ -119,7 +128,7 @@ fn rows_at_work() -> Tile {
 
 // Whether no ray of the rows at work may meet a primitive, as the planes around these rays tell. What reaches the plane of the eyes has no bounds;
 // much of that lies beside the picture or behind the eye.
-fn is_out_of_sight(primitive: Primitive, projection: Projection) -> bool {
+fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
     return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
@@ -127,7 +136,7 @@ fn is_out_of_sight(primitive: Primitive, projection: Projection) -> bool {
 
 // First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's projection may reach; none if a first is
 // past its last.
-fn drawn_over(primitive: Primitive, projection: Projection) -> vec4i {
+fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     // Samples are jittered along their rows only.
     let margin = vec2f(frame.wider, frame.wider - jitter_reach());
@@ -139,6 +148,14 @@ fn drawn_over(primitive: Primitive, projection: Projection) -> vec4i {
     return vec4i(vec2i(first), vec2i(last));
 }
 
+// Where a lane's pixels stand, and their rays.
+fn on_canvas(pixels: Pixels) -> Pixels { return pixels; }
+
+fn rays_from(pixels: Pixels) -> Rays {
+    return Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+}
+
+//! end
 fn is_drawn_nowhere(over: vec4i) -> bool { return any(over.xy > over.zw); }
 
 // How many tiles these pixels are, from the first one on.
@@ -163,20 +180,27 @@ fn is_none(later: Later) -> bool { return (later.doubtful | later.contested) == 
 // Whether this is the second pass.
 var<private> names_primitives: bool;
 
+// Whether they lie before a last column and row.
+fn before_end(pixels: Pixels, last: vec2i) -> B {
+    let end = vec2u(max(last, vec2i(0)));
+    return (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
+}
+
+//! if canvas is picture or middles
 // Rays of a lane's pixels, up to a last column and row, against a primitive: keeps what they meet.
 fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
-    let end = vec2u(max(last, vec2i(0)));
-    let inside = (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let inside = before_end(pixels, last);
+    let places = on_canvas(pixels);
+    let rays = rays_from(places);
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
-    if COUNT && any_ray(inside) { count_test(pixel_of_ray(pixels, 0u)); }
+    if COUNT && any_ray(inside) { count_test(pixel_of_ray(places, 0u)); }
     var later = Later(bits_of(found.doubtful & inside), 0u);
     // As is_nearer has it, of rays that have met nothing.
     var left = found.hit & inside & (found.t >= F(0.0)) & (found.t <= F(FAR));
     loop {
         let ray = first_ray(left);
         if of_ray_b(left, ray) {
-            let is_kept = keep_drawn(2u * pixel_index(pixel_of_ray(pixels, ray)), of_ray(found.t, ray), slot);
+            let is_kept = keep_drawn(2u * pixel_index(pixel_of_ray(places, ray)), of_ray(found.t, ray), slot);
             later.contested |= select(1u << ray, 0u, is_kept);
         }
         left = without_ray(left, ray);
@@ -185,12 +209,14 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
     return later;
 }
 
+//! if canvas is picture
 // Of counting kernels, which have one ray a lane.
 fn count_test(pixel: vec2u) {
     atomicAdd(&counters[pixel.y * COUNTERS + PRIMITIVES_TESTED], 1u);
     if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], 1u); }
 }
 
+//! if canvas is picture or middles
 // Keeps what a ray meets. Max commutes, so the order of the threads does not matter; nor in the second pass where one primitive has the nearest t.
 // Whether that is so: else it is to be claimed.
 fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
@@ -226,11 +252,12 @@ fn claim(place: u32, slot: u32, id: u32) {
 
 // The second look, one ray a round.
 fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let places = on_canvas(pixels);
+    let rays = rays_from(places);
     var left = later.doubtful | later.contested;
     loop {
         let ray = min(firstTrailingBit(left), RAYS - 1u);
-        let place = 2u * pixel_index(pixel_of_ray(pixels, ray));
+        let place = 2u * pixel_index(pixel_of_ray(places, ray));
         let direction = of_ray3(rays.direction, ray);
         let seen = look_again(primitive, rays.origin, direction, 0.0);
         let t = at_second_look(primitive, slot, rays.origin, direction, seen);
@@ -243,6 +270,7 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
     cut_short |= left != 0u;
 }
 
+//! end
 // A lane's turns at a block of 2x2 pixels.
 const TURNS: u32 = 4u / RAYS;
 

@@ -6,6 +6,7 @@ const FAR: f32 = 3.4e38;
 // Primitive id, and place among the primitives, where a ray hits nothing.
 const MISS: u32 = 0xffffffffu;
 
+//! if canvas is picture
 // Two of the rig's eyes and the rows at work, a band of the picture's: the source, whose view is there, and the target, whose view is made; where a view is
 // traced, both are its own. Directions have length 1 along the view axis, so that a ray's t is the depth Z of the point it
 // reaches (DESIGN, section 2).
@@ -50,6 +51,25 @@ struct Frame {
     zero_b: u32,
     zero: u32,
 }
+
+//! if canvas is middles or texels
+// In place of it a light and where directions stand in its shadow-buffer (src/cpu/shadow_buffer.rs has the same), and the rows at work.
+struct Frame {
+    target_eye: vec3f,       // the light, world position
+    theta_begin: f32,        // of the first row, radians
+    axis_x: vec3f,           // unit: where phi is 0 on the equator
+    theta_step: f32,         // a row
+    axis_y: vec3f,           // where phi is pi / 2
+    phi_begin: f32,          // of the first column
+    axis_z: vec3f,           // the pole at theta = 0
+    phi_step: f32,           // a column
+    image_size: vec2u,       // columns of the buffers, which are no fewer than the table's, and rows at work
+    columns: u32,            // of the table
+    first_row: u32,          // of the table, where the rows at work begin
+    margin: f32,             // how much may stand before a texel's surface and be no matter, in widths of a texel there
+}
+
+//! end
 
 // Threads of a workgroup in x and in y.
 const WORKGROUP: u32 = 8u;

@@ -12,9 +12,9 @@ var<private> found_bits: U;
 // What hides the last of the lights that are hidden, by its place among the primitives.
 var<private> found_occluders: U = U(MISS);
 
-//! if visibility is traced and shadow_buffer is none
+//! if visibility is traced
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
-    let occluders = occluders_of(ray, wanted);
+    let occluders = hidden_from(light, ray, wanted);
     let lit = wanted & (occluders == U(MISS));
     if KEEP_BITS && light < 16u {
         found_bits |= select(U(0u), U(1u << (light + 16u)), wanted) | select(U(0u), U(1u << light), lit);
@@ -75,7 +75,7 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 
 const TO_SHADE: u32 = TO_LIGHT;
 
-//! if visibility is taken_or_traced and shadow_buffer is none
+//! if visibility is taken_or_traced
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
     let unknown = wanted & !known;
@@ -83,7 +83,7 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     if any_ray(unknown) {
         var open = unknown;
         if KEEP_OCCLUDERS { open &= !hidden_likewise(unknown, ray); }
-        if any_ray(open) { lit |= open & (occluders_of(ray, open) == U(MISS)); }
+        if any_ray(open) { lit |= open & (hidden_from(light, ray, open) == U(MISS)); }
     }
     return lit;
 }
@@ -103,8 +103,8 @@ fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
         let a = of_ray_u(taken.occluders_a, index);
         let b = of_ray_u(taken.occluders_b, index);
         if of_ray_b(unknown, index) {
-            if a != MISS && is_occluded_by(a, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
-            if b != MISS && b != a && is_occluded_by(b, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
+            if a < UNFILLED && is_occluded_by(a, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
+            if b < UNFILLED && b != a && is_occluded_by(b, ray, index) { hidden = with_ray_u(hidden, index, 1u); }
         }
         index += 1u;
         if index >= RAYS { break; }

@@ -1,4 +1,4 @@
-//! Twin of `shaders/fill_shadow_buffer.wgsl`: which direction a texel of a shadow-buffer has, which texel a direction has, and what stands there.
+//! Twin of `shaders/shared/shadow_canvas.wgsl`: which direction a texel of a shadow-buffer has, which texel a direction has, and what stands there.
 //!
 //! The paper (Raghuvanshi & Dhande, equation 4) has theta run from 0 to pi with `(cos theta cos phi, cos theta sin phi, sin theta)`, which covers half
 //! of the sphere twice, and its inverse (equation 7) an arcsin, which runs from -pi/2, and an arccos, which loses the sign of phi. Here theta is the

@@ -231,7 +231,7 @@ impl Renderer {
             sky_light: options.sky_rays.is_some(),
             shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
             casts: counting.casts || !soft,
-            shadow_buffer: scene.shadow_reading(options),
+            shadow_buffer: scene.shadow_reading(options, &self.gpu),
             ..counting
         }
     }

@@ -1,4 +1,4 @@
-//! Shadow-buffers on the device: filled where none is kept, and kept with the uploaded scene (`docs/SHADOW-BUFFER.md`).
+//! Shadow-buffers on the device: filled where none is kept, object by object, and kept with the uploaded scene (`docs/SHADOW-BUFFER.md`).
 
 #[cfg(test)]
 mod tests;
@@ -12,31 +12,55 @@ use crate::{
     cpu::shadow_buffer::Mapping,
     frame::{
         band_pixels,
-        targets::Target::{Counters, Found},
+        targets::Target::{self, Counters, Drawing, Found, TBuffer},
     },
     gpu::{Gpu, bind_group, lock},
-    kernels::{Access::Write, Kernel, Touches},
+    kernels::{
+        Access::{Read, Write},
+        Kernel, Kernels, Touches,
+    },
     layout::{self, WORKGROUP},
     shadow_buffer::{MAX_SHADOW_BUFFERS, Reading, ShadowBuffer, ShadowBufferWork, ShadowRule},
+    steps::t_buffer::{
+        self, BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, DRAWING_HEAD, PROJECT_PRIMITIVES, drawing_bytes,
+    },
     variant::{Shadows, Variant},
     wgsl::part,
 };
 
-pub(crate) const FILL_SHADOW_BUFFER: Kernel = Kernel {
-    name: "fill_shadow_buffer",
+// The T-buffer's kernels, drawing on texels' middles.
+pub(crate) const PROJECT_MIDDLES: Kernel = Kernel { name: "project_middles", ..PROJECT_PRIMITIVES };
+pub(crate) const DRAW_FEW_MIDDLES: Kernel = Kernel { name: "draw_few_middles", ..DRAW_FEW };
+pub(crate) const DRAW_MORE_MIDDLES: Kernel = Kernel { name: "draw_more_middles", ..DRAW_MORE };
+pub(crate) const DRAW_PARTS_MIDDLES: Kernel = Kernel { name: "draw_parts_middles", ..DRAW_PARTS };
+pub(crate) const READ_MIDDLES: Kernel = Kernel {
+    name: "read_middles",
     touches: Touches::Geometry,
-    storage: &[(Counters, Write), (Found, Write)],
-    main: part!("fill_shadow_buffer.wgsl"),
+    storage: &[(TBuffer, Write), (Counters, Write)],
+    main: part!("read_middles.wgsl"),
+};
+// And on whole texels, where what may stand before texels' surfaces is marked.
+pub(crate) const PROJECT_TEXELS: Kernel = Kernel { name: "project_texels", ..PROJECT_PRIMITIVES };
+pub(crate) const MARK_FEW_TEXELS: Kernel = Kernel { name: "mark_few_texels", ..DRAW_FEW };
+pub(crate) const MARK_MORE_TEXELS: Kernel = Kernel { name: "mark_more_texels", ..DRAW_MORE };
+pub(crate) const MARK_PARTS_TEXELS: Kernel = Kernel { name: "mark_parts_texels", ..DRAW_PARTS };
+pub(crate) const READ_TEXELS: Kernel = Kernel {
+    name: "read_texels",
+    touches: Touches::Geometry,
+    storage: &[(TBuffer, Read), (Found, Write), (Counters, Write)],
+    main: part!("read_texels.wgsl"),
 };
 
-/// t as bits, and the primitive's place.
+/// What a texel is: t as bits and the primitive's place, or by the hybrid rule a plane and that.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
-/// Bytes of a texel.
-const TEXEL: u64 = 8;
-/// Texels of the row behind a table that says where its directions are.
-const HEAD: u32 = 6;
-/// Bytes of zeros that are handed over at a time.
-const PIECE: u64 = 1 << 22;
+const HYBRID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
+/// In the place of a texel's primitive: nothing is known (`shaders/shared/shadow_buffer.wgsl`).
+const UNFILLED: u32 = 0xffff_fffe;
+/// Words of the row behind a table that say where its directions are, and columns that have room for them.
+const HEAD: usize = 12;
+const LEAST_COLUMNS: u32 = 6;
+/// Bytes of one word over and over that are handed over at a time.
+const PIECE: usize = 1 << 22;
 
 /// All lights' tables on a device, a layer each.
 #[derive(Debug)]
@@ -48,11 +72,29 @@ pub(crate) struct Tables {
     layers: Vec<Layer>,
 }
 
-/// A light, and where directions stand in its table.
+/// A light, where directions stand in its table, and by which margin texels are marked, if any are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layer {
     light: Vec3,
     mapping: Mapping,
+    margin: Option<f32>,
+}
+
+/// What filling a layer needs on the device.
+struct Filling<'a> {
+    gpu: &'a Gpu,
+    kernels: &'a Kernels,
+    scene: &'a UploadedScene,
+    with: Variant,
+    /// Primitives that are drawn.
+    primitives: u32,
+    uniform: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    t_buffer: wgpu::Buffer,
+    /// By the hybrid rule what is made of that.
+    texels: Option<wgpu::Buffer>,
+    drawing: wgpu::Buffer,
+    indirect: wgpu::Buffer,
 }
 
 /// Freed when it is dropped, as `Texels` are.
@@ -65,21 +107,29 @@ impl Drop for Texture {
     }
 }
 
+fn format_of(buffer: &ShadowBuffer) -> wgpu::TextureFormat {
+    match buffer.rule {
+        ShadowRule::Hybrid { .. } => HYBRID_FORMAT,
+        ShadowRule::Object | ShadowRule::Depth { .. } => FORMAT,
+    }
+}
+
 impl UploadedScene {
     /// Which lights have a table, by their places among all, and their positions.
-    fn buffered_lights(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+    fn buffered_lights(&self, gpu: &Gpu) -> impl Iterator<Item = (u32, Vec3)> + '_ {
         let near = self.variant.shadows == Shadows::FromLight && !self.ids.is_empty();
-        let lights = self.point_lights.iter().copied().filter(move |(place, _)| near && *place < 32);
+        let can_draw = !self.variant.has_tree() || t_buffer::drawn(self, gpu).is_some();
+        let lights = self.point_lights.iter().copied().filter(move |(place, _)| near && can_draw && *place < 32);
         lights.take(MAX_SHADOW_BUFFERS)
     }
 
     /// How kernels of a frame read them; `None` where there are none.
-    pub(crate) fn shadow_reading(&self, options: &Options) -> Option<Reading> {
-        let lights = self.buffered_lights().fold(0, |mask, (place, _)| mask | 1 << place);
+    pub(crate) fn shadow_reading(&self, options: &Options, gpu: &Gpu) -> Option<Reading> {
+        let lights = self.buffered_lights(gpu).fold(0, |mask, (place, _)| mask | 1 << place);
         options.shadow_buffer.filter(|_| lights != 0).map(|buffer| Reading::new(buffer.rule, lights))
     }
 
-    fn layers(&self, buffer: &ShadowBuffer) -> Vec<Layer> {
+    fn layers(&self, buffer: &ShadowBuffer, gpu: &Gpu) -> Vec<Layer> {
         let mapping = |light| match (buffer.rule, self.bounds) {
             // Planes go on in all directions, and the paper's table is all of them.
             (ShadowRule::Depth { .. } | ShadowRule::Hybrid { .. }, Some(bounds)) if self.variant.planes == 0 => {
@@ -87,7 +137,11 @@ impl UploadedScene {
             }
             _ => Mapping::whole(buffer.rows),
         };
-        self.buffered_lights().map(|(_, light)| Layer { light, mapping: mapping(light) }).collect()
+        let margin = match buffer.rule {
+            ShadowRule::Hybrid { margin } => Some(margin),
+            _ => None,
+        };
+        self.buffered_lights(gpu).map(|(_, light)| Layer { light, mapping: mapping(light), margin }).collect()
     }
 }
 
@@ -98,21 +152,23 @@ impl Renderer {
         scene: &UploadedScene,
         options: &Options,
     ) -> Result<Option<(Arc<Tables>, ShadowBufferWork)>, Error> {
-        let Some(buffer) = options.shadow_buffer.filter(|_| scene.shadow_reading(options).is_some()) else {
+        let Some(buffer) = options.shadow_buffer.filter(|_| scene.shadow_reading(options, &self.gpu).is_some()) else {
             return Ok(None);
         };
-        let size = Tables::size(&self.gpu, &buffer, scene.buffered_lights().count())?;
-        let layers = scene.layers(&buffer);
-        let mut work = ShadowBufferWork { bytes: Tables::bytes(size), ..Default::default() };
-        let is_kept = |kept: &&Arc<Tables>| kept.texture.0.size() == size && kept.layers == layers;
-        if let Some(kept) = lock(&scene.shadow_tables).as_ref().filter(is_kept) {
-            return Ok(Some((kept.clone(), work)));
+        let format = format_of(&buffer);
+        let size = Tables::size(&self.gpu, &buffer, scene.buffered_lights(&self.gpu).count())?;
+        let layers = scene.layers(&buffer, &self.gpu);
+        let mut work = ShadowBufferWork { bytes: Tables::bytes(format, size), ..Default::default() };
+        let fits = |kept: &Tables| kept.texture.0.size() == size && kept.texture.0.format() == format;
+        let kept = lock(&scene.shadow_tables).clone();
+        if let Some(kept) = kept.filter(|kept| fits(kept) && kept.layers == layers) {
+            return Ok(Some((kept, work)));
         }
         // What another frame still reads is left alone, and what is not filled to the end is not kept.
         let before = lock(&scene.shadow_tables).take().and_then(Arc::into_inner);
-        let mut tables = match before.filter(|before| before.texture.0.size() == size) {
+        let mut tables = match before.filter(fits) {
             Some(before) => before,
-            None => self.gpu.checked(|| Ok(Tables::new(&self.gpu, size))).await?,
+            None => self.gpu.checked(|| Ok(Tables::new(&self.gpu, format, size))).await?,
         };
         for (index, layer) in
             layers.iter().enumerate().filter(|(index, layer)| tables.layers.get(*index) != Some(layer))
@@ -136,88 +192,173 @@ impl Renderer {
         work: &mut ShadowBufferWork,
     ) -> Result<(), Error> {
         let gpu = &self.gpu;
-        let with = Variant { close: scene.large.any_close_to(&[layer.light]), ..scene.variant };
-        let with = with.counting(options.count, false).of_kernel(&FILL_SHADOW_BUFFER);
         let Mapping { rows, columns, .. } = layer.mapping;
-        // A submission's rows: whole workgroups, and no more than a binding holds.
-        let whole = WORKGROUP * FILL_SHADOW_BUFFER.block(&with);
-        let step = (band_pixels(gpu) / columns).clamp(1, rows).next_multiple_of(whole);
-        let per_row = columns.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / TEXEL as u32);
+        // A row that is copied into a texture begins at a multiple of so many bytes.
+        let per_row = columns.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / texture.texel());
+        let step = (band_pixels(gpu) / per_row).clamp(1, rows);
         let begin = || {
             texture.write_head(gpu, index, &layer.mapping);
-            let filled = TEXEL * u64::from(per_row) * u64::from(step);
-            Ok([gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4), gpu.storage_buffer("filled", filled)])
+            Ok(Filling::new(self, scene, layer, options, u64::from(per_row) * u64::from(step)))
         };
-        let [counters, filled] = gpu.checked(begin).await?;
+        let filling = gpu.checked(begin).await?;
         for begin in (0..rows).step_by(step as usize) {
-            let filling = filling_of(layer, begin..rows.min(begin + step), per_row);
+            let band = begin..rows.min(begin + step);
             let submit = || {
-                let mut encoder = self.encode_fill(scene, &filling, with, [&counters, &filled]);
-                texture.encode_copy(&mut encoder, index, &filling, &filled);
+                filling.begin(layer, &band, per_row);
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                filling.encode(&mut encoder, layer, &band);
+                texture.encode_copy(&mut encoder, index, [columns, per_row], &band, filling.filled());
                 gpu.queue.submit([encoder.finish()]);
                 Ok(())
             };
             gpu.checked(submit).await?;
         }
-        work.filled += u64::from(rows) * u64::from(columns);
-        if options.count {
-            let words: Vec<u32> = gpu.read(&counters, layout::COUNTERS).await?;
-            work.nodes += u64::from(words[layout::NODES_VISITED]);
-            work.primitive_tests += u64::from(words[layout::PRIMITIVES_TESTED]);
+        let words: Vec<u32> = gpu.read(&filling.counters, layout::COUNTERS).await?;
+        if words[layout::CUT_SHORT] > 0 {
+            // An adapter ended a loop early: nothing that stands there can be relied on.
+            log::warn!("filling a shadow-buffer was cut short by the adapter: rays are traced in its place");
+            let empty = || {
+                texture.fill(gpu, index, UNFILLED);
+                texture.write_head(gpu, index, &layer.mapping);
+                Ok(())
+            };
+            gpu.checked(empty).await?;
         }
-        [counters, filled].iter().for_each(wgpu::Buffer::destroy);
+        work.filled += u64::from(rows) * u64::from(columns);
+        work.nodes += u64::from(words[layout::NODES_VISITED]);
+        work.primitive_tests += u64::from(words[layout::PRIMITIVES_TESTED]);
         Ok(())
-    }
-
-    fn encode_fill(
-        &self,
-        scene: &UploadedScene,
-        filling: &layout::Filling,
-        with: Variant,
-        buffers: [&wgpu::Buffer; 2],
-    ) -> wgpu::CommandEncoder {
-        let gpu = &self.gpu;
-        let pipeline = self.kernels.get(gpu, &FILL_SHADOW_BUFFER, with);
-        let uniform = gpu.uniform_buffer("filling", bytemuck::bytes_of(filling));
-        let [counters, filled] = buffers;
-        let own = [&uniform, counters, filled].map(wgpu::Buffer::as_entire_binding);
-        let name = FILL_SHADOW_BUFFER.name;
-        let own = bind_group(gpu, name, &pipeline.own, own.into_iter());
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&pipeline.pipeline);
-        pass.set_bind_group(0, &scene.geometry, &[]);
-        pass.set_bind_group(1, &own, &[]);
-        let side = WORKGROUP * FILL_SHADOW_BUFFER.block(&with);
-        let rows = filling.row_end - filling.row_begin;
-        pass.dispatch_workgroups(filling.columns.div_ceil(side), rows.div_ceil(side), 1);
-        drop(pass);
-        encoder
     }
 }
 
-fn filling_of(layer: &Layer, rows: Range<u32>, per_row: u32) -> layout::Filling {
-    let Mapping { axes: [x, y, z], theta, phi, columns, .. } = layer.mapping;
-    layout::Filling {
-        light: layer.light.to_array(),
-        theta_begin: theta[0],
-        axis_x: x.to_array(),
-        theta_step: theta[1],
-        axis_y: y.to_array(),
-        phi_begin: phi[0],
-        axis_z: z.to_array(),
-        phi_step: phi[1],
-        row_begin: rows.start,
-        row_end: rows.end,
-        columns,
-        per_row,
+impl<'a> Filling<'a> {
+    fn new(renderer: &'a Renderer, scene: &'a UploadedScene, layer: &Layer, options: &Options, texels: u64) -> Self {
+        let gpu = &renderer.gpu;
+        let with = Variant { close: scene.large.any_close_to(&[layer.light]), ..scene.variant };
+        let primitives = t_buffer::drawn(scene, gpu).unwrap_or(0);
+        let indirect = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("indirect"),
+            size: 12,
+            usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self {
+            gpu,
+            kernels: &renderer.kernels,
+            scene,
+            with: with.counting(options.count, false),
+            primitives,
+            uniform: gpu.uniform_buffer("table", bytemuck::bytes_of(&layout::Table::default())),
+            counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
+            t_buffer: gpu.storage_buffer("t_buffer", 8 * texels),
+            texels: layer.margin.map(|_| gpu.storage_buffer("texels", 16 * texels)),
+            drawing: gpu.storage_buffer("drawing", drawing_bytes(primitives)),
+            indirect,
+        }
+    }
+
+    /// What the table's texels are copied from.
+    fn filled(&self) -> &wgpu::Buffer {
+        self.texels.as_ref().unwrap_or(&self.t_buffer)
+    }
+
+    /// Says which rows are at work.
+    fn begin(&self, layer: &Layer, rows: &Range<u32>, per_row: u32) {
+        let Mapping { axes: [x, y, z], theta, phi, columns, .. } = layer.mapping;
+        let table = layout::Table {
+            target_eye: layer.light.to_array(),
+            theta_begin: theta[0],
+            axis_x: x.to_array(),
+            theta_step: theta[1],
+            axis_y: y.to_array(),
+            phi_begin: phi[0],
+            axis_z: z.to_array(),
+            phi_step: phi[1],
+            image_size: [per_row, rows.len() as u32],
+            columns,
+            first_row: rows.start,
+            margin: layer.margin.unwrap_or(0.0),
+            ..Default::default()
+        };
+        self.gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&table));
+    }
+
+    /// Draws what is nearest in each texel, reads it, and marks where something may stand before that.
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, layer: &Layer, rows: &Range<u32>) {
+        encoder.clear_buffer(&self.t_buffer, 0, None);
+        encoder.clear_buffer(&self.drawing, 0, Some(DRAWING_HEAD));
+        let (project, read) = match layer.margin {
+            Some(_) => (&PROJECT_TEXELS, &READ_TEXELS),
+            None => (&PROJECT_MIDDLES, &READ_MIDDLES),
+        };
+        if self.primitives > 0 {
+            self.encode_one(encoder, project, t_buffer::workgroups(self.primitives));
+            for _ in 0..2 {
+                self.encode_one(encoder, &BEGIN_PASS, [1, 1, 1]);
+                self.encode_listed(encoder, [&DRAW_FEW_MIDDLES, &DRAW_MORE_MIDDLES, &DRAW_PARTS_MIDDLES]);
+            }
+        }
+        let side = WORKGROUP * read.block(&self.with);
+        let groups = [layer.mapping.columns, rows.len() as u32].map(|texels| texels.div_ceil(side));
+        self.encode_one(encoder, read, [groups[0], groups[1], 1]);
+        if self.primitives > 0 && layer.margin.is_some() {
+            self.encode_listed(encoder, [&MARK_FEW_TEXELS, &MARK_MORE_TEXELS, &MARK_PARTS_TEXELS]);
+        }
+    }
+
+    /// Kernels over the lists of `Drawing`, one after the other.
+    fn encode_listed(&self, encoder: &mut wgpu::CommandEncoder, kernels: [&Kernel; 3]) {
+        for (list, kernel) in (0..).zip(kernels) {
+            let head = list * size_of_val(&layout::EMPTY_LIST) as u64;
+            encoder.copy_buffer_to_buffer(&self.drawing, head, &self.indirect, 0, Some(self.indirect.size()));
+            self.pass(encoder, kernel, |pass| pass.dispatch_workgroups_indirect(&self.indirect, 0));
+        }
+    }
+
+    fn encode_one(&self, encoder: &mut wgpu::CommandEncoder, kernel: &Kernel, [x, y, z]: [u32; 3]) {
+        self.pass(encoder, kernel, |pass| pass.dispatch_workgroups(x, y, z));
+    }
+
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        kernel: &Kernel,
+        dispatch: impl FnOnce(&mut wgpu::ComputePass<'_>),
+    ) {
+        let pipeline = self.kernels.get(self.gpu, kernel, self.with);
+        let buffer = |target: &Target| match target {
+            // What is marked is what is copied.
+            TBuffer if kernel.name.starts_with("mark_") => self.filled(),
+            TBuffer => &self.t_buffer,
+            Found => self.filled(),
+            Drawing => &self.drawing,
+            Counters => &self.counters,
+            other => unreachable!("{}: no table has {other:?}", kernel.name),
+        };
+        let storage = kernel.storage.iter().map(|(target, _)| buffer(target));
+        let own = std::iter::once(&self.uniform).chain(storage).map(wgpu::Buffer::as_entire_binding);
+        let own = bind_group(self.gpu, kernel.name, &pipeline.own, own);
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes: None };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&pipeline.pipeline);
+        if kernel.touches.geometry() {
+            pass.set_bind_group(0, &self.scene.geometry, &[]);
+        }
+        pass.set_bind_group(1, &own, &[]);
+        dispatch(&mut pass);
+    }
+}
+
+impl Drop for Filling<'_> {
+    fn drop(&mut self) {
+        let all = [&self.uniform, &self.counters, &self.t_buffer, &self.drawing, &self.indirect];
+        all.into_iter().chain(&self.texels).for_each(wgpu::Buffer::destroy);
     }
 }
 
 impl Texture {
     /// All zeros. Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
-    fn new(gpu: &Gpu, size: wgpu::Extent3d) -> Self {
+    fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         use wgpu::TextureUsages as Usages;
 
         let usage = Usages::TEXTURE_BINDING | Usages::COPY_DST | Usages::COPY_SRC;
@@ -227,20 +368,30 @@ impl Texture {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
+            format,
             usage,
             view_formats: &[],
         }));
-        let row = u64::from(size.width) * TEXEL;
-        let rows = (PIECE / row).clamp(1, size.height.into()) as u32;
-        let zeros = vec![0; (row * u64::from(rows)) as usize];
-        for layer in 0..size.depth_or_array_layers {
-            for begin in (0..size.height).step_by(rows as usize) {
-                let rows = rows.min(size.height - begin);
-                texture.write(gpu, [0, begin, layer], [size.width, rows], &zeros[..(row * u64::from(rows)) as usize]);
-            }
-        }
+        (0..size.depth_or_array_layers).for_each(|layer| texture.fill(gpu, layer, 0));
         texture
+    }
+
+    /// Bytes of a texel.
+    fn texel(&self) -> u32 {
+        self.0.format().block_copy_size(None).expect("no depth")
+    }
+
+    /// The same word all over a layer.
+    fn fill(&self, gpu: &Gpu, layer: u32, word: u32) {
+        let (width, height) = (self.0.width(), self.0.height());
+        let row = width as usize * self.texel() as usize / 4;
+        let rows = (PIECE / (4 * row)).clamp(1, height as usize);
+        let words = vec![word; row * rows];
+        for begin in (0..height).step_by(rows) {
+            let rows = (height - begin).min(rows as u32);
+            let bytes = bytemuck::cast_slice(&words[..row * rows as usize]);
+            self.write(gpu, [0, begin, layer], [width, rows], bytes);
+        }
     }
 
     fn write(&self, gpu: &Gpu, [x, y, z]: [u32; 3], [width, height]: [u32; 2], bytes: &[u8]) {
@@ -251,7 +402,7 @@ impl Texture {
             aspect: wgpu::TextureAspect::All,
         };
         let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * TEXEL as u32), rows_per_image: None };
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * self.texel()), rows_per_image: None };
         gpu.queue.write_texture(target, bytes, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
     }
 
@@ -260,22 +411,22 @@ impl Texture {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         layer: u32,
-        rows: &layout::Filling,
+        [columns, per_row]: [u32; 2],
+        rows: &Range<u32>,
         filled: &wgpu::Buffer,
     ) {
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(rows.per_row * TEXEL as u32),
+            bytes_per_row: Some(per_row * self.texel()),
             rows_per_image: None,
         };
         let to = wgpu::TexelCopyTextureInfo {
             texture: &self.0,
             mip_level: 0,
-            origin: wgpu::Origin3d { x: 0, y: rows.row_begin, z: layer },
+            origin: wgpu::Origin3d { x: 0, y: rows.start, z: layer },
             aspect: wgpu::TextureAspect::All,
         };
-        let (width, height) = (rows.columns, rows.row_end - rows.row_begin);
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let size = wgpu::Extent3d { width: columns, height: rows.len() as u32, depth_or_array_layers: 1 };
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
@@ -285,15 +436,15 @@ impl Texture {
         let floats = [theta, phi, [x.x, x.y], [x.z, z.x], [z.y, z.z]].map(|two| two.map(f32::to_bits));
         let mut words = vec![columns, rows];
         words.extend(floats.as_flattened());
-        let row = self.0.height() - 1;
-        self.write(gpu, [0, row, layer], [HEAD, 1], bytemuck::cast_slice(&words));
+        let (row, columns) = (self.0.height() - 1, 4 * HEAD as u32 / self.texel());
+        self.write(gpu, [0, row, layer], [columns, 1], bytemuck::cast_slice(&words[..HEAD]));
     }
 }
 
 impl Tables {
     /// With nothing filled.
-    fn new(gpu: &Gpu, size: wgpu::Extent3d) -> Self {
-        let texture = Texture::new(gpu, size);
+    fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
+        let texture = Texture::new(gpu, format, size);
         let view = texture.0.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..Default::default()
@@ -319,10 +470,10 @@ impl Tables {
                 remedy,
             });
         }
-        let (width, height) = (columns.max(HEAD), buffer.rows + 1);
+        let (width, height) = (columns.max(LEAST_COLUMNS), buffer.rows + 1);
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: lights as u32 };
         // Textures have no limit of their own; what no buffer may hold is too much for a table too.
-        let (bytes, allowed) = (Self::bytes(size), gpu.limits.max_buffer_size);
+        let (bytes, allowed) = (Self::bytes(format_of(buffer), size), gpu.limits.max_buffer_size);
         if bytes > allowed {
             let mib = |bytes: u64| format!("{} MiB", bytes.div_ceil(1 << 20));
             return Err(Error::Limit {
@@ -336,7 +487,8 @@ impl Tables {
         Ok(size)
     }
 
-    fn bytes(size: wgpu::Extent3d) -> u64 {
-        TEXEL * u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers)
+    fn bytes(format: wgpu::TextureFormat, size: wgpu::Extent3d) -> u64 {
+        let texel = u64::from(format.block_copy_size(None).expect("no depth"));
+        texel * u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers)
     }
 }

@@ -15,7 +15,7 @@ use crate::{
 
 impl Kernel {
     /// What is chosen where shared WGSL has several definitions: a line for each choice.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 28] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 29] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -77,6 +77,11 @@ impl Kernel {
             ShadowReuse::Two => "two",
             ShadowReuse::Block => "block",
         };
+        let canvas = match self.name {
+            name if name.ends_with("_middles") => "middles",
+            name if name.ends_with("_texels") => "texels",
+            _ => "picture",
+        };
         let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
         [
             ("primitives", primitives),
@@ -86,6 +91,7 @@ impl Kernel {
             // Spheres alone take as many texels as triangles without vertex normals.
             ("normals", if smooth { "smooth" } else { "flat" }),
             ("boxes", boxes),
+            ("canvas", canvas),
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
             ("jitter", if with.jitter > 1 { "rows" } else { "none" }),

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use super::{variants::variants, *};
-use crate::steps::shadow_buffer::FILL_SHADOW_BUFFER;
+use crate::steps::shadow_buffer::READ_TEXELS;
 
 macro_rules! assert_layout {
     ($module:expr, $name:ident { $($field:ident),* $(,)? }) => {{
@@ -84,23 +84,21 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     let cut_out = parse(&TRACE_LEFT, &Variant { cutouts: true, ..with });
     assert_struct(&cut_out, "Bvh", &stated, size_of::<layout::CutOutBvh>());
     assert_layout!(module, Pixel { depth, slot, marks, color });
-    assert_layout!(
-        &parse(&FILL_SHADOW_BUFFER, &with),
-        Filling {
-            light,
-            theta_begin,
-            axis_x,
-            theta_step,
-            axis_y,
-            phi_begin,
-            axis_z,
-            phi_step,
-            row_begin,
-            row_end,
-            columns,
-            per_row,
-        }
-    );
+    let stated = [
+        ("target_eye", offset_of!(layout::Table, target_eye)),
+        ("theta_begin", offset_of!(layout::Table, theta_begin)),
+        ("axis_x", offset_of!(layout::Table, axis_x)),
+        ("theta_step", offset_of!(layout::Table, theta_step)),
+        ("axis_y", offset_of!(layout::Table, axis_y)),
+        ("phi_begin", offset_of!(layout::Table, phi_begin)),
+        ("axis_z", offset_of!(layout::Table, axis_z)),
+        ("phi_step", offset_of!(layout::Table, phi_step)),
+        ("image_size", offset_of!(layout::Table, image_size)),
+        ("columns", offset_of!(layout::Table, columns)),
+        ("first_row", offset_of!(layout::Table, first_row)),
+        ("margin", offset_of!(layout::Table, margin)),
+    ];
+    assert_struct(&parse(&READ_TEXELS, &with), "Frame", &stated, size_of::<layout::Table>());
     let listed = parse(&TRACE_LISTED, &with);
     let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
         naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),

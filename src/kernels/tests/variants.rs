@@ -16,7 +16,10 @@ use crate::{
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
         resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
-        shadow_buffer::FILL_SHADOW_BUFFER,
+        shadow_buffer::{
+            DRAW_FEW_MIDDLES, DRAW_MORE_MIDDLES, DRAW_PARTS_MIDDLES, MARK_FEW_TEXELS, MARK_MORE_TEXELS,
+            MARK_PARTS_TEXELS, PROJECT_MIDDLES, PROJECT_TEXELS, READ_MIDDLES, READ_TEXELS,
+        },
         show::{PACK, SHOW_COLOR, SHOW_DEPTH},
         soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
         t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
@@ -26,7 +29,7 @@ use crate::{
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 44] = [
+pub(super) const ALL: [&Kernel; 53] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -70,7 +73,16 @@ pub(super) const ALL: [&Kernel; 44] = [
     &PACK,
     &SHOW_COLOR,
     &SHOW_DEPTH,
-    &FILL_SHADOW_BUFFER,
+    &PROJECT_MIDDLES,
+    &DRAW_FEW_MIDDLES,
+    &DRAW_MORE_MIDDLES,
+    &DRAW_PARTS_MIDDLES,
+    &READ_MIDDLES,
+    &PROJECT_TEXELS,
+    &MARK_FEW_TEXELS,
+    &MARK_MORE_TEXELS,
+    &MARK_PARTS_TEXELS,
+    &READ_TEXELS,
 ];
 
 /// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
@@ -205,10 +217,8 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         all.retain(Variant::has_tree);
         all.iter_mut().for_each(|with| with.samples = true);
     }
-    if [&PROJECT_PRIMITIVES, &DRAW_FEW, &DRAW_MORE, &DRAW_PARTS, &READ_T_BUFFER]
-        .iter()
-        .any(|known| known.name == kernel.name)
-    {
+    let draws = ["project_", "draw_", "mark_few", "mark_more", "mark_parts", "read_t_buffer"];
+    if draws.iter().any(|begin| kernel.name.starts_with(begin)) {
         all.retain(Variant::has_tree);
     }
     all

@@ -1,0 +1,32 @@
+// What stands in a light's shadow-buffer of the hybrid rule once all primitives are drawn: the plane of the nearest of them and of the planes, which are not
+// drawn, marked where another plane may stand before it (docs/SHADOW-BUFFER.md).
+//
+// launch  one thread per texel of the rows at work
+// reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1
+// writes  texels    [rows at work][image_size.x]       q of the points x from the light on the plane, q.x = 1; the slot, or SOMETHING_BEFORE and the slot; MISS: nothing
+//                                                      hit; UNFILLED: not known
+// adds    counters  [COUNTERS]
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> t_buffer: array<u32>;
+@group(1) @binding(2) var<storage, read_write> texels: array<vec4u>;
+@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn read_texels(@builtin(global_invocation_id) id: vec3u) {
+    let lane = block_texels(id);
+    if !any_ray(inside_table(lane)) { return; }
+    let nearest = nearest_plane(rays_from(lane), F(0.0), F(FAR));
+    let texel = pixel_of_ray(lane, 0u);
+    let index = pixel_index(texel);
+    let slot = shown_at(vec2u(t_buffer[2u * index], t_buffer[2u * index + 1u]), nearest, 0u).slot;
+    var plane: vec3f;
+    var mark = 0u;
+    if slot < UNFILLED {
+        plane = shown_plane(slot);
+        let at = vec2f(f32(texel.y + frame.first_row), f32(texel.x));
+        mark = select(0u, SOMETHING_BEFORE, plane_stands_before(slot, plane, at));
+    }
+    texels[index] = vec4u(bitcast<vec3u>(plane), slot | mark);
+    count_view(counted_row(), 0u, 0u, primitives_tested);
+}
