@@ -19,7 +19,8 @@ pub const MAX_SHADOW_BUFFERS: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowBuffer {
-    /// Rows of a table, from pole to pole of the sphere around the light, 1 at least; there are twice as many columns. Eight bytes a texel.
+    /// Rows of a table, from pole to pole of the sphere around the light, 1 at least; there are twice as many columns. Eight bytes a texel, sixteen
+    /// by [`ShadowRule::Hybrid`].
     pub rows: u32,
     /// What a shaded point makes of the texels about its direction.
     pub rule: ShadowRule,
@@ -39,10 +40,11 @@ pub enum ShadowRule {
         /// texel's depth on a slanting surface does. At least 0.
         bias: f32,
     },
-    /// Texels answer where those around the point's direction agree, and a shadow ray is traced elsewhere: see `docs/SHADOW-BUFFER.md`.
+    /// Points are lit where nothing stands before the plane that their direction's texel shows and they are on it, and hidden where what texels show
+    /// is met by their own shadow ray; elsewhere a shadow ray is traced: see `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays.
     Hybrid {
-        /// By how much what a texel shows must be nearer than the plane of the point's surface to count as something in the way, and how far off one
-        /// plane what hides it may lie, in widths of a texel there. At least 0.
+        /// How far before the plane that a texel shows something may stand and be no matter, and how far behind it a point of a curved surface
+        /// may be, in widths of a texel there. At least 0. What is that close to a surface may fail to shade it.
         margin: f32,
     },
 }
@@ -141,11 +143,12 @@ impl Reading {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ShadowBufferWork {
-    /// Texels that were filled for this frame, each by a closest-hit ray from its light; 0 where all were kept from another one.
+    /// Texels that were filled for this frame; 0 where all were kept from another one.
     pub filled: u64,
-    /// BVH nodes visited by these rays; 0 unless counting was asked for.
+    /// Primitives that were projected for it, once a light; 0 unless counting was asked for.
     pub nodes: u64,
-    /// Primitives tested by these rays; 0 unless counting was asked for.
+    /// Tests of primitives at texels for it: by the rays through their middles, and by the hybrid rule of what is before what they show; 0 unless
+    /// counting was asked for.
     pub primitive_tests: u64,
     /// Device memory of all lights' tables in bytes, 0 where the frame asks none.
     pub bytes: u64,

@@ -148,12 +148,12 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 }
 
 //! if shadow_buffer is hybrid
-// Texels that a point asks: the one in which its direction lies, and those beside it that are nearest.
-const ASKED_TEXELS: u32 = 4u;
+// Texels that a point asks: the one in which its direction lies, and the nearest one across a corner.
+const ASKED_TEXELS: u32 = 2u;
 // The cosine between the normals of a point and of what its texel shows, if these are one surface.
 const LOOKS_ALIKE: f32 = 0.8;
 
-// A point behind what its texel shows, or one beside that, or the other points' of the lane, is hidden if its ray meets it: that is proof. Of the others those are lit that
+// A point behind what its texel shows, or the next one, or the other points' of the lane, is hidden if its ray meets it: that is proof. Of the others those are lit that
 // are on the plane of what their texel shows, or behind it by no more than the margin, if nothing stands before that. Else nothing is said.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
@@ -167,8 +167,8 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var nearly_on: B;
     var turn = 0u;
     loop {
-        let rows = floor(row) + below * f32(turn & 1u);
-        let columns = floor(column) + beside * f32(turn >> 1u);
+        let rows = floor(row) + below * f32(turn);
+        let columns = floor(column) + beside * f32(turn);
         var planes: F3;
         var shown = U(UNFILLED);
         var index = 0u;
