@@ -9,7 +9,7 @@ use crate::{Error, Options};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Visibility {
-    /// Each pixel's ray goes through the tree.
+    /// Each pixel's ray goes through the tree. The default, since nothing that was measured was faster without: docs/T-BUFFER.md has the figures.
     #[default]
     Rays,
     /// Each primitive is drawn over the pixels that its projection may reach, by the tests of their own rays; the nearest t of each pixel is kept

@@ -84,28 +84,80 @@ fn ball_cap(primitive: Primitive) -> Cap {
 
 fn angle_of(sine: f32, cosine: f32) -> f32 { return of_ray(arctangent(F(sine), F(cosine)), 0u); }
 
-// First column and row, and the last ones, of the table, of the rows at work that a cone may reach; none if a first is past its last. Columns may go on
-// beyond the last one, behind which the first one is.
-fn texels_over(cap: Cap, reaches: vec2f) -> vec4i {
-    let rows = i32(frame.image_size.y);
-    let begin = i32(frame.first_row);
-    let columns = i32(frame.columns);
+// Angles that something lies between, radians; of phi from the table's begin.
+struct Angles {
+    theta: vec2f,
+    phi: vec2f,
+    all_around: bool,    // it may have any phi
+}
+
+fn angles_of(cap: Cap) -> Angles {
     let x = dot(cap.axis, frame.axis_x);
     let y = dot(cap.axis, frame.axis_y);
     let aside = sqrt(x * x + y * y);
     let theta = angle_of(aside, dot(cap.axis, frame.axis_z));
-    let low = vec2f(begin_of(theta - cap.radius - frame.theta_begin, reaches), end_of(theta + cap.radius - frame.theta_begin, reaches));
-    let first_row = clamp(low.x, f32(begin), f32(begin + rows));
-    let last_row = clamp(low.y, f32(begin - 1), f32(begin + rows - 1));
     // Around a pole it has all azimuths.
     let has_pole = cap.radius >= theta - CAP_SLACK || cap.radius >= 3.1415926 - theta - CAP_SLACK;
     let sine = min(cap.sine / max(aside, 1e-9), 1.0);
+    // Near 1 the cosine rounds by more than the sine.
     let wide = angle_of(sine, sqrt((1.0 - sine) * (1.0 + sine))) + 2e-3 * sine * sine * sine + CAP_SLACK;
     let phi = angle_of(y, x) - frame.phi_begin;
+    return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
+}
+
+// Of a triangle whose cone has no pole they are those of its corners, and the thetas where an edge, which is a great circle's, comes nearest to a pole: so
+// needles have no more texels than they need.
+fn triangle_angles(primitive: Primitive) -> Angles {
+    let around = angles_of(triangle_cap(primitive));
+    if around.all_around { return around; }
+    let turn = mat3x3f(frame.axis_x, frame.axis_y, frame.axis_z);
+    let a = normalize(primitive.a - frame.target_eye) * turn;
+    let b = normalize(primitive.b - frame.target_eye) * turn;
+    let c = normalize(primitive.c - frame.target_eye) * turn;
+    let middle = 0.5 * (around.phi.x + around.phi.y);
+    let phis = vec3f(phi_beside(a, middle), phi_beside(b, middle), phi_beside(c, middle));
+    let low = max(around.phi.x, min(phis.x, min(phis.y, phis.z)) - CAP_SLACK);
+    let high = min(around.phi.y, max(phis.x, max(phis.y, phis.z)) + CAP_SLACK);
+    let edges = array<vec2f, 3>(thetas_of(a, b), thetas_of(b, c), thetas_of(c, a));
+    let first = max(around.theta.x, min(edges[0].x, min(edges[1].x, edges[2].x)) - CAP_SLACK);
+    let last = min(around.theta.y, max(edges[0].y, max(edges[1].y, edges[2].y)) + CAP_SLACK);
+    return Angles(vec2f(first, last), vec2f(low, high), false);
+}
+
+// The phi of a direction along the axes, no more than half a turn from another one.
+fn phi_beside(v: vec3f, middle: f32) -> f32 {
+    let phi = angle_of(v.y, v.x) - frame.phi_begin;
+    return phi - TURN * floor((phi - middle) / TURN + 0.5);
+}
+
+const TURN: f32 = 6.2831853;
+
+// Least and largest theta of an edge between two unit vectors along the axes. Where it rises from both of its ends, or falls, it turns back in between, as far from the pole as its plane's
+// normal is from the equator.
+fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
+    let from_a = angle_of(length(a.xy), a.z);
+    let from_b = angle_of(length(b.xy), b.z);
+    let along_edge = dot(a, b);
+    let rises = vec2f(b.z - a.z * along_edge, a.z - b.z * along_edge);
+    let normal = cross(a + b, b - a);
+    let turning = angle_of(abs(normal.z), length(normal.xy));
+    let low = select(min(from_a, from_b), turning, all(rises > vec2f(0.0)));
+    let high = select(max(from_a, from_b), 0.5 * TURN - turning, all(rises < vec2f(0.0)));
+    return vec2f(low, high);
+}
+
+// First column and row, and the last ones, of the table, of the rows at work that what lies between angles may reach; none if a first is past its last. Columns may go on
+// beyond the last one, behind which the first one is.
+fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
+    let rows = i32(frame.image_size.y);
+    let begin = i32(frame.first_row);
+    let columns = i32(frame.columns);
+    let first_row = clamp(begin_of(angles.theta.x - frame.theta_begin, reaches), f32(begin), f32(begin + rows));
+    let last_row = clamp(end_of(angles.theta.y - frame.theta_begin, reaches), f32(begin - 1), f32(begin + rows - 1));
     let is_whole = frame.theta_begin == 0.0;
-    var first_column = i32(clamp(begin_of(phi - wide, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
-    var last_column = i32(clamp(end_of(phi + wide, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
-    if has_pole || (is_whole && last_column - first_column >= columns - 1) {
+    var first_column = i32(clamp(begin_of(angles.phi.x, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
+    var last_column = i32(clamp(end_of(angles.phi.y, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
+    if angles.all_around || (is_whole && last_column - first_column >= columns - 1) {
         first_column = 0;
         last_column = columns - 1;
     } else if is_whole {
@@ -184,29 +236,29 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
 }
 
 //! if canvas is middles or texels and primitives is triangles
-fn cap_of(primitive: Primitive) -> Cap { return triangle_cap(primitive); }
+fn angles_around(primitive: Primitive) -> Angles { return triangle_angles(primitive); }
 
 //! if canvas is middles or texels and primitives is spheres
-fn cap_of(primitive: Primitive) -> Cap { return ball_cap(primitive); }
+fn angles_around(primitive: Primitive) -> Angles { return angles_of(ball_cap(primitive)); }
 
 //! if canvas is middles or texels and primitives is mixed
-fn cap_of(primitive: Primitive) -> Cap {
-    if is_sphere(primitive) { return ball_cap(primitive); }
-    return triangle_cap(primitive);
+fn angles_around(primitive: Primitive) -> Angles {
+    if is_sphere(primitive) { return angles_of(ball_cap(primitive)); }
+    return triangle_angles(primitive);
 }
 
 //! if canvas is middles
 // Texels whose middles a primitive may cover.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
-    return texels_over(cap_of(primitive), vec2f(0.5 + slack, 0.5 - slack));
+    return texels_over(angles_around(primitive), vec2f(0.5 + slack, 0.5 - slack));
 }
 
 //! if canvas is texels
 // Texels that a primitive may touch anywhere.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
-    return texels_over(cap_of(primitive), vec2f(1.0 + slack, -slack));
+    return texels_over(angles_around(primitive), vec2f(1.0 + slack, -slack));
 }
 
 // Marks the texels of which something may stand before the surface that they show: t_buffer has what read_texels wrote.
