@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 use crate::{
-    BvhBuild, Cast, Encoded, Error, Gpu, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics, StereoCamera,
-    StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async,
+    BvhBuild, Cast, Encoded, Error, Gpu, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics,
+    StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async,
     renderer::OnProgress,
 };
 
@@ -220,6 +220,14 @@ impl Renderer {
     /// As [`Renderer::closest_hits_async`].
     pub fn any_hits(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<bool>, Error> {
         block_on(self.any_hits_async(scene, rays))
+    }
+
+    /// Whether the other eye sees the very point that each pixel shows, blocking: see [`Renderer::occlusions_async`].
+    ///
+    /// # Errors
+    /// As [`Renderer::occlusions_async`].
+    pub fn occlusions(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
+        block_on(self.occlusions_async(scene, pair))
     }
 }
 

@@ -70,7 +70,7 @@ impl StereoPair {
     /// signs: on a plane, however slanted, that is exact. The point is hidden where that surface has over 0.25
     /// px more disparity. At silhouettes and creases, which lie somewhere between two samples, a pixel may be wrong: by rays
     /// from the right eye to each point 0.3 to 2.9% of the pixels of the built-in scenes are (docs/DESIGN.md, section 7). Sky is a
-    /// surface at infinity.
+    /// surface at infinity. [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
         let width = (self.left.width as usize).max(1);
         let exact = |view: &View| view.depth.iter().map(|&z| self.pose.disparity_px(z)).collect::<Vec<_>>();

@@ -102,6 +102,7 @@ mod layout;
 mod message;
 pub mod method;
 pub mod metrics;
+mod occlusion;
 mod options;
 pub mod output;
 pub mod pair;
@@ -133,6 +134,7 @@ pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
+pub use occlusion::Occlusions;
 pub use options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
 pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use renderer::{OnProgress, Progress, Renderer, render_stereo_async, render_views_async};

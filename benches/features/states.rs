@@ -2,7 +2,7 @@
 
 use stereotrace::{
     AmbientOcclusion, Ellipsoid, Finish, GBuffer, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene,
-    Sky, Sphere, StereoCamera, Texture,
+    ShadowBuffer, ShadowRule, Sky, Sphere, StereoCamera, Texture, Visibility,
     glam::{Mat3, Vec3, Vec3Swizzles},
 };
 
@@ -99,7 +99,7 @@ fn with_sky(mut scene: Scene) -> Scene {
 
 /// Each feature with its states, the first of which is off.
 pub(crate) fn states(size: [u32; 2]) -> Vec<(&'static str, Vec<Variant>)> {
-    let rest = surfaces(size).into_iter().chain(many_rays(size)).chain([("planes", planes(size))]);
+    let rest = surfaces(size).into_iter().chain(many_rays(size)).chain([("planes", planes(size))]).chain(buffers(size));
     geometry_and_light(size).into_iter().chain(rest).collect()
 }
 
@@ -185,6 +185,26 @@ fn planes(size: [u32; 2]) -> Vec<Variant> {
         with("unused: one behind the eye", &[Plane::new(9.0 * Vec3::Z, Vec3::Z, MaterialId(0))]),
         with("on: a ground below the terrain", &[ground(1)]),
         with("on: eight of them", &Vec::from_iter((1..9).map(ground))),
+    ]
+}
+
+/// What takes the place of rays.
+fn buffers(size: [u32; 2]) -> [(&'static str, Vec<Variant>); 2] {
+    let with = |name, lights: bool, options: &Options| {
+        let scene = if lights { with_lights(terrain(0), 4.0, true) } else { terrain(0) };
+        of(name, scene, &ahead(size), options)
+    };
+    let tables = |rule| plain().shadow_buffer(ShadowBuffer::new(400).rule(rule));
+    [
+        ("T-buffer", vec![with("off", false, &plain()), with("on", false, &plain().visibility(Visibility::TBuffer))]),
+        (
+            "shadow-buffers",
+            vec![
+                with("off: 5 lights with shadows", true, &plain()),
+                with("on: 400 rows, filled before, hybrid", true, &tables(ShadowRule::HYBRID)),
+                with("on: 400 rows, filled before, object", true, &tables(ShadowRule::Object)),
+            ],
+        ),
     ]
 }
 
