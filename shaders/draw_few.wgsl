@@ -1,8 +1,8 @@
-// T-buffer, both passes: primitives that cover few pixels, each over all of these. One kernel serves both passes, so that a t of the second is that of the first.
+// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover few pixels, each over all of these. One kernel serves both passes, so that a t of the second is that of the first.
 //
 // launch  one thread per FEW_EACH entries of the few, dispatched indirectly
 // reads   drawing
-// updates t_buffer   [height * width * 2]
+// updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
 // adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;

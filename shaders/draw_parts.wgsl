@@ -1,8 +1,8 @@
-// T-buffer, both passes: parts of primitives that cover many tiles. The threads of a group take one tile after the other in turn.
+// T-buffer, both passes, and the marks of a shadow-buffer: parts of primitives that cover many tiles. The threads of a group take one tile after the other in turn.
 //
 // launch  GROUP threads per part, dispatched indirectly
 // reads   drawing
-// updates t_buffer   [height * width * 2]
+// updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
 // adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
 
 @group(1) @binding(0) var<uniform> frame: Frame;

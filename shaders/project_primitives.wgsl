@@ -1,4 +1,4 @@
-// T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work are listed (shared/t_buffer.wgsl): those that cover few pixels,
+// T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work (of a shadow-buffer that is marked, any part of a texel) are listed (shared/t_buffer.wgsl): those that cover few pixels,
 // those that cover a few tiles, and the others in parts. So the vectors of a software adapter that draw them are full, and both passes draw what was projected once.
 //
 // launch  one thread per primitive of the tree

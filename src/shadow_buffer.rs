@@ -41,7 +41,8 @@ pub enum ShadowRule {
         bias: f32,
     },
     /// Points are lit where nothing stands before the plane that their direction's texel shows and they are on it, and hidden where what texels show
-    /// is met by their own shadow ray; elsewhere a shadow ray is traced: see `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays.
+    /// is met by their own shadow ray; elsewhere a shadow ray is traced: see `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays, but of what stands less than 2⁻¹⁸ of
+    /// the light's distance off a surface.
     Hybrid {
         /// How far before the plane that a texel shows something may stand and be no matter, and how far behind it a point of a curved surface
         /// may be, in widths of a texel there. At least 0. What is that close to a surface may fail to shade it.
@@ -145,7 +146,7 @@ impl Reading {
 pub struct ShadowBufferWork {
     /// Texels that were filled for this frame; 0 where all were kept from another one.
     pub filled: u64,
-    /// Primitives that were projected for it, once a light; 0 unless counting was asked for.
+    /// Primitives that were projected for it, once a light and 2 million texels; 0 unless counting was asked for.
     pub nodes: u64,
     /// Tests of primitives at texels for it: by the rays through their middles, and by the hybrid rule of what is before what they show; 0 unless
     /// counting was asked for.

@@ -6,10 +6,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::{gpu, renderer};
 use stereotrace::{
-    Adaptive, Builtin, BvhBuild, Error, Light, Method, Options, Renderer, Rig, Scene, ShadowBuffer, ShadowRule,
-    StereoCamera, StereoPair, Update, View,
+    Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, Renderer, Rig, Scene, ShadowBuffer,
+    ShadowRule, Sphere, StereoCamera, StereoPair, Update, View,
     cpu::{self, Eye, intersect::closest_hit, shadow_buffer::Mapping},
-    glam::{DVec3, Vec3},
+    glam::{DVec3, Mat3, Vec3},
     scene::suite::Trial,
 };
 
@@ -242,6 +242,67 @@ fn methods_views_and_samples_ask_them_too() {
         assert!(pair.right.rgba8 == naive.right.rgba8 && pair.left.rgba8 == naive.left.rgba8, "{more:?}");
         let by_rays = renderer.render(&uploaded, &camera, &more).unwrap();
         assert!(2 * shadow_rays(&pair) < shadow_rays(&by_rays), "{more:?}");
+    }
+}
+
+/// Pixels of both views, 96x72, that do not show what they do by rays, without a margin.
+fn assert_exact(what: &str, scene: &Scene, camera: StereoCamera, rows: u32) {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(scene).unwrap();
+    let camera = camera.size(96, 72);
+    let truth = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let exact = ShadowRule::Hybrid { margin: 0.0 };
+    let pair = renderer.render(&uploaded, &camera, &options(Method::Naive, rows, exact)).unwrap();
+    let wrong = differing(&pair.left, &truth.left) + differing(&pair.right, &truth.right);
+    assert_eq!(wrong, 0, "{what}, {rows} rows");
+}
+
+fn add_quad(scene: &mut Scene, corners: [Vec3; 4]) {
+    scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+}
+
+/// The far side of a ball faces a light beyond it too, where an eye is within the ball or sees through it.
+#[test]
+fn the_far_side_of_a_ball_is_dark() {
+    let ball = |opacity| {
+        let mut scene = Scene::new();
+        let material = scene.add_material(Material::new(Vec3::splat(0.8)).opacity(opacity));
+        scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, material)).unwrap();
+        scene.lights.push(Light::point(5.0 * Vec3::Z, Vec3::ONE));
+        scene
+    };
+    let within = StereoCamera::look_at(0.3 * Vec3::Z, -Vec3::Z);
+    assert_exact("an eye in a ball", &ball(1.0), within, 200);
+    assert_exact("a veil", &ball(0.5), StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO), 200);
+}
+
+/// Where the planes through the light and a triangle's edges round most, and where a triangle's own plane does.
+#[test]
+fn lights_close_to_corners_and_to_large_triangles_are_exact() {
+    for seed in 0..6_u8 {
+        let turn = Mat3::from_rotation_y(0.37 + f32::from(seed)) * Mat3::from_rotation_x(0.31 + 0.7 * f32::from(seed));
+        for near in [1e-5, 1e-6] {
+            let mut scene = Scene::new();
+            let corners = [near * Vec3::new(0.3, 0.9, -0.5), Vec3::new(1.1, -0.9, -1.3), Vec3::new(-0.8, 0.4, -1.7)];
+            scene.add_mesh(&Mesh::new(corners.map(|corner| turn * corner).to_vec(), vec![[0, 1, 2]])).unwrap();
+            let wall = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)];
+            add_quad(&mut scene, wall.map(|(x, y)| turn * Vec3::new(x, y, -3.0)));
+            scene.lights.push(Light::point(Vec3::ZERO, Vec3::ONE));
+            let camera = StereoCamera::look_at(turn * Vec3::new(3.0, 0.5, 1.0), turn * Vec3::new(0.0, 0.0, -3.0));
+            assert_exact("a light by a corner", &scene, camera, 1000);
+        }
+        let mut scene = Scene::new();
+        let size = 1e4;
+        let corners = [(-1.0, -0.8), (1.0, -0.9), (0.1, 1.1)].map(|(x, z)| turn * Vec3::new(size * x, 0.0, size * z));
+        scene.add_mesh(&Mesh::new(corners.to_vec(), vec![[0, 1, 2]])).unwrap();
+        for bar in 0..8_u8 {
+            let x = 0.05 * f32::from(bar);
+            let bar = [(x, -0.3), (x + 0.004, -0.3), (x + 0.004, 0.3), (x, 0.3)];
+            add_quad(&mut scene, bar.map(|(x, z)| turn * Vec3::new(x, 2e-4, z)));
+        }
+        scene.lights.push(Light::point(turn * Vec3::new(-2.0, 1.0, 0.0), Vec3::ONE));
+        let camera = StereoCamera::look_at(turn * Vec3::new(0.21, 0.02, 0.02), turn * Vec3::new(0.2, 0.0, 0.0));
+        assert_exact("bars on a large slope", &scene, camera, 400);
     }
 }
 

@@ -109,8 +109,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     shadow_rays: Option<u32>,
     /// Ask tables of directions around point lights, of so many rows, in place of shadow rays: by the nearest object alone, by its depth, or (hybrid) where
-    /// texels agree, with rays elsewhere
-    #[arg(long, value_name = "ROWS[:object|depth|hybrid]", value_parser = shadow_buffer)]
+    /// they prove something, but for a margin, with rays elsewhere
+    #[arg(long, value_name = "ROWS[:object|depth[=BIAS]|hybrid[=MARGIN]]", value_parser = shadow_buffer)]
     shadow_buffer: Option<ShadowBuffer>,
     /// Let what stands near keep ambient light off: by N rays a sample, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]

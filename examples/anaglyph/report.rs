@@ -97,7 +97,7 @@ impl Report<'_> {
         let buffer = statistics.shadow_buffer;
         if buffer.bytes > 0 {
             let (texels, mib) = (noun(buffer.filled, "texel", "texels"), buffer.bytes.div_ceil(1 << 20));
-            line(f, "", format!("shadow-buffers: {} {texels} filled, a ray each; {mib} MiB", buffer.filled))?;
+            line(f, "", format!("shadow-buffers: {} {texels} filled; {mib} MiB", buffer.filled))?;
         }
         if self.arguments.count {
             for (index, (eye, work)) in eyes.into_iter().enumerate() {

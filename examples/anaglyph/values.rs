@@ -55,11 +55,14 @@ pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {
 pub(crate) fn shadow_buffer(text: &str) -> Result<ShadowBuffer, String> {
     let (rows, rule) = text.split_once(':').unwrap_or((text, "hybrid"));
     let rows = rows.parse().map_err(|_| "it must be a number of rows like 400, or with a rule like 400:object")?;
-    let rule = match rule {
-        "object" => ShadowRule::Object,
-        "depth" => ShadowRule::DEPTH,
-        "hybrid" => ShadowRule::HYBRID,
-        _ => return Err("its rule must be object, depth or hybrid".into()),
+    let (name, setting) = rule.split_once('=').map_or((rule, None), |(name, setting)| (name, Some(setting)));
+    let setting =
+        setting.map(|setting| setting.parse().map_err(|_| format!("{setting}: a rule's setting is a number")));
+    let rule = match (name, setting.transpose()?) {
+        ("object", None) => ShadowRule::Object,
+        ("depth", bias) => bias.map_or(ShadowRule::DEPTH, |bias| ShadowRule::Depth { bias }),
+        ("hybrid", margin) => margin.map_or(ShadowRule::HYBRID, |margin| ShadowRule::Hybrid { margin }),
+        _ => return Err("its rule must be object, depth or depth=BIAS, hybrid or hybrid=MARGIN".into()),
     };
     Ok(ShadowBuffer::new(rows).rule(rule))
 }

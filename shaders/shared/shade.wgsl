@@ -77,7 +77,7 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
 
 // What comes along rays from what they hit, in linear colour, as bright as it may be.
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
-    ask_tables(hits, surfaces);
+    ask_tables(surfaces);
     let light = direct_light(surfaces, rays.origin);
     var color = product3(surfaces.albedo, add3(all3(open_ambient()), light.diffuse));
     if SHINE { color = add3(color, add3(surfaces.emission, light.shine)); }

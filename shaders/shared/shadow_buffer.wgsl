@@ -1,4 +1,4 @@
-// Shadow-buffers: a table of directions around each of the first point lights, filled by fill_shadow_buffer (docs/SHADOW-BUFFER.md), which
+// Shadow-buffers: a table of directions around each of the first point lights, drawn by the T-buffer's kernels (docs/SHADOW-BUFFER.md), which
 // stands between a light and its shadow rays.
 
 // In the place of a texel's primitive: nothing is known of its direction.
@@ -15,12 +15,10 @@ const ON_PLANE: f32 = 4e-6;
 // What lit_by asks for, besides a ray.
 var<private> asked_normal: F3;      // unit, geometric, towards the viewer
 var<private> asked_component: U;
-var<private> asked_slot: U;
 
-fn ask_tables(hits: Hits, surfaces: Surfaces) {
+fn ask_tables(surfaces: Surfaces) {
     asked_normal = surfaces.geometric_normal;
     asked_component = surfaces.component;
-    asked_slot = hits.slot;
 }
 
 // What a light's table says of points: nothing of those that are unknown; of others what hides the light from them, or MISS.
@@ -34,7 +32,7 @@ struct Directions {
     layer: u32,
     rows: i32,
     columns: i32,
-    whole: bool,         // all directions: rows go on beyond the poles, columns beyond the last one
+    whole: bool,         // all directions: behind the last column is the first one
     theta_begin: f32,    // of the first row, radians
     theta_step: f32,     // a row
     phi_begin: f32,
@@ -182,14 +180,13 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             if index >= RAYS { break; }
         }
         let behind = dot3(planes, ray.direction) * ray.distance - 1.0;
-        let is_own = shown == asked_slot;
-        let may_hide = said.unknown & (shown < U(UNFILLED)) & (behind > F(0.0)) & !is_own;
+        let may_hide = said.unknown & (shown < U(UNFILLED)) & (behind > F(0.0));
         said = with_proof(said, may_hide, shown & U(SOMETHING_BEFORE - 1u), ray);
         if turn == 0u {
             let size = ray.distance * sqrt(dot3(planes, planes));
             let is_clear = shown < U(SOMETHING_BEFORE);
-            // Shadow rays end off their surfaces, before the plane. Of a ball nothing but what is before it hides a point that faces the light.
-            said.unknown &= !(is_clear & (is_own | (behind <= 0.25 * ON_PLANE * size)));
+            // Shadow rays end off their surfaces, before the plane; on a ball's near side before that of its outline, whose far side is behind it.
+            said.unknown &= !(is_clear & (behind <= 0.25 * ON_PLANE * size));
             // A surface that curves lies behind a plane of its own by little, and looks the same way.
             let alike = -dot3(planes, asked_normal) * ray.distance >= LOOKS_ALIKE * size;
             nearly_on = is_clear & alike & (behind <= (BUFFER_MARGIN * table.theta_step + 0.25 * ON_PLANE) * size);
@@ -217,7 +214,7 @@ fn with_proof(before: Said, asked: B, slots: U, ray: ShadowRay) -> Said {
 }
 
 //! if shadow_buffer is none
-fn ask_tables(hits: Hits, surfaces: Surfaces) {}
+fn ask_tables(surfaces: Surfaces) {}
 
 fn hidden_from(light: u32, ray: ShadowRay, wanted: B) -> U { return occluders_of(ray, wanted); }
 

@@ -211,7 +211,9 @@ fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let b = primitive.b - frame.target_eye;
     let c = primitive.c - frame.target_eye;
     let values = triangle_weights(directions, a, b, c);
-    let near = vec3f(length(edge_normal(b, c)), length(edge_normal(c, a)), length(edge_normal(a, b))) * reach;
+    // Normals of long edges that pass the light closely are mostly rounding.
+    let rounding = (length(a) + primitive.reach) * primitive.reach * DOUBT;
+    let near = vec3f(length(edge_normal(b, c)), length(edge_normal(c, a)), length(edge_normal(a, b))) * reach + rounding;
     let one_way = (values.x >= F(-near.x)) & (values.y >= F(-near.y)) & (values.z >= F(-near.z));
     let other_way = (values.x <= F(near.x)) & (values.y <= F(near.y)) & (values.z <= F(near.z));
     return one_way | other_way;
@@ -232,6 +234,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         block += RAYS;
         if block >= TILE_BLOCKS { break; }
     }
+    cut_short |= block < TILE_BLOCKS;
     return bits;
 }
 
@@ -299,25 +302,36 @@ fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
     return touches_before(primitive, plane, texel);
 }
 
+// Wider texels than this, of tables of a few rows, curve by more than their corners are moved out; radians.
+const WIDEST_TEXEL: f32 = 0.65;
+
 // Whether a plane is before another one somewhere in a texel. The reciprocal of the distance from the light to a plane is linear in direction, so that two planes'
-// differ most in one of the texel's corners, which are moved out by more than its sides curve.
+// differ most in one of the texel's corners, which are moved out by more than its sides curve and directions round. (What is no number is before it.)
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
-    var most = -FAR;
+    let allowed = allowed_before() * length(plane);
+    let out = 0.05 + CAP_SLACK / frame.theta_step;
+    var before = frame.theta_step > WIDEST_TEXEL;
     var corner = 0u;
     loop {
-        let aside = select(vec2f(-0.05), vec2f(1.05), vec2<bool>((corner & 1u) != 0u, (corner & 2u) != 0u));
+        let aside = select(vec2f(-out), vec2f(1.0 + out), vec2<bool>((corner & 1u) != 0u, (corner & 2u) != 0u));
         let place = texel + aside;
-        most = max(most, dot(difference, of_ray3(directions_at(F(place.x), F(place.y)), 0u)));
+        before |= !(dot(difference, of_ray3(directions_at(F(place.x), F(place.y)), 0u)) <= allowed);
         corner += 1u;
         if corner >= 4u { break; }
     }
-    return !(most <= allowed_before() * length(plane));
+    cut_short |= corner < 4u;
+    return before;
 }
 
 fn triangle_touches_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
     let reach = TEXEL_REACH * frame.theta_step + CAP_SLACK;
     if !any_ray(is_within_edges(primitive, middle_of(texel), reach)) { return false; }
+    // f32 is too coarse for a large triangle's plane.
+    if CLOSE {
+        let light = frame.target_eye;
+        if is_close(primitive.a - light, primitive.b - light, primitive.c - light, primitive.reach) { return true; }
+    }
     let normal = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
     return is_before(plane_through(normal, primitive.a - frame.target_eye), plane, texel);
 }
@@ -412,5 +426,6 @@ fn plane_stands_before(shown: u32, plane: vec3f, texel: vec2f) -> bool {
         slot += 1u;
         if slot >= PLANES { break; }
     }
+    cut_short |= slot < PLANES;
     return before;
 }

@@ -10,10 +10,7 @@ use glam::Vec3;
 use crate::{
     Error, Options, Renderer, UploadedScene,
     cpu::shadow_buffer::Mapping,
-    frame::{
-        band_pixels,
-        targets::Target::{self, Counters, Drawing, Found, TBuffer},
-    },
+    frame::targets::Target::{self, Counters, Drawing, Found, TBuffer},
     gpu::{Gpu, bind_group, lock},
     kernels::{
         Access::{Read, Write},
@@ -59,6 +56,8 @@ const UNFILLED: u32 = 0xffff_fffe;
 /// Words of the row behind a table that say where its directions are, and columns that have room for them.
 const HEAD: usize = 12;
 const LEAST_COLUMNS: u32 = 6;
+/// Texels of a submission: each one projects all primitives, and texels take 24 bytes while they are drawn.
+const BAND: u32 = 1 << 21;
 /// Bytes of one word over and over that are handed over at a time.
 const PIECE: usize = 1 << 22;
 
@@ -195,7 +194,7 @@ impl Renderer {
         let Mapping { rows, columns, .. } = layer.mapping;
         // A row that is copied into a texture begins at a multiple of so many bytes.
         let per_row = columns.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / texture.texel());
-        let step = (band_pixels(gpu) / per_row).clamp(1, rows);
+        let step = (BAND / per_row).clamp(1, rows);
         let begin = || {
             texture.write_head(gpu, index, &layer.mapping);
             Ok(Filling::new(self, scene, layer, options, u64::from(per_row) * u64::from(step)))

@@ -132,6 +132,33 @@ fn every_texel_has_the_nearest_hit_along_its_middle() {
     }
 }
 
+/// A table of more texels than are drawn at a time: some of them, all over it, against brute force.
+#[test]
+fn tables_that_are_drawn_in_bands_are_whole() {
+    let renderer = renderer();
+    let mut scene = scene(true, 12);
+    scene.lights.push(Light::point(Vec3::new(0.1, 0.2, -0.3), Vec3::ONE));
+    let uploaded = renderer.upload(&scene).unwrap();
+    for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
+        let tables = tables_of(&renderer, &uploaded, 1100, rule);
+        let Layer { light, mapping, .. } = tables.layers[0];
+        assert!(mapping.rows * mapping.columns > BAND);
+        let texels = pollster::block_on(tables.read(&renderer.gpu, 0));
+        let (mut wrong, mut all) = (0, 0);
+        for (texel, words) in texels.iter().enumerate().step_by(211) {
+            let [row, column] = [texel / mapping.columns as usize, texel % mapping.columns as usize];
+            let direction = mapping.direction(row as f64 + 0.5, column as f64 + 0.5).as_vec3();
+            let (_, id) = closest_hit(&scene, light, direction, 0.0, crate::FAR);
+            let slot = words[words.len() - 1];
+            let slot = if words.len() == 4 && slot < UNFILLED { slot & (u32::MAX >> 1) } else { slot };
+            let found = if slot == crate::MISS { slot } else { uploaded.ids[slot as usize] };
+            wrong += usize::from(found != id);
+            all += 1;
+        }
+        assert!(all > 10_000 && wrong * 500 <= all, "{wrong} of {all}");
+    }
+}
+
 /// Within a texel that is not marked brute force finds nothing before the plane of what it shows, but the very ball that has its outline there.
 #[test]
 fn nothing_stands_before_what_an_unmarked_texel_shows() {
