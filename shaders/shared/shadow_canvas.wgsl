@@ -332,8 +332,7 @@ fn triangle_touches_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> 
         let light = frame.target_eye;
         if is_close(primitive.a - light, primitive.b - light, primitive.c - light, primitive.reach) { return true; }
     }
-    let normal = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
-    return is_before(plane_through(normal, primitive.a - frame.target_eye), plane, texel);
+    return is_before(triangle_plane(primitive), plane, texel);
 }
 
 fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
@@ -342,17 +341,11 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
     return aside <= cap.radius + TEXEL_REACH * frame.theta_step + CAP_SLACK;
 }
 
-// The plane with a normal through a point, both from the light: of its points the products with this vector are 1. Of one through the light there is none: that light
-// does not see it.
-fn plane_through(normal: vec3f, point: vec3f) -> vec3f {
-    let unit = normalize(largest_one(normal));
-    let height = dot(unit, point);
-    return select(unit / height, vec3f(0.0), height == 0.0);
-}
-
+// The plane of a triangle, seen from the light: of its points the products with this vector are 1. Of one through the light there is none: that light does not see it.
 fn triangle_plane(primitive: Primitive) -> vec3f {
-    let normal = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
-    return plane_through(normal, primitive.a - frame.target_eye);
+    let normal = normalize(largest_one(cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a))));
+    let height = dot(normal, primitive.a - frame.target_eye);
+    return select(normal / height, vec3f(0.0), height == 0.0);
 }
 
 //! if canvas is texels and texels is corners or spheres
