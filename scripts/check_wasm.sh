@@ -16,6 +16,6 @@ fi
 for features in webgpu webgpu,obj,png,textures,sky,json; do
     echo "wasm32: $features"
     # With --target, flags are the target's alone: what is built for this machine stays.
-    RUSTFLAGS='-D warnings' cargo check --quiet --manifest-path "$root/Cargo.toml" --lib --target "$target" \
+    RUSTFLAGS='-D warnings' cargo check --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --lib --target "$target" \
         --no-default-features --features "$features"
 done

@@ -25,5 +25,5 @@ if ! grep -qs "\"version\": \"$version\"" "$package/package.json"; then
         "webgpu@$version" || fail "npm could not install webgpu $version"
 fi
 
-cargo test --quiet --manifest-path "$root/Cargo.toml" --lib kernels::tests::every_distinct_module_is_written
+cargo test --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --lib kernels::tests::every_distinct_module_is_written
 node "$root/scripts/check_wgsl.mjs" "$root/target/wgsl" "$package/index.js"

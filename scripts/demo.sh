@@ -1,7 +1,7 @@
 #!/bin/sh
 # Renders a stereo pair and its anaglyph on whatever adapter is there, installing a software one where there is none.
-#   sh scripts/demo.sh [ARGUMENTS OF examples/anaglyph.rs, such as --help]
-# Without arguments: the built-in hall, into out/. Paths are relative to where you are, not to the repository.
+#   sh scripts/demo.sh [COMMAND AND ARGUMENTS OF stereotrace, such as --help]
+# Without arguments: render, which is the built-in hall, into out/. Paths are relative to where you are, not to the repository.
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck disable=SC2034 # setup.sh reads it
@@ -9,4 +9,5 @@ adapter=any
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
 
-exec cargo run --release --manifest-path "$root/Cargo.toml" --example anaglyph -- "$@"
+[ $# -gt 0 ] || set -- render
+exec cargo run --release --manifest-path "$root/Cargo.toml" --package stereotrace-cli -- "$@"

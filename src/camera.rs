@@ -2,9 +2,11 @@
 
 mod comfort;
 mod fitting;
+mod path;
 mod ranges;
 
 pub use comfort::Comfort;
+pub use path::CameraPath;
 pub use ranges::{MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES};
 
 use glam::{DVec3, Vec3};

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::{Map, Value};
 
-use crate::{Error, Light, Limits, Scene, StereoCamera, input};
+use crate::{CameraPath, Error, Light, Limits, Scene, StereoCamera, input};
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
@@ -37,28 +37,64 @@ impl StereoCamera {
         limits: &Limits,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        let fault = |reason: String| fault(path, name, reason);
-        let entry = &entry(path, name, limits)?;
-        let camera = Self::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
-            .up(vector(entry, "up").map_err(fault)?)
-            .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
-            .screen_distance(number(entry, "screen_distance").map_err(fault)?)
-            .interaxial(number(entry, "eye_separation").map_err(fault)?)
-            .size(width, height);
-        match camera.pose() {
-            Ok(_) => Ok(camera),
-            // The file is not to blame for the size; for the rest, the message takes the file's word for the field.
-            Err(Error::Camera { field, value, reason }) if field != "size" => {
-                let named = match field {
-                    "vertical_fov" => "vfov_deg",
-                    "interaxial" => "eye_separation",
-                    other => other,
-                };
-                let text = format!("camera '{name}': {named} is {value}; {reason}");
-                Err(Error::parse_from(path, None, text, Error::Camera { field, value, reason }))
-            }
-            Err(error) => Err(error),
+        let entry = entry(path, name, limits)?;
+        camera(path, &named(name), &entry, [width, height])
+    }
+}
+
+impl CameraPath {
+    /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`], each with the number of its
+    /// `frame`, a key frame. Where none has one, each camera is a frame. The pictures are `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// As [`StereoCamera::from_json`], naming the camera by its place in the list, from 0; and those of [`CameraPath::new`].
+    pub fn from_json_within(path: impl AsRef<Path>, width: u32, height: u32, limits: &Limits) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let list: Vec<Value> = read(path, limits, "list of cameras")?;
+        let counted = list.iter().filter(|item| item.get("frame").is_some()).count();
+        if counted != 0 && counted != list.len() {
+            let reason = format!("{counted} of {} cameras have a frame; all must, or none", list.len());
+            return Err(Error::parse(path, None, reason));
         }
+        let key = |(index, item): (usize, &Value)| {
+            let label = format!("camera {index}");
+            let fault = |reason: String| fault(path, &label, reason);
+            let fields = item.as_object().ok_or_else(|| fault(format!("{item} is not an object")))?;
+            let frame = if counted == 0 { index as f32 } else { number(fields, "frame").map_err(fault)? };
+            Ok((frame, camera(path, &label, fields, [width, height])?))
+        };
+        let keys = list.iter().enumerate().map(key).collect::<Result<_, Error>>()?;
+        Self::new(keys).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
+    }
+}
+
+/// The camera that an entry's fields say; `label` names the entry.
+fn camera(
+    path: &Path,
+    label: &str,
+    entry: &Map<String, Value>,
+    [width, height]: [u32; 2],
+) -> Result<StereoCamera, Error> {
+    let fault = |reason: String| fault(path, label, reason);
+    let camera = StereoCamera::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
+        .up(vector(entry, "up").map_err(fault)?)
+        .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
+        .screen_distance(number(entry, "screen_distance").map_err(fault)?)
+        .interaxial(number(entry, "eye_separation").map_err(fault)?)
+        .size(width, height);
+    match camera.pose() {
+        Ok(_) => Ok(camera),
+        // The file is not to blame for the size; for the rest, the message takes the file's word for the field.
+        Err(Error::Camera { field, value, reason }) if field != "size" => {
+            let named = match field {
+                "vertical_fov" => "vfov_deg",
+                "interaxial" => "eye_separation",
+                other => other,
+            };
+            let text = format!("{label}: {named} is {value}; {reason}");
+            Err(Error::parse_from(path, None, text, Error::Camera { field, value, reason }))
+        }
+        Err(error) => Err(error),
     }
 }
 
@@ -84,7 +120,7 @@ impl Scene {
         limits: &Limits,
     ) -> Result<bool, Error> {
         let path = path.as_ref();
-        let fault = |reason: String| fault(path, name, reason);
+        let fault = |reason: String| fault(path, &named(name), reason);
         let entry = entry(path, name, limits)?;
         let ambient = entry.contains_key("ambient").then(|| checked_color(&entry, "ambient"));
         let ambient = ambient.transpose().map_err(fault)?.or(self.ambient);
@@ -113,26 +149,37 @@ impl Scene {
     }
 }
 
-fn fault(path: &Path, name: &str, reason: String) -> Error {
-    Error::parse(path, None, format!("camera '{name}': {reason}"))
+/// An entry as messages name it.
+fn named(name: &str) -> String {
+    format!("camera '{name}'")
+}
+
+/// What is wrong with an entry.
+fn fault(path: &Path, label: &str, reason: String) -> Error {
+    Error::parse(path, None, format!("{label}: {reason}"))
 }
 
 /// The fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
-    let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
-    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
-    let mut cameras: Map<String, Value> = serde_json::from_slice(text).map_err(|error| {
-        let line = Some(error.line()).filter(|&line| line > 0);
-        Error::parse_from(path, line, format!("no JSON object of cameras: {error}"), error)
-    })?;
+    let mut cameras: Map<String, Value> = read(path, limits, "object of cameras")?;
     match cameras.remove(name) {
         Some(Value::Object(entry)) => Ok(entry),
-        Some(entry) => Err(fault(path, name, format!("{entry} is not an object of fields"))),
+        Some(entry) => Err(fault(path, &named(name), format!("{entry} is not an object of fields"))),
         None => {
             let names: Vec<&str> = cameras.keys().map(String::as_str).collect();
-            Err(fault(path, name, format!("not in this file, which has: {}", names.join(", "))))
+            Err(fault(path, &named(name), format!("not in this file, which has: {}", names.join(", "))))
         }
     }
+}
+
+/// What a file holds, of which `what` says the kind.
+fn read<T: serde::de::DeserializeOwned>(path: &Path, limits: &Limits, what: &str) -> Result<T, Error> {
+    let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+    serde_json::from_slice(text).map_err(|error| {
+        let line = Some(error.line()).filter(|&line| line > 0);
+        Error::parse_from(path, line, format!("no JSON {what}: {error}"), error)
+    })
 }
 
 /// A vector of finite numbers.

@@ -99,7 +99,7 @@ mod kernels;
 mod lanes;
 mod large;
 mod layout;
-mod message;
+pub mod message;
 pub mod method;
 pub mod metrics;
 mod occlusion;
@@ -125,7 +125,7 @@ pub use auto::Choice;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use blocking::{render_stereo, render_views};
 pub use bvh::BvhBuild;
-pub use camera::{Comfort, FAR, Pose, StereoCamera};
+pub use camera::{CameraPath, Comfort, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use disparity::Occlusion;
 pub use error::Error;

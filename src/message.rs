@@ -1,4 +1,4 @@
-//! Text of files in messages: a name in a file must not steer a terminal, nor fill it.
+//! Text of files in messages, of this library and of programs that use it: a name in a file must not steer a terminal, nor fill it.
 
 use std::fmt::Display;
 
@@ -10,7 +10,7 @@ const WORD_END: usize = 8;
 const LONGEST_TEXT: usize = 2000;
 
 /// A text that may quote a file: control characters are escaped, long words and very long texts are cut.
-pub(crate) fn tidy(text: &str) -> String {
+pub fn tidy(text: &str) -> String {
     let tidied = escaped(text).split(' ').map(cut_word).collect::<Vec<_>>().join(" ");
     match tidied.char_indices().nth(LONGEST_TEXT) {
         Some((end, _)) => format!("{}…", &tidied[..end]),
@@ -19,7 +19,7 @@ pub(crate) fn tidy(text: &str) -> String {
 }
 
 /// The text with what moves the cursor or turns the direction of writing shown by number.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let steers = |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let mut result = String::with_capacity(text.len());
     for c in text.chars() {
@@ -29,12 +29,12 @@ pub(crate) fn escaped(text: &str) -> String {
 }
 
 /// A number with its noun: `1 triangle`, `2 triangles`.
-pub(crate) fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     format!("{count} {}", noun(count, one, many))
 }
 
 /// The noun behind a number.
-pub(crate) fn noun<'a, N: PartialEq + From<u8>>(count: N, one: &'a str, many: &'a str) -> &'a str {
+pub fn noun<'a, N: PartialEq + From<u8>>(count: N, one: &'a str, many: &'a str) -> &'a str {
     if count == N::from(1) { one } else { many }
 }
 

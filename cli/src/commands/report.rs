@@ -6,12 +6,15 @@ use std::{
     time::Duration,
 };
 
-use stereotrace::{MISS, Scene, Statistics, StereoPair, metrics::Difference};
-
-use crate::{
-    arguments::Arguments,
+use serde_json::{Value, json};
+use stereotrace::{
+    Comfort, MISS, Statistics, StereoPair, Work,
     message::{counted, escaped, noun},
+    metrics::Difference,
 };
+
+use super::render::Arguments;
+use crate::{arguments::Stage, summary::Summary};
 
 /// Time on the clock.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +30,7 @@ pub(crate) struct WallTimes {
 /// What [`Display`] shows.
 pub(crate) struct Report<'a> {
     pub(crate) arguments: &'a Arguments,
-    pub(crate) adapter: &'a str,
-    pub(crate) scene: &'a Scene,
+    pub(crate) stage: &'a Stage,
     pub(crate) pair: &'a StereoPair,
     pub(crate) wall: WallTimes,
     /// The right eye against `naive`'s, where it was asked for.
@@ -39,8 +41,8 @@ pub(crate) struct Report<'a> {
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (pose, statistics) = (&self.pair.pose, &self.pair.statistics);
-        line(f, "adapter", self.adapter)?;
-        line(f, "scene", self.scene_line())?;
+        line(f, "adapter", self.stage.renderer.gpu().adapter_name())?;
+        line(f, "scene", scene_line(self.stage))?;
         let [width, height] = pose.size;
         let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
         line(f, "camera", format!("{width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}"))?;
@@ -59,8 +61,8 @@ impl Display for Report<'_> {
         }
 
         self.comfort_lines(f)?;
-        let swapped = if self.arguments.swap { ", worn the other way round (--swap)" } else { "" };
-        line(f, "glasses", format!("{}{swapped}", self.arguments.anaglyph.glasses()))?;
+        let swapped = if self.arguments.eyes.swap { ", worn the other way round (--swap)" } else { "" };
+        line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
         for (index, file) in self.files.iter().enumerate() {
             line(f, if index == 0 { "wrote" } else { "" }, file.display())?;
         }
@@ -69,6 +71,61 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
+    pub(crate) fn summary(&self) -> Summary {
+        Summary { text: self.to_string(), json: self.json(), to_stderr: false }
+    }
+
+    /// The same for programs: lengths in world units, times in milliseconds.
+    fn json(&self) -> Value {
+        let (pose, statistics, scene) = (&self.pair.pose, &self.pair.statistics, &self.stage.scene);
+        let passes = statistics.times.as_ref().map(|times| {
+            Vec::from_iter(times.passes.iter().map(|(pass, time)| json!({ "pass": pass, "ms": milliseconds(*time) })))
+        });
+        let comfort = self.comfort();
+        let wall = [self.wall.read, self.wall.build, self.wall.render].map(milliseconds);
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "adapter": self.stage.renderer.gpu().adapter_name(),
+            "scene": {
+                "name": self.stage.name,
+                "triangles": scene.triangles().len(),
+                "without_area": scene.degenerate_count(),
+                "spheres": scene.spheres().len(),
+                "ellipsoids": scene.ellipsoids().len(),
+                "planes": scene.planes().len(),
+                "lights": scene.lights.len(),
+            },
+            "camera": {
+                "size": pose.size,
+                "eye": pose.eye.to_array(),
+                "forward": pose.forward.to_array(),
+                "right": pose.right.to_array(),
+                "up": pose.up.to_array(),
+                "screen_distance": pose.screen_distance,
+                "interaxial": pose.interaxial,
+                "interaxial_px": pose.interaxial_px,
+            },
+            "method": { "asked": self.stage.options.method.to_string(), "used": statistics.method.to_string() },
+            "ms": { "read": wall[0], "build": wall[1], "render": wall[2], "passes": passes },
+            "rays": { "left": rays(&statistics.left), "right": rays(&statistics.right) },
+            "second_eye": self.stage.options.count.then(|| statistics.second_eye()),
+            "retraced_share": statistics.retraced_share(),
+            "to_naive": self.difference.as_ref().map(difference_json),
+            "comfort": {
+                "parallax_px": [comfort.negative_parallax_px, comfort.positive_parallax_px],
+                "parallax_percent": [comfort.negative_parallax_percent, comfort.positive_parallax_percent],
+                "warnings": comfort.warnings(),
+            },
+            "files": Vec::from_iter(self.files.iter().map(|file| file.to_string_lossy())),
+        })
+    }
+
+    fn comfort(&self) -> Comfort {
+        let ranges = [&self.pair.left, &self.pair.right].map(|view| view.depth_range());
+        let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
+        self.pair.pose.comfort(nearest, farthest, self.arguments.display_width)
+    }
+
     fn time_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match &self.pair.statistics.times {
             None => line(f, "passes", "no timestamps")?,
@@ -99,7 +156,7 @@ impl Report<'_> {
             let (texels, mib) = (noun(buffer.filled, "texel", "texels"), buffer.bytes.div_ceil(1 << 20));
             line(f, "", format!("shadow-buffers: {} {texels} filled; {mib} MiB", buffer.filled))?;
         }
-        if self.arguments.count {
+        if self.stage.options.count {
             for (index, (eye, work)) in eyes.into_iter().enumerate() {
                 let heading = if index == 0 { "work" } else { "" };
                 let (nodes, tests) = (work.nodes, work.primitive_tests);
@@ -111,28 +168,8 @@ impl Report<'_> {
         Ok(())
     }
 
-    fn scene_line(&self) -> String {
-        let (triangles, spheres) = (self.scene.triangles().len(), self.scene.spheres().len());
-        let dropped = match self.scene.degenerate_count() {
-            0 => String::new(),
-            count => format!(" ({count} without area, dropped)"),
-        };
-        let (name, lights) = (self.arguments.scene_name(), self.scene.lights.len());
-        let triangles = counted(triangles, "triangle", "triangles");
-        let ellipsoids = match self.scene.ellipsoids().len() {
-            0 => String::new(),
-            count => format!(", {}", counted(count, "ellipsoid", "ellipsoids")),
-        };
-        let planes = match self.scene.planes().len() {
-            0 => String::new(),
-            count => format!(", {}", counted(count, "plane", "planes")),
-        };
-        let (spheres, lights) = (counted(spheres, "sphere", "spheres"), counted(lights, "light", "lights"));
-        format!("{name}: {triangles}{dropped}, {spheres}{ellipsoids}{planes}, {lights}")
-    }
-
     fn method_line(&self) -> String {
-        let (method, statistics) = (self.arguments.method, &self.pair.statistics);
+        let (method, statistics) = (self.stage.options.method, &self.pair.statistics);
         match statistics.buffer_depth {
             0 => method.to_string(),
             slots => {
@@ -143,9 +180,7 @@ impl Report<'_> {
     }
 
     fn comfort_lines(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let ranges = [&self.pair.left, &self.pair.right].map(|view| view.depth_range());
-        let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
-        let comfort = self.pair.pose.comfort(nearest, farthest, self.arguments.display_width);
+        let comfort = self.comfort();
         let (near_px, far_px) = (comfort.negative_parallax_px, comfort.positive_parallax_px);
         let (near, far) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
         let parallax = format!("parallax {near_px:.1} to {far_px:.1} px ({near:.2}% to {far:.2}% of the width)");
@@ -155,6 +190,44 @@ impl Report<'_> {
         }
         Ok(())
     }
+}
+
+fn rays(work: &Work) -> Value {
+    let rays = work.rays;
+    json!({ "primary": rays.primary, "verification": rays.verification, "shadow": rays.shadow, "all": rays.total() })
+}
+
+pub(super) fn difference_json(difference: &Difference) -> Value {
+    json!({
+        "identical_percent": difference.identical_percent,
+        "wrong_surface_percent": difference.wrong_surface_percent,
+        "mse": difference.mse,
+        // JSON has no infinity: pictures that are the same have none.
+        "psnr": Some(difference.psnr).filter(|psnr| psnr.is_finite()),
+        "p999": difference.p999,
+        "surface_percent": difference.surface_percent,
+        "identical_of_surfaces_percent": difference.identical_of_surfaces_percent,
+        "wrong_of_surfaces_percent": difference.wrong_of_surfaces_percent,
+    })
+}
+
+/// What is in a scene.
+pub(super) fn scene_line(stage: &Stage) -> String {
+    let scene = &stage.scene;
+    let dropped = match scene.degenerate_count() {
+        0 => String::new(),
+        count => format!(" ({count} without area, dropped)"),
+    };
+    let some = |count: usize, one: &str, many: &str| match count {
+        0 => String::new(),
+        count => format!(", {}", counted(count, one, many)),
+    };
+    let triangles = counted(scene.triangles().len(), "triangle", "triangles");
+    let spheres = counted(scene.spheres().len(), "sphere", "spheres");
+    let ellipsoids = some(scene.ellipsoids().len(), "ellipsoid", "ellipsoids");
+    let planes = some(scene.planes().len(), "plane", "planes");
+    let lights = counted(scene.lights.len(), "light", "lights");
+    format!("{}: {triangles}{dropped}, {spheres}{ellipsoids}{planes}, {lights}", stage.name)
 }
 
 /// A line of the table. Names of scenes and files must not steer the terminal.

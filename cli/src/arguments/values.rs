@@ -1,6 +1,8 @@
 //! Values of options, and how they are read.
 
-use stereotrace::{Adaptive, MissingTextures, ShadowBuffer, ShadowRule, Tone, glam::Vec3};
+use std::ops::Range;
+
+use stereotrace::{Adaptive, Light, MissingTextures, ShadowBuffer, ShadowRule, Tone, glam::Vec3};
 
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,40 @@ pub(crate) fn point(text: &str) -> Result<Vec3, String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
     numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+}
+
+/// A light's intensity where none is said.
+const INTENSITY: f32 = 0.85;
+
+pub(crate) fn light(text: &str) -> Result<Light, String> {
+    let mut parts = text.split(':');
+    let (position, intensity, radius) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
+    if parts.next().is_some() {
+        return Err("it must be a place like 1,4,2, then :R,G,B, then :RADIUS".into());
+    }
+    let position = point(position)?;
+    let intensity = intensity.map_or(Ok(Vec3::splat(INTENSITY)), ambient)?;
+    if !position.is_finite() {
+        return Err("its place must be finite".into());
+    }
+    Ok(match radius {
+        None => Light::point(position, intensity),
+        Some(radius) => Light::sphere(position, above_zero(radius)?, intensity),
+    })
+}
+
+/// Linear light: one number for all channels, or three.
+pub(crate) fn ambient(text: &str) -> Result<Vec3, String> {
+    let light = text.parse().map(Vec3::splat).or_else(|_| point(text));
+    let light = light.ok().filter(|light| light.is_finite() && light.min_element() >= 0.0);
+    light.ok_or_else(|| "light must be a number like 0.3, or three like 1,0.9,0.8, of at least 0".into())
+}
+
+/// Frames from the first one up to, but without, the second.
+pub(crate) fn frames(text: &str) -> Result<Range<u32>, String> {
+    let ends = text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
+    let range = ends.map(|(first, end)| first..end).filter(|range| !range.is_empty());
+    range.ok_or_else(|| "it must be like 0..24, which are the frames 0 to 23".into())
 }
 
 pub(crate) fn crease_angle(text: &str) -> Result<CreaseAngle, String> {

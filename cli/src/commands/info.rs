@@ -1,0 +1,135 @@
+//! `info`: what is in a scene, how comfortable its picture is, and what this machine renders with.
+
+use std::{error::Error, fmt::Write};
+
+use clap::Args;
+use serde_json::{Value, json};
+use stereotrace::{Builtin, GBuffer, Method, Options, message::escaped, wgpu};
+
+use super::report::scene_line;
+use crate::{
+    arguments::{Global, Stage, Subject, above_zero},
+    summary::Summary,
+};
+
+/// Width in pixels of the picture by which depths are found.
+const PREVIEW: u32 = 320;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    subject: Subject,
+    /// Width in metres of the display for which comfort is judged
+    #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
+    display_width: f32,
+}
+
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let mut stage = arguments.subject.open(global)?;
+    let mut text = format!("stereotrace {}\n", env!("CARGO_PKG_VERSION"));
+    let machine = machine(&stage, &mut text)?;
+    let builtins = Builtin::ALL.iter().map(Builtin::to_string);
+    let builtins = Vec::from_iter(builtins);
+    writeln!(text, "built in   {}", builtins.join(", "))?;
+    let scene = scene(&mut stage, arguments, &mut text)?;
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"), "machine": machine, "builtin": builtins, "scene": scene
+    });
+    Ok(Summary { text, json, to_stderr: false })
+}
+
+/// The adapters there are, and the limits of the one that renders.
+fn machine(stage: &Stage, text: &mut String) -> Result<Value, Box<dyn Error>> {
+    let gpu = stage.renderer.gpu();
+    let (limits, own) = (gpu.device().limits(), gpu.adapter_name());
+    // OpenGL shows the same hardware once more, and looking for it can make the driver print to the terminal.
+    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = backends;
+    let there = pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends));
+    let names = there.iter().map(wgpu::Adapter::get_info).map(|info| {
+        escaped(&format!("{} ({:?}, {:?}; {})", info.name, info.device_type, info.backend, info.driver_info))
+    });
+    let names = Vec::from_iter(names);
+    writeln!(text, "adapter    {}", escaped(&own))?;
+    let (binding, side) = (limits.max_storage_buffer_binding_size, limits.max_texture_dimension_2d);
+    writeln!(text, "           a scene may take {} MiB, a view {side} pixels a side", binding >> 20)?;
+    let timestamps = gpu.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    writeln!(text, "           {}", if timestamps { "it times each pass" } else { "it has no timestamps" })?;
+    for (index, name) in names.iter().enumerate() {
+        writeln!(text, "{:<11}{name}", if index == 0 { "there are" } else { "" })?;
+    }
+    Ok(json!({
+        "adapter": own,
+        "max_storage_buffer_binding_size": binding,
+        "max_buffer_size": limits.max_buffer_size,
+        "max_texture_dimension_2d": side,
+        "timestamps": timestamps,
+        "adapters": names,
+    }))
+}
+
+/// What is in the scene, and what its camera makes of it.
+fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<Value, Box<dyn Error>> {
+    writeln!(text, "scene      {}", escaped(&scene_line(stage)))?;
+    let (materials, objects) = (stage.scene.materials().len(), stage.scene.object_count());
+    let textured = stage.scene.materials().iter().filter(|material| material.texture.is_some()).count();
+    writeln!(text, "           {materials} materials, {textured} of them textured; {objects} objects")?;
+    let bounds = stage.scene.bounds();
+    if let Some((low, high)) = bounds {
+        writeln!(text, "           from {low} to {high}")?;
+    }
+    let uploaded = stage.renderer.upload(&stage.scene)?;
+    let info = uploaded.info();
+    let bytes = info.node_bytes + info.primitive_bytes;
+    let build = info.build.as_secs_f64();
+    writeln!(
+        text,
+        "           {:.1} MiB of BVH and primitives, built in {build:.2} s",
+        bytes as f64 / f64::from(1 << 20)
+    )?;
+
+    let pose = stage.camera.pose()?;
+    let [width, height] = pose.size;
+    let preview = [PREVIEW, (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 4 * 320) as u32];
+    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
+    let camera = stage.camera.size(preview[0], preview[1]).interaxial(pose.interaxial);
+    let pair = stage.renderer.render(&uploaded, &camera, &options)?;
+    let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
+    let (near, far) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
+    let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
+    writeln!(
+        text,
+        "camera     {width}x{height}, e = {e:.4} ({px:.2} px), d = {d:.4}; at {} along {}",
+        pose.eye, pose.forward
+    )?;
+    let reach = if far == f32::INFINITY { "the sky".into() } else { format!("{far:.4}") };
+    writeln!(text, "           it sees what is {near:.4} to {reach} off")?;
+    let comfort = pose.comfort(near, far, arguments.display_width);
+    let (near_percent, far_percent) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
+    writeln!(
+        text,
+        "comfort    parallax {near_percent:.2}% to {far_percent:.2}% of the width, on a display {} m wide",
+        arguments.display_width
+    )?;
+    for warning in comfort.warnings() {
+        writeln!(text, "           warning: {warning}")?;
+    }
+    let finite = |value: f32| Some(value).filter(|value| value.is_finite());
+    Ok(json!({
+        "name": stage.name,
+        "triangles": stage.scene.triangles().len(),
+        "spheres": stage.scene.spheres().len(),
+        "ellipsoids": stage.scene.ellipsoids().len(),
+        "planes": stage.scene.planes().len(),
+        "lights": stage.scene.lights.len(),
+        "materials": materials,
+        "textured": textured,
+        "normals": stage.scene.has_normals(),
+        "objects": objects,
+        "bounds": bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
+        "bytes": bytes,
+        "depth": { "nearest": finite(near), "farthest": finite(far) },
+        "comfort": { "parallax_percent": [near_percent, far_percent], "warnings": comfort.warnings() },
+    }))
+}

@@ -1,0 +1,267 @@
+//! `sequence`: many pairs in one process, along a path or around an object. What is there is not rendered again.
+
+use std::{
+    error::Error,
+    f32::consts::TAU,
+    fmt::Write as _,
+    fs,
+    io::{self, Write},
+    ops::Range,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::Args;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use stereotrace::{CameraPath, StereoCamera, StereoPair, message::counted, output::Batch, output::write_whole};
+
+use crate::{
+    arguments::{Global, Subject, frames},
+    progress::Progress,
+    shown,
+    summary::Summary,
+    target::{EyesArguments, Target, add_picture},
+};
+
+/// What a folder's pictures were made with.
+const RECORD: &str = "sequence.json";
+/// Pictures of an orbit where nothing says how many.
+const ORBIT: u32 = 72;
+/// Pictures of a sequence at most: names have as many digits as numbers up to here.
+const MOST: u32 = 1_000_000;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    eyes: EyesArguments,
+    /// Go once around the target in N pictures [default: 72, where no --path is given]
+    #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
+    orbit: Option<u32>,
+    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without, one a picture
+    #[arg(long, value_name = "FILE")]
+    path: Option<PathBuf>,
+    /// Render only these pictures of the sequence, as 0..24 for the first 24
+    #[arg(long, value_name = "FROM..TO", value_parser = frames)]
+    frames: Option<Range<u32>>,
+    /// A folder, for left_0000.png, right_0000.png and anaglyph_0000.png (or a packing) of each; or names with a number for one picture
+    /// each, like film/frame_%04d.png; or - for raw RGB pictures on standard output, one behind the other
+    #[arg(long, short, value_name = "DIR|NAMES|-", default_value = "out")]
+    out: PathBuf,
+    /// Render pictures again that are there, whatever they were made with
+    #[arg(long)]
+    overwrite: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let names = Names::of(&arguments.out)?;
+    let mut stage = arguments.subject.open(global)?;
+    let motion = Motion::of(arguments, stage.camera)?;
+    let all = 0..motion.frames();
+    let range = arguments.frames.clone().unwrap_or(all.clone());
+    if range.end > all.end {
+        return Err(format!("--frames {}..{}: the sequence has {}", range.start, range.end, all.end).into());
+    }
+    let pending = match names.folder() {
+        Some(folder) => {
+            let there = |frame: &u32| names.files(*frame, &arguments.eyes).iter().any(|file| file.exists());
+            Record::of(arguments, &motion)?.keep(folder, arguments.overwrite, || {
+                all.clone().filter(there).flat_map(|frame| names.files(frame, &arguments.eyes)).collect()
+            })?;
+            range.clone().filter(|frame| !names.are_there(*frame, &arguments.eyes)).collect::<Vec<_>>()
+        }
+        None => range.clone().collect(),
+    };
+
+    let uploaded = stage.renderer.upload(&stage.scene)?;
+    let begin = Instant::now();
+    let mut progress = Progress::new(global, pending.len() as u32);
+    let mut size = [0, 0];
+    for &frame in &pending {
+        let camera = motion.at(frame);
+        let pair = stage.renderer.render_with(&uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
+        size = names.write(&pair, frame, &arguments.eyes)?;
+        progress.next();
+    }
+    progress.clear();
+    let seconds = begin.elapsed().as_secs_f64();
+
+    let (made, kept) = (pending.len(), range.len() - pending.len());
+    let place = names.folder().map_or("standard output".into(), shown);
+    let mut text = format!("{} in {place}: {seconds:.1} s", counted(made, "pair", "pairs"));
+    if made > 0 {
+        write!(text, ", {:.0} ms each", 1e3 * seconds / made as f64)?;
+    }
+    text += &if kept > 0 { format!("; {kept} were there already\n") } else { "\n".into() };
+    if names == Names::Stdout {
+        let [width, height] = size;
+        writeln!(text, "ffmpeg reads them with -f rawvideo -pixel_format rgb24 -video_size {width}x{height} -i -")?;
+    }
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "adapter": stage.renderer.gpu().adapter_name(),
+        "scene": stage.name,
+        "frames": [range.start, range.end],
+        "rendered": made,
+        "kept": kept,
+        "seconds": seconds,
+        "size": size,
+    });
+    Ok(Summary { text, json, to_stderr: names == Names::Stdout })
+}
+
+/// Where the eyes stand in each picture.
+#[derive(Clone, Debug)]
+enum Motion {
+    Orbit(StereoCamera, u32),
+    Path(CameraPath),
+}
+
+impl Motion {
+    fn of(arguments: &Arguments, camera: StereoCamera) -> Result<Self, Box<dyn Error>> {
+        let Some(file) = &arguments.path else {
+            return Ok(Self::Orbit(camera, arguments.orbit.unwrap_or(ORBIT)));
+        };
+        let [width, height] = arguments.subject.picture.size;
+        let path = CameraPath::from_json_within(file, width, height, &arguments.subject.reading.limits())?;
+        match path.frames() {
+            count if count > MOST => Err(format!("{}: {count} frames; there can be {MOST}", shown(file)).into()),
+            _ => Ok(Self::Path(path)),
+        }
+    }
+
+    fn frames(&self) -> u32 {
+        match self {
+            Self::Orbit(_, frames) => *frames,
+            Self::Path(path) => path.frames(),
+        }
+    }
+
+    fn at(&self, frame: u32) -> StereoCamera {
+        match self {
+            Self::Orbit(camera, frames) => camera.orbited(TAU * frame as f32 / *frames as f32),
+            Self::Path(path) => path.at(frame as f32),
+        }
+    }
+}
+
+/// What the pictures are called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Names {
+    /// Several a pair, in this folder.
+    Folder(PathBuf),
+    /// One a pair: the folder, what stands before the number, its digits, and what stands behind it.
+    Numbered { folder: PathBuf, before: String, digits: usize, behind: String },
+    /// None.
+    Stdout,
+}
+
+impl Names {
+    fn of(out: &Path) -> Result<Self, Box<dyn Error>> {
+        if out.as_os_str() == "-" {
+            return Ok(Self::Stdout);
+        }
+        let target = Target::of(out)?;
+        let Target::File(file) = target else { return Ok(Self::Folder(out.to_owned())) };
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let parts = name.split_once('%').and_then(|(before, rest)| {
+            let (digits, behind) = rest.split_once('d')?;
+            let digits = if digits.is_empty() { Some(1) } else { digits.parse().ok() };
+            digits.filter(|digits| *digits <= 9).map(|digits| (before.to_owned(), digits, behind.to_owned()))
+        });
+        let Some((before, digits, behind)) = parts else {
+            let advice = "give a name with the number's place in it, like frame_%04d.png, or a folder";
+            return Err(format!("{}: many pictures can't have one name; {advice}", shown(&file)).into());
+        };
+        Ok(Self::Numbered { folder: file.parent().unwrap_or(Path::new("")).to_owned(), before, digits, behind })
+    }
+
+    fn folder(&self) -> Option<&Path> {
+        match self {
+            Self::Folder(folder) | Self::Numbered { folder, .. } => Some(folder),
+            Self::Stdout => None,
+        }
+    }
+
+    /// The files of a pair.
+    fn files(&self, frame: u32, eyes: &EyesArguments) -> Vec<PathBuf> {
+        match self {
+            Self::Folder(folder) => {
+                let both = eyes.packing.map_or("anaglyph".into(), |packing| packing.to_string());
+                ["left", "right", &both].map(|name| folder.join(format!("{name}_{frame:04}.png"))).to_vec()
+            }
+            Self::Numbered { folder, before, digits, behind } => {
+                let digits = *digits;
+                vec![folder.join(format!("{before}{frame:0digits$}{behind}"))]
+            }
+            Self::Stdout => Vec::new(),
+        }
+    }
+
+    fn are_there(&self, frame: u32, eyes: &EyesArguments) -> bool {
+        self.files(frame, eyes).iter().all(|file| file.exists())
+    }
+
+    /// Writes a pair, all its files or none, and says how large the picture of both eyes is.
+    fn write(&self, pair: &StereoPair, frame: u32, eyes: &EyesArguments) -> Result<[u32; 2], Box<dyn Error>> {
+        let both = eyes.picture(&pair.left, &pair.right);
+        let mut batch = Batch::new();
+        match &*self.files(frame, eyes) {
+            [] => {
+                let rgb: Vec<u8> = both.rgba8.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+                io::stdout().write_all(&rgb).map_err(|error| format!("standard output: {error}"))?;
+            }
+            [one] => add_picture(&mut batch, one, &both)?,
+            files => {
+                let (left, right) = eyes.ordered(&pair.left, &pair.right);
+                for (file, picture) in files.iter().zip([left.picture(), right.picture(), both.clone()]) {
+                    add_picture(&mut batch, file, &picture)?;
+                }
+            }
+        }
+        batch.commit()?;
+        Ok([both.width, both.height])
+    }
+}
+
+/// What a folder's pictures were made with, so that nothing else is mixed with them.
+struct Record(Value);
+
+impl Record {
+    fn of(arguments: &Arguments, motion: &Motion) -> Result<Self, Box<dyn Error>> {
+        let files = arguments.subject.files().into_iter().map(|file| {
+            let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", shown(&file)))?;
+            let digest: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+            Ok(json!({ "file": file.to_string_lossy(), "sha256": digest }))
+        });
+        let files = files.collect::<Result<Vec<_>, String>>()?;
+        Ok(Self(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "files": files,
+            "settings": format!("{:?}", (&arguments.subject, &arguments.eyes, motion)),
+        })))
+    }
+
+    /// Writes it, unless the folder has the same already: then the pictures that are there are this sequence's. No others may be there, unless they are to be
+    /// overwritten; then they go first, so that an interrupted sequence has none of them.
+    fn keep(&self, folder: &Path, overwrite: bool, there: impl FnOnce() -> Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
+        let file = folder.join(RECORD);
+        let found = fs::read(&file).ok();
+        let same =
+            found.as_ref().is_some_and(|bytes| serde_json::from_slice::<Value>(bytes).is_ok_and(|it| it == self.0));
+        if same && !overwrite {
+            return Ok(());
+        }
+        for picture in there().into_iter().filter(|picture| picture.exists()) {
+            if !overwrite {
+                let advice =
+                    "was made with other files, settings or another version; take another folder, or --overwrite";
+                return Err(format!("{}: it {advice}", shown(&picture)).into());
+            }
+            fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;
+        }
+        Ok(write_whole(&file, format!("{:#}\n", self.0).as_bytes())?)
+    }
+}

@@ -1,0 +1,147 @@
+//! `views`: any number of views of one scene from left to right, as pictures of their own or as a quilt for a light-field display.
+
+use std::{error::Error, fmt::Write, path::PathBuf, time::Instant};
+
+use clap::Args;
+use serde_json::json;
+use stereotrace::{
+    Method, Rig, Views,
+    message::counted,
+    metrics::compare,
+    output::{Batch, quilt, quilt_name},
+};
+
+use crate::{
+    arguments::{Global, Subject, size},
+    progress::Progress,
+    shown,
+    summary::Summary,
+    target::{Target, add_picture},
+};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    subject: Subject,
+    /// How many views, the interaxial between neighbours [default: as many as the quilt has, or 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    views: Option<u32>,
+    /// Put them into one picture for light-field displays, so many across and down, the first at the bottom left
+    #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
+    quilt: Option<[u32; 2]>,
+    /// A folder, in which a quilt gets the name that displays expect (NAME_qsCxRaASPECT.png); or the quilt's file
+    #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
+    out: PathBuf,
+    /// Render by naive too, and say how exact the views are
+    #[arg(long)]
+    compare: bool,
+}
+
+/// Views where nothing says how many.
+const VIEWS: u32 = 8;
+
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let count = count(arguments)?;
+    let target = Target::of(&arguments.out)?;
+    let mut stage = arguments.subject.open(global)?;
+    let rig = Rig::row(stage.camera, count as usize);
+    let uploaded = stage.renderer.upload(&stage.scene)?;
+    let begin = Instant::now();
+    let mut progress = Progress::new(global, 1);
+    let mut show = |now| progress.show(now);
+    let rendering = stage.renderer.render_views_async(&uploaded, &rig, &stage.options, &mut show);
+    let views = pollster::block_on(rendering);
+    progress.clear();
+    let views = views?;
+    let ms = begin.elapsed().as_secs_f64() * 1e3;
+
+    let mut batch = Batch::new();
+    match (arguments.quilt, &target) {
+        (Some([columns, rows]), Target::Folder(folder)) => {
+            let name = quilt_name(&stage.name, &views, columns, rows);
+            batch.add_png(folder.join(name), &quilt(&views, columns, rows)?)?;
+        }
+        (Some([columns, rows]), Target::File(file)) => add_picture(&mut batch, file, &quilt(&views, columns, rows)?)?,
+        (None, Target::Folder(folder)) => {
+            for (index, view) in views.views.iter().enumerate() {
+                batch.add_png(folder.join(format!("view_{index:04}.png")), &view.view.picture())?;
+            }
+        }
+        (None, Target::File(file)) => match &*views.views {
+            [only] => add_picture(&mut batch, file, &only.view.picture())?,
+            _ => return Err(format!("{}: one file holds one view, or --quilt CxR", shown(file)).into()),
+        },
+    }
+    let files = batch.commit()?;
+
+    let traced = views.views.iter().enumerate().filter(|(index, view)| view.made_from == *index).count();
+    let written = match &*files {
+        [file] => shown(file),
+        _ => format!("{} of {}", counted(files.len(), "file", "files"), shown(&arguments.out)),
+    };
+    let mut text = format!("{} of which {traced} traced, in {written}: {ms:.1} ms\n", counted(count, "view", "views"));
+    let others = (stage.options.count && traced < views.views.len()).then(|| views.other_views());
+    if let Some(others) = others {
+        writeln!(text, "each other view costs {others:.3} of a traced one, by counters")?;
+    }
+    let mut difference = None;
+    if arguments.compare {
+        let truth = stage.options.clone().method(Method::Naive).count(false);
+        let found = Compared::of(&views, &stage.renderer.render_views(&uploaded, &rig, &truth)?)?;
+        let Compared { mean, least, wrong } = found;
+        writeln!(
+            text,
+            "against naive: {mean:.3}% identical, {least:.3}% in the worst view; wrong surface at most {wrong:.3}%"
+        )?;
+        difference = Some(json!({
+            "identical_percent": mean, "identical_percent_of_worst": least, "wrong_surface_percent_of_worst": wrong
+        }));
+    }
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "adapter": stage.renderer.gpu().adapter_name(),
+        "scene": stage.name,
+        "views": count,
+        "traced": traced,
+        "ms": ms,
+        "other_views": others,
+        "to_naive": difference,
+        "files": Vec::from_iter(files.iter().map(|file| file.to_string_lossy())),
+    });
+    Ok(Summary { text, json, to_stderr: false })
+}
+
+/// How many views are asked for, which fill the quilt.
+fn count(arguments: &Arguments) -> Result<u32, String> {
+    let Some([columns, rows]) = arguments.quilt else { return Ok(arguments.views.unwrap_or(VIEWS)) };
+    let places = columns.checked_mul(rows).filter(|places| (1..=1024).contains(places));
+    let places = places.ok_or(format!("a quilt of {columns}x{rows}: there can be 1 to 1024 views"))?;
+    match arguments.views {
+        Some(count) if count != places => {
+            Err(format!("a quilt of {columns}x{rows} is not filled by {}", counted(count, "view", "views")))
+        }
+        _ => Ok(places),
+    }
+}
+
+/// How far views are from those of `naive`: all together, and the worst one.
+struct Compared {
+    /// Pixels with the same colour, percent, of all views.
+    mean: f64,
+    least: f64,
+    /// Pixels that show another surface, percent, of the view with most of them.
+    wrong: f64,
+}
+
+impl Compared {
+    fn of(views: &Views, naive: &Views) -> Result<Self, stereotrace::Error> {
+        let mut all = Self { mean: 0.0, least: 100.0, wrong: 0.0 };
+        for (view, truth) in views.views.iter().zip(&naive.views) {
+            let difference = compare(&view.view, &truth.view, &views.pose)?;
+            all.mean += difference.identical_percent / views.views.len() as f64;
+            all.least = all.least.min(difference.identical_percent);
+            all.wrong = all.wrong.max(difference.wrong_surface_percent);
+        }
+        Ok(all)
+    }
+}

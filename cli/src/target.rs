@@ -1,0 +1,93 @@
+//! Where pictures go, and what becomes of both eyes.
+
+use std::{
+    error::Error,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use clap::Args;
+use stereotrace::{
+    View,
+    output::{Anaglyph, Batch, Packing, Picture, anaglyph, packed},
+};
+
+use crate::shown;
+
+/// Endings of pictures that are written.
+const WRITTEN: [&str; 1] = ["png"];
+/// Endings of pictures that aren't: a folder of such a name is not what is meant.
+const NOT_WRITTEN: [&str; 8] = ["avif", "bmp", "gif", "hdr", "tga", "tif", "tiff", "webp"];
+
+/// How both eyes become one picture.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Both eyes in one picture")]
+pub(crate) struct EyesArguments {
+    /// Colours of the anaglyph: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
+    #[arg(long, value_name = "KIND", default_value_t)]
+    pub(crate) anaglyph: Anaglyph,
+    /// In its place: side-by-side, half-side-by-side, cross-eyed, top-bottom or half-top-bottom
+    #[arg(long, value_name = "KIND")]
+    pub(crate) packing: Option<Packing>,
+    /// Exchange the eyes in everything that is written, except the re-trace and shadow maps
+    #[arg(long)]
+    pub(crate) swap: bool,
+}
+
+impl EyesArguments {
+    /// The eyes as they are written: left and right.
+    pub(crate) fn ordered<'a>(&self, left: &'a View, right: &'a View) -> (&'a View, &'a View) {
+        if self.swap { (right, left) } else { (left, right) }
+    }
+
+    /// The one picture: a packing if one is asked for, else the anaglyph.
+    pub(crate) fn picture(&self, left: &View, right: &View) -> Picture {
+        let (left, right) = self.ordered(left, right);
+        match self.packing {
+            Some(packing) => packed(left, right, packing),
+            None => anaglyph(left, right, self.anaglyph),
+        }
+    }
+}
+
+/// Where pictures go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// Several files in a folder.
+    Folder(PathBuf),
+    /// One file.
+    File(PathBuf),
+}
+
+impl Target {
+    /// A name with a picture's ending is a file, unless a folder has it; all else is a folder, which is made.
+    pub(crate) fn of(path: &Path) -> Result<Self, Box<dyn Error>> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        if !path.is_dir() && WRITTEN.contains(&&*ending) {
+            if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+                make_folder(folder)?;
+            }
+            return Ok(Self::File(path.to_owned()));
+        }
+        if !path.is_dir() && NOT_WRITTEN.contains(&&*ending) {
+            let endings = WRITTEN.join(", .");
+            return Err(format!("{}: pictures are written as .{endings}", shown(path)).into());
+        }
+        make_folder(path)?;
+        Ok(Self::Folder(path.to_owned()))
+    }
+}
+
+/// Makes a folder to write into.
+fn make_folder(path: &Path) -> Result<(), String> {
+    let fault = |error: io::Error| match path.exists() {
+        true => format!("{}: it is no folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
+        false => format!("{}: the folder can't be made: {error}", shown(path)),
+    };
+    fs::create_dir_all(path).map_err(fault)
+}
+
+/// Adds a picture to what is written, of the kind that its name's ending says.
+pub(crate) fn add_picture(batch: &mut Batch, path: &Path, picture: &Picture) -> Result<(), stereotrace::Error> {
+    batch.add_png(path, picture)
+}

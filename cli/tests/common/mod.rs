@@ -1,0 +1,35 @@
+//! What the tests of the command share: they run it as a user does.
+#![allow(dead_code, reason = "each test uses a part of it")]
+
+#[path = "../../../tests/common/folder.rs"]
+pub(crate) mod folder;
+
+use std::process::{Command, Output};
+
+/// What would clear the screen, and what turns the direction of writing.
+pub(crate) const STEERING: &str = "\u{1b}[2J\u{202e}";
+pub(crate) const ESCAPED: &str = r"\u{1b}[2J\u{202e}";
+
+/// Runs the command.
+pub(crate) fn run(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
+    command.args(arguments).env("NODEVICE_SELECT", "1").output().expect("the command runs")
+}
+
+/// What a command prints that succeeds.
+pub(crate) fn printed(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// The last line of what a command says that fails, without `error: `.
+pub(crate) fn error_of(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert!(!output.status.success(), "{arguments:?} succeeded: {}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.stdout.is_empty(), "{arguments:?} prints {}", String::from_utf8_lossy(&output.stdout));
+    let text = String::from_utf8(output.stderr).expect("text");
+    let line = text.lines().last().unwrap_or_default();
+    line.strip_prefix("error: ").unwrap_or_else(|| panic!("{arguments:?}: no error, but {text}")).to_owned()
+}

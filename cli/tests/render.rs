@@ -1,0 +1,245 @@
+//! `stereotrace render`: what it writes and what it says.
+
+mod common;
+
+use std::{fs, process::Command, thread, time::Duration};
+
+use serde_json::Value;
+use stereotrace::output::Picture;
+
+use common::{ESCAPED, STEERING, error_of, folder::Folder, printed, run};
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const SMALL: [&str; 3] = ["render", "--size", "16x12"];
+
+/// A file of one triangle, and a folder to write into.
+fn one_triangle(folder: &Folder) -> [String; 2] {
+    [folder.write("one.obj", TRIANGLE), folder.file("out")].map(|path| path.to_str().unwrap().to_owned())
+}
+
+#[test]
+fn out_is_a_picture_or_a_folder() {
+    let folder = Folder::new("out");
+    let text = |name: &str| folder.file(name).to_str().unwrap().to_owned();
+    fn render(out: &str) -> Vec<&str> {
+        [&SMALL[..], &["builtin:spheres", "--out", out]].concat()
+    }
+    printed(&render(&text("new/pair.png")));
+    assert_eq!(image::image_dimensions(folder.file("new/pair.png")).unwrap(), (16, 12));
+    printed(&[&render(&text("new/pair.png"))[..], &["--packing", "cross-eyed"]].concat());
+    assert_eq!(image::image_dimensions(folder.file("new/pair.png")).unwrap(), (32, 12));
+    printed(&[&render(&text("all"))[..], &["--packing", "top-bottom"]].concat());
+    let names =
+        fs::read_dir(folder.file("all")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names = Vec::from_iter(names);
+    names.sort();
+    assert_eq!(names, ["anaglyph.png", "left.png", "right.png", "top-bottom.png"]);
+    let left = |name: &str| image::open(folder.file(name)).unwrap().into_rgba8();
+    assert_ne!(left("all/left.png"), left("all/right.png"));
+    // A folder may have any name, also that of a picture.
+    fs::create_dir(folder.file("x.png")).unwrap();
+    printed(&render(&text("x.png")));
+    assert!(folder.file("x.png/left.png").is_file());
+
+    folder.write("file", "old");
+    let message = error_of(&render(&text("file")));
+    assert!(
+        message.ends_with("file: it is no folder; --out takes a folder, or a picture's name like pair.png"),
+        "{message}"
+    );
+    assert!(error_of(&render(&text("file/pictures"))).contains("pictures: the folder can't be made: "));
+    assert!(error_of(&render(&text("a.gif"))).ends_with("a.gif: pictures are written as .png"));
+    let one_file = error_of(&[&render(&text("a.png"))[..], &["--dump"]].concat());
+    assert!(one_file.contains("--dump writes many files"), "{one_file}");
+    assert_eq!(fs::read(folder.file("file")).unwrap(), b"old");
+    assert!(!folder.file("a.png").exists());
+}
+
+#[test]
+fn one_of_anything_is_singular() {
+    let folder = Folder::new("singular");
+    let [scene, out] = one_triangle(&folder);
+    let cases: [(&[&str], &str); 2] = [
+        (&["--lights", "1"], "\nscene      one: 1 triangle, 0 spheres, 1 light\n"),
+        (&["--method", "buffer-1"], "\nmethod     buffer-1: 1 slot a pixel, "),
+    ];
+    for (arguments, expected) in cases {
+        let text = printed(&[&SMALL[..], &[&scene, "--out", &out], arguments].concat());
+        assert!(text.contains(expected), "{text}");
+    }
+}
+
+#[test]
+fn samples_are_those_that_are_asked_for() {
+    let folder = Folder::new("samples");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &["builtin:hall", "--out", &out]].concat();
+    let said = |arguments: &[&str]| printed(&[&command, arguments].concat());
+    let fault = |arguments: &[&str]| error_of(&[&command, arguments].concat());
+    let text = said(&["--samples", "9", "--filter", "gauss", "--method", "bracket-rays", "--compare"]);
+    // 16x12 pixels of 9 rays each, and one through the centre.
+    assert!(text.contains("left          1920 ") && text.contains("100.00% of the right eye identical"), "{text}");
+    let text = said(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
+    assert!(text.contains("100.00% of the right eye identical"), "{text}");
+    assert!(fault(&["--adaptive", "8:6"]).contains("adaptive: 6 levels; there can be 2 to 5"));
+    assert_eq!(fault(&["--samples", "5"]), "invalid samples: 5 a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+}
+
+#[test]
+fn textures_that_are_missing_or_too_large_are_errors_or_warnings_as_asked() {
+    let folder = Folder::new("textures");
+    folder.write("one.mtl", "newmtl red\nmap_Kd gone.png\n");
+    let obj = "mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
+    let scene = folder.write("one.obj", obj).to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &[&scene, "--out", &out]].concat();
+    for arguments in [&[][..], &["--missing-textures", "error"]] {
+        let message = error_of(&[&command, arguments].concat());
+        assert!(message.contains("one.mtl:2: ") && message.contains("gone.png"), "{message}");
+    }
+    assert!(
+        printed(&[&command[..], &["--missing-textures", "warn"]].concat()).contains("\nscene      one: 1 triangle")
+    );
+    let picture = Picture::new(1024, 1024, vec![[255; 4]; 1 << 20]);
+    picture.save_png(folder.file("gone.png")).unwrap();
+    let message = error_of(&[&command[..], &["--max-texture", "1"]].concat());
+    assert!(message.contains("1024x1024") && message.contains("--max-texture"), "{message}");
+    assert!(printed(&[&command[..], &["--max-texture", "2"]].concat()).contains("\nscene      one: 1 triangle"));
+}
+
+#[test]
+fn a_file_is_flattered_unless_it_is_to_be_plain() {
+    let folder = Folder::new("studio");
+    let [scene, out] = one_triangle(&folder);
+    let command = [&SMALL[..], &[&scene, "--out", &out]].concat();
+    let said = |arguments: &[&str]| printed(&[&command, arguments].concat());
+    let primary = |text: &str| {
+        let line = text.lines().find(|line| line.trim_start().starts_with("left ")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<u32>().unwrap()
+    };
+    let flattered = said(&["--method", "naive"]);
+    // Four samples a pixel, and one in its centre for depths and ids.
+    assert!(primary(&flattered) == 16 * 12 * 5 && flattered.contains(", 1 light\n"), "{flattered}");
+    let plain = said(&["--method", "naive", "--plain"]);
+    assert!(primary(&plain) == 16 * 12 && plain.contains(", 5 lights\n") && !plain.contains("trace_soft"), "{plain}");
+    let asked = said(&["--method", "naive", "--samples", "1", "--lights", "2"]);
+    assert!(primary(&asked) == 16 * 12 && asked.contains(", 2 lights\n") && !asked.contains("trace_soft"), "{asked}");
+    let by_sky = said(&["--method", "naive", "--samples", "1", "--sky-light", "4", "--plain"]);
+    assert!(primary(&by_sky) == 16 * 12 && by_sky.contains("trace_soft"), "{by_sky}");
+    assert!(error_of(&[&command[..], &["--sky-light", "33"]].concat()).contains("sky_rays: 33; there can be 1 to 32"));
+    assert!(error_of(&[&command[..], &["--occlusion", "0"]].concat()).contains("occlusion: 0; there can be 1 to 32"));
+}
+
+#[test]
+fn lights_stand_where_they_are_placed() {
+    let folder = Folder::new("lights");
+    let out = folder.file("a.png").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &["builtin:spheres", "--method", "naive", "--out", &out]].concat();
+    let picture = |arguments: &[&str]| {
+        printed(&[&command, arguments].concat());
+        image::open(&out).unwrap().into_rgba8().into_raw()
+    };
+    let sum = |pixels: &[u8]| pixels.iter().map(|&value| u64::from(value)).sum::<u64>();
+    let (left, right) = (picture(&["--light", "-4,3,4"]), picture(&["--light", "4,3,4:0.85,0.85,0.85"]));
+    assert_ne!(left, right);
+    let two = picture(&["--light", "-4,3,4", "--light", "4,3,4"]);
+    assert!(sum(&two) > sum(&left) && sum(&two) > sum(&right));
+    assert!(sum(&picture(&["--light", "-4,3,4", "--ambient", "0.5"])) > sum(&left));
+    assert_ne!(picture(&["--light", "-4,3,4:1,1,1:2"]), picture(&["--light", "-4,3,4:1,1,1"]));
+    let dark = picture(&["--light", "-4,3,4:0,0,0", "--ambient", "0"]);
+    assert!(sum(&dark) < sum(&left));
+}
+
+#[test]
+fn a_command_line_that_says_nothing_possible_ends_with_two_and_one_line() {
+    let cases: [(&[&str], &str); 14] = [
+        (&["--occlusion", "16:NaN"], "it must be a number above 0"),
+        (&["--occlusion", "x"], "a number of rays like 16"),
+        (&["--adaptive", "x"], "it must be a tolerance like 8"),
+        (&["--light-radius", "-1"], "it must be a number above 0"),
+        (&["--tone", "soft"], "it must be clamp or filmic"),
+        (&["--sky-light", "4", "--occlusion", "4"], "cannot be used with"),
+        (&["--light", "1,2"], "it must be three numbers"),
+        (&["--light", "1,2,3:1,1,1:1:1"], "then :RADIUS"),
+        (&["--light", "1,2,3:-1,1,1"], "of at least 0"),
+        (&["--light", "1,2,3:1,1,1:0"], "above 0"),
+        (&["--light", "1,2,inf"], "must be finite"),
+        (&["--ambient", "-1"], "of at least 0"),
+        (&["--crease-angle", "181"], "it must be 0 to 180, or off"),
+        (&["--missing-textures", "skip"], "it must be error or warn"),
+    ];
+    for (arguments, expected) in cases {
+        let output = run(&[&["render"], arguments].concat());
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{text}");
+        assert!(text.starts_with("error: ") && text.contains(expected), "{text}");
+    }
+    assert_eq!(run(&[]).status.code(), Some(2));
+    assert_eq!(run(&["render", "nothing.obj"]).status.code(), Some(1));
+    assert!(printed(&["--version"]).starts_with("stereotrace "));
+    assert!(printed(&["render", "--help"]).contains("--interaxial-px"));
+}
+
+#[test]
+fn quiet_says_nothing_and_json_all() {
+    let folder = Folder::new("json");
+    let out = folder.file("a.png").to_str().unwrap().to_owned();
+    let command =
+        [&SMALL[..], &["builtin:hall", "--method", "bracket", "--compare", "--count", "--out", &out]].concat();
+    assert_eq!(printed(&[&command[..], &["--quiet"]].concat()), "");
+    let said: Value = serde_json::from_str(&printed(&[&command[..], &["--json"]].concat())).unwrap();
+    assert_eq!(said["camera"]["size"], serde_json::json!([16, 12]));
+    assert_eq!(said["files"], serde_json::json!([out]));
+    assert_eq!(said["rays"]["left"]["primary"], 16 * 12);
+    assert_eq!(said["to_naive"]["wrong_surface_percent"], 0.0);
+    assert!(said["second_eye"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn names_of_files_and_folders_do_not_steer_the_terminal() {
+    let folder = Folder::new(STEERING);
+    let scene = folder.write(&format!("scene{STEERING}.obj"), TRIANGLE).to_str().unwrap().to_owned();
+    let [out, file] = ["out", "file"].map(|name| folder.file(name).to_str().unwrap().to_owned());
+    folder.write("file", "");
+    let gone = format!("{scene}.gone");
+    // The scene's name, and three files written.
+    let said = printed(&[&SMALL[..], &[&scene, "--out", &out]].concat());
+    let mut texts = vec![(said, 4)];
+    let cases: [(&[&str], usize); 4] = [
+        (&[&gone], 2),
+        (&[&out], 1),
+        (&[&scene, "--out", &file], 1),
+        (&[&scene, "--out", &out, "--cameras", &file], 1),
+    ];
+    texts.extend(cases.map(|(arguments, names)| (error_of(&[&SMALL[..], arguments].concat()), names)));
+    for (text, names) in texts {
+        assert!(!text.contains(['\u{1b}', '\u{202e}']), "{text}");
+        assert_eq!(text.matches(ESCAPED).count(), names, "{text}");
+    }
+}
+
+#[test]
+fn what_is_watched_is_rendered_again_when_it_changes() {
+    let folder = Folder::new("watch");
+    let [scene, _] = one_triangle(&folder);
+    let out = folder.file("a.png");
+    let mut watcher = Command::new(env!("CARGO_BIN_EXE_stereotrace"))
+        .args([&SMALL[..], &[&scene, "--watch", "--quiet", "--out", out.to_str().unwrap()]].concat())
+        .spawn()
+        .unwrap();
+    let wait_for = |what: &dyn Fn() -> bool| {
+        (0..600).any(|_| {
+            thread::sleep(Duration::from_millis(50));
+            what()
+        })
+    };
+    let first = wait_for(&|| out.exists());
+    let before = fs::read(&out);
+    fs::write(&scene, "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 3 3 3\nf 1 2 4\n").unwrap();
+    let again = wait_for(&|| fs::read(&out).ok() != before.as_ref().ok().cloned());
+    watcher.kill().unwrap();
+    watcher.wait().unwrap();
+    assert!(first && again, "rendered at first: {first}, and again: {again}");
+    let nothing = error_of(&["render", "builtin:hall", "--watch", "--out", out.to_str().unwrap()]);
+    assert!(nothing.starts_with("--watch: no file is read"), "{nothing}");
+}

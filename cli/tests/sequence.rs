@@ -1,0 +1,159 @@
+//! `stereotrace sequence` and `views`: many pictures in one run.
+
+mod common;
+
+use std::fs;
+
+use common::{error_of, folder::Folder, printed, run};
+
+const SMALL: [&str; 5] = ["sequence", "builtin:spheres", "--size", "16x12", "--orbit"];
+
+#[test]
+fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
+    let folder = Folder::new("orbit");
+    let out = folder.file("film").to_str().unwrap().to_owned();
+    let command = |more: &[&'static str]| [&SMALL[..], &["5"], more].concat();
+    let said = |more: &[&'static str]| printed(&[&command(more)[..], &["--out", &out]].concat());
+    let fault = |more: &[&'static str]| error_of(&[&command(more)[..], &["--out", &out]].concat());
+    assert!(said(&["--frames", "1..3"]).starts_with("2 pairs in "));
+    let names = || {
+        let entries = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names = Vec::from_iter(entries);
+        names.sort();
+        names
+    };
+    assert_eq!(names().len(), 7, "{:?}", names());
+    assert!(names().contains(&"anaglyph_0002.png".into()) && names().contains(&"sequence.json".into()));
+    let second = fs::read(folder.file("film/left_0002.png")).unwrap();
+    fs::remove_file(folder.file("film/right_0001.png")).unwrap();
+    assert!(said(&[]).contains("; 1 were there already"), "one of the two is not whole");
+    assert_eq!(names().len(), 16);
+    assert!(said(&[]).starts_with("0 pairs in "));
+    // What other settings made does not pass for these.
+    let message = fault(&["--interaxial", "0.3"]);
+    assert!(message.contains("left_0000.png: it was made with other files, settings"), "{message}");
+    assert!(fault(&["--frames", "3..6"]).contains("the sequence has 5"));
+    assert!(fault(&["--packing", "side-by-side"]).contains("was made with other"));
+    assert_eq!(fs::read(folder.file("film/left_0002.png")).unwrap(), second);
+    assert!(said(&["--interaxial", "0.3", "--overwrite", "--frames", "0..1"]).starts_with("1 pair in "));
+    assert!(said(&["--interaxial", "0.3"]).starts_with("4 pairs in "));
+    assert_ne!(fs::read(folder.file("film/right_0002.png")).unwrap(), second);
+    // Nor do pictures of which nothing is known.
+    fs::remove_file(folder.file("film/sequence.json")).unwrap();
+    assert!(fault(&[]).contains("it was made with other"));
+}
+
+#[test]
+fn pictures_are_numbered_as_the_name_says_or_go_to_standard_output() {
+    let folder = Folder::new("numbered");
+    let pattern = folder.file("film/frame_%03d.png").to_str().unwrap().to_owned();
+    printed(&[&SMALL[..], &["2", "--packing", "side-by-side", "--out", &pattern]].concat());
+    let size = |name: &str| image::image_dimensions(folder.file(name)).unwrap();
+    assert_eq!([size("film/frame_000.png"), size("film/frame_001.png")], [(32, 12); 2]);
+    let message = error_of(&[&SMALL[..], &["2", "--out", &pattern.replace("_%03d", "")]].concat());
+    assert!(message.contains("many pictures can't have one name"), "{message}");
+
+    let output = run(&[&SMALL[..], &["3", "--out", "-", "--packing", "side-by-side"]].concat());
+    assert!(output.status.success() && output.stdout.len() == 3 * 32 * 12 * 3);
+    let first: Vec<u8> = image::open(folder.file("film/frame_000.png")).unwrap().into_rgb8().into_raw();
+    assert_eq!(output.stdout[..first.len()], first);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("-video_size 32x12"), "{said}");
+}
+
+#[test]
+fn a_path_leads_through_its_key_frames() {
+    let folder = Folder::new("path");
+    let camera = |x: u32, frame: &str| {
+        format!(
+            r#"{{ {frame} "eye": [{x}, 1, 6], "target": [{x}, 0, 0], "up": [0, 1, 0], "vfov_deg": 45, "screen_distance": 6, "eye_separation": 0.2 }}"#
+        )
+    };
+    let file = |name: &str, text: String| folder.write(name, text).to_str().unwrap().to_owned();
+    let keys = file("keys.json", format!("[{}, {}]", camera(0, r#""frame": 0,"#), camera(2, r#""frame": 2,"#)));
+    let list = file("list.json", format!("[{}, {}, {}]", camera(0, ""), camera(1, ""), camera(2, "")));
+    let frames = [keys, list].map(|path| {
+        let command =
+            ["sequence", "builtin:spheres", "--size", "16x12", "--light", "3,3,3", "--path", &path, "--out", "-"];
+        let output = run(&command);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    });
+    assert_eq!(frames[0].len(), 3 * 16 * 12 * 3);
+    assert!(frames[0] == frames[1], "cameras half way between two are not those in a list");
+    let bad = [
+        (format!("[{}, {}]", camera(0, r#""frame": 3,"#), camera(2, r#""frame": 2,"#)), "ascend"),
+        (format!("[{}, {}]", camera(0, r#""frame": 3,"#), camera(2, "")), "1 of 2 cameras have a frame"),
+        (format!("[{}, 7]", camera(0, "")), "camera 1: 7 is not an object"),
+        (format!("[{}]", camera(0, r#""frame": 1e9,"#)), "at most 2^24"),
+        ("[]".into(), "one camera at least"),
+        ("{}".into(), "no JSON list of cameras"),
+        (format!("[{}]", camera(0, "").replace("45", "\"wide\"")), "camera 0: vfov_deg is \"wide\""),
+    ];
+    for (text, expected) in bad {
+        let path = file("bad.json", text);
+        let message = error_of(&["sequence", "builtin:spheres", "--size", "16x12", "--path", &path, "--out", "-"]);
+        assert!(message.contains("bad.json:") && message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn views_become_pictures_or_a_quilt_that_they_fill() {
+    let folder = Folder::new("views");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = |more: &[&'static str]| [&["views", "builtin:hall", "--size", "16x12"], more].concat();
+    let said = |more: &[&'static str]| printed(&[&command(more)[..], &["--out", &out]].concat());
+    assert!(said(&["--views", "6"]).starts_with("6 views of which 1 traced, in 6 files of "));
+    assert!(said(&["--quilt", "3x2", "--compare"]).contains("wrong surface at most 0.000%"));
+    let fault = error_of(&command(&["--views", "6", "--quilt", "4x2"]));
+    assert_eq!(fault, "a quilt of 4x2 is not filled by 6 views");
+    let names = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names = Vec::from_iter(names);
+    names.sort();
+    assert_eq!((&*names[0], names.len()), ("hall_qs3x2a1.3333.png", 7));
+    let file = folder.file("quilt.png");
+    printed(&[&command(&["--quilt", "3x2", "--out"])[..], &[file.to_str().unwrap()]].concat());
+    assert_eq!(image::image_dimensions(&file).unwrap(), (48, 24));
+    let mono = folder.file("mono.png");
+    printed(&[&command(&["--views", "1", "--out"])[..], &[mono.to_str().unwrap()]].concat());
+    assert_eq!(image::image_dimensions(&mono).unwrap(), (16, 12));
+    let two = error_of(&[&command(&["--views", "2", "--out"])[..], &[mono.to_str().unwrap()]].concat());
+    assert!(two.ends_with("one file holds one view, or --quilt CxR"), "{two}");
+}
+
+#[test]
+fn a_comparison_says_that_bracket_is_right_and_atomic_nearly() {
+    let text = printed(&[
+        "compare",
+        "builtin:hall",
+        "--size",
+        "64x48",
+        "--methods",
+        "bracket,atomic",
+        "--rounds",
+        "1",
+        "--json",
+    ]);
+    let said: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let wrong = |method: usize| said["methods"][method]["to_naive"]["wrong_surface_percent"].as_f64().unwrap();
+    assert_eq!((wrong(0), wrong(1)), (0.0, 0.0));
+    assert!(wrong(2) > 0.0, "{said}");
+    assert_eq!(said["methods"][0]["of_naive"], 1.0);
+}
+
+#[test]
+fn info_says_what_there_is_in_a_file_and_where_edges_are_smooth() {
+    let folder = Folder::new("info");
+    // Two triangles that meet at 45 degrees.
+    let obj = "v 0 -1 0\nv 0 1 0\nv -1 0 0\nv 0.7071 0 -0.7071\nf 1 2 3\nf 2 1 4\n";
+    let scene = folder.write("roof.obj", obj).to_str().unwrap().to_owned();
+    let read = |arguments: &[&str]| {
+        let text = printed(&[&["info", &scene, "--json"], arguments].concat());
+        let said: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!((&said["scene"]["triangles"], &said["scene"]["name"]), (&2.into(), &"roof".into()));
+        said["scene"]["normals"].as_bool().unwrap()
+    };
+    let found = [&[][..], &["--crease-angle", "50"], &["--crease-angle", "40"], &["--crease-angle", "off"]].map(read);
+    assert_eq!(found, [false, true, false, false]);
+    assert!(printed(&["info"]).contains("\nadapter    "));
+}

@@ -1,0 +1,188 @@
+//! Cameras that move: around their target, or from key frame to key frame.
+
+use glam::{DQuat, DVec3, Vec3};
+
+use super::{Aperture, Interaxial, StereoCamera};
+use crate::Error;
+
+impl StereoCamera {
+    /// The camera turned about its target by an angle in radians, around its `up`: at positive angles the eye moves to its own right, so that
+    /// the object seems to turn to the left. All else stays.
+    pub fn orbited(mut self, angle: f32) -> Self {
+        let (target, axis) = (self.target.as_dvec3(), self.up.as_dvec3().normalize_or_zero());
+        let turned = DQuat::from_axis_angle(axis, f64::from(angle)) * (self.eye.as_dvec3() - target);
+        self.eye = (target + turned).as_vec3();
+        self
+    }
+}
+
+/// A camera at some frames, the key frames, and between them.
+///
+/// ```
+/// use stereotrace::{CameraPath, StereoCamera, glam::Vec3};
+///
+/// let start = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO);
+/// let path = CameraPath::new(vec![(0.0, start), (24.0, start.eye(4.0 * Vec3::X))])?;
+/// assert_eq!(path.frames(), 25);
+/// assert_eq!(path.at(0.0), start);
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPath {
+    keys: Vec<(f32, StereoCamera)>,
+}
+
+impl CameraPath {
+    /// A path through these cameras, each at its frame, which need not be a whole number.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] for no cameras, frames below 0 or not in ascending order, a camera that has no picture, and cameras that are not
+    /// given in the same way: field of view or screen width, interaxial in world units or pixels, picture size.
+    pub fn new(keys: Vec<(f32, StereoCamera)>) -> Result<Self, Error> {
+        let fault = |value: String, reason| Err(Error::Camera { field: "frame", value, reason });
+        let mut last = None;
+        for (frame, camera) in &keys {
+            camera.pose()?;
+            // Among f32 so large there are whole numbers that are none.
+            if !(0.0..=16_777_216.0).contains(frame) || last.is_some_and(|(before, _)| *frame <= before) {
+                return fault(frame.to_string(), "frames of a path ascend from 0 on, to at most 2^24");
+            }
+            if last.is_some_and(|(_, before)| !alike(before, camera)) {
+                let reason = "the cameras of a path must all have one size, and give view and interaxial in one way";
+                return fault(frame.to_string(), reason);
+            }
+            last = Some((*frame, camera));
+        }
+        if last.is_none() {
+            return fault("none".into(), "a path has one camera at least");
+        }
+        Ok(Self { keys })
+    }
+
+    /// Frames from 0 to the last key frame.
+    pub fn frames(&self) -> u32 {
+        self.keys.last().map_or(0, |(frame, _)| *frame as u32 + 1)
+    }
+
+    /// The camera at a frame. Before the first key frame and after the last it stands still. Eye, target and up go along a smooth curve
+    /// through the key frames, with a Catmull-Rom spline's tangents for frames that need not be equally far apart. What lies between two key frames of the field
+    /// of view, the interaxial and the reciprocal of the screen's distance is linear, so that parallax is.
+    pub fn at(&self, frame: f32) -> StereoCamera {
+        let next = self.keys.partition_point(|(at, _)| *at <= frame);
+        if next == 0 || next == self.keys.len() {
+            return self.keys[next.saturating_sub(1)].1;
+        }
+        let ((from, a), (to, b)) = (self.keys[next - 1], self.keys[next]);
+        let t = f64::from(frame - from) / f64::from(to - from);
+        if t == 0.0 {
+            return a;
+        }
+        let smooth = |part: fn(&StereoCamera) -> Vec3| self.smooth(next - 1, t, part);
+        let linear = |a: f32, b: f32| (f64::from(a) + t * (f64::from(b) - f64::from(a))) as f32;
+        let aperture = match (a.aperture, b.aperture) {
+            (Aperture::VerticalFov(a), Aperture::VerticalFov(b)) => Aperture::VerticalFov(linear(a, b)),
+            (Aperture::ScreenWidth(a), Aperture::ScreenWidth(b)) => Aperture::ScreenWidth(linear(a, b)),
+            (a, _) => a, // `new` takes no others
+        };
+        let interaxial = match (a.interaxial, b.interaxial) {
+            (Interaxial::World(a), Interaxial::World(b)) => Interaxial::World(linear(a, b)),
+            (Interaxial::Pixels(a), Interaxial::Pixels(b)) => Interaxial::Pixels(linear(a, b)),
+            (a, _) => a,
+        };
+        StereoCamera {
+            eye: smooth(|camera| camera.eye),
+            target: smooth(|camera| camera.target),
+            up: smooth(|camera| camera.up),
+            aperture,
+            interaxial,
+            screen_distance: 1.0 / linear(1.0 / a.screen_distance, 1.0 / b.screen_distance),
+            ..a
+        }
+    }
+
+    /// A part of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`: a cubic by their places and their tangents.
+    fn smooth(&self, first: usize, t: f64, part: fn(&StereoCamera) -> Vec3) -> Vec3 {
+        let at = |key: usize| (f64::from(self.keys[key].0), part(&self.keys[key].1).as_dvec3());
+        let tangent = |key: usize| -> DVec3 {
+            let (before, after) = (at(key.saturating_sub(1)), at((key + 1).min(self.keys.len() - 1)));
+            (after.1 - before.1) / (after.0 - before.0)
+        };
+        let ((from, a), (to, b)) = (at(first), at(first + 1));
+        let (in_a, in_b) = (tangent(first) * (to - from), tangent(first + 1) * (to - from));
+        let (t2, t3) = (t * t, t * t * t);
+        let sum = a * (2.0 * t3 - 3.0 * t2 + 1.0) + in_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3);
+        (sum + in_b * (t3 - t2)).as_vec3()
+    }
+}
+
+fn alike(a: &StereoCamera, b: &StereoCamera) -> bool {
+    let ways = |camera: &StereoCamera| {
+        let by_angle = matches!(camera.aperture, Aperture::VerticalFov(_));
+        (by_angle, matches!(camera.interaxial, Interaxial::World(_)), camera.width, camera.height)
+    };
+    ways(a) == ways(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(x: f32) -> StereoCamera {
+        StereoCamera::look_at(Vec3::new(x, 1.0, 5.0), Vec3::new(x, 0.0, 0.0))
+    }
+
+    #[test]
+    fn an_orbit_keeps_its_distance_and_comes_back() {
+        let start = camera(2.0);
+        let quarter = start.orbited(std::f32::consts::FRAC_PI_2);
+        // From +z towards +x, the right of an eye that looks along -z.
+        assert!(quarter.eye.distance(Vec3::new(7.0, 1.0, 0.0)) < 1e-6, "{}", quarter.eye);
+        assert_eq!(quarter.target, start.target);
+        assert!(start.orbited(std::f32::consts::TAU).eye.distance(start.eye) < 1e-6);
+    }
+
+    #[test]
+    fn a_path_meets_its_key_frames_and_goes_straight_where_they_do() {
+        let keys = vec![(0.0, camera(0.0)), (4.0, camera(4.0)), (5.0, camera(5.0)), (9.5, camera(9.5))];
+        let path = CameraPath::new(keys.clone()).unwrap();
+        assert_eq!(path.frames(), 10);
+        for (frame, key) in keys {
+            assert_eq!(path.at(frame), key);
+        }
+        for frame in [0.3, 2.0, 4.9, 7.25] {
+            assert!(path.at(frame).eye.distance(camera(frame).eye) < 1e-6, "{frame}: {}", path.at(frame).eye);
+        }
+        assert_eq!((path.at(-1.0), path.at(100.0)), (camera(0.0), camera(9.5)));
+    }
+
+    #[test]
+    fn a_path_has_no_corner_at_a_key_frame() {
+        let [a, b, c] = [Vec3::new(0.0, 0.0, 5.0), Vec3::new(2.0, 1.0, 4.0), Vec3::new(2.0, 3.0, 1.0)];
+        let path =
+            CameraPath::new(vec![(0.0, camera(0.0).eye(a)), (3.0, camera(0.0).eye(b)), (4.0, camera(0.0).eye(c))]);
+        let path = path.unwrap();
+        let step = 1.0 / 64.0;
+        let speed = |from: f32| (path.at(from + step).eye - path.at(from).eye) / step;
+        let (before, after) = (speed(3.0 - step), speed(3.0));
+        // The tangent there by definition, and what a step of this length changes of it.
+        assert!(before.distance((c - a) / 4.0) < 0.1 && after.distance((c - a) / 4.0) < 0.1, "{before} {after}");
+    }
+
+    #[test]
+    fn parallax_changes_evenly_where_the_screen_moves() {
+        let path =
+            CameraPath::new(vec![(0.0, camera(0.0).screen_distance(2.0)), (2.0, camera(0.0).screen_distance(6.0))]);
+        assert_eq!(path.unwrap().at(1.0).screen_distance, 3.0);
+    }
+
+    #[test]
+    fn paths_that_lead_nowhere_are_refused_by_name() {
+        let refused = |keys: &[(f32, StereoCamera)]| CameraPath::new(keys.to_vec()).unwrap_err().to_string();
+        assert!(refused(&[]).contains("one camera at least"));
+        assert!(refused(&[(-1.0, camera(0.0))]).contains("frame is -1"));
+        assert!(refused(&[(f32::NAN, camera(0.0))]).contains("frame is NaN"));
+        assert!(refused(&[(1.0, camera(0.0)), (1.0, camera(1.0))]).contains("ascend"));
+        assert!(refused(&[(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))]).contains("in one way"));
+        assert!(refused(&[(0.0, camera(0.0).up(Vec3::ZERO))]).contains("up is"));
+    }
+}
