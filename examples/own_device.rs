@@ -2,7 +2,7 @@
 //! caller's own device and in the caller's own submission. A live view would show the texture that this example writes to a file.
 //!
 //! ```sh
-//! cargo run --release --example on_device -- out/anaglyph.png
+//! cargo run --release --example own_device -- out/anaglyph.png
 //! ```
 
 use std::error::Error;
@@ -46,10 +46,8 @@ fn shader() -> String {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or("anaglyph.png".into());
-    // A program's own device; Gpu::from_device takes it as it is.
-    let gpu = Gpu::new()?;
-    let (device, queue) = (gpu.device().clone(), gpu.queue().clone());
-    let mut renderer = Renderer::new(gpu);
+    let (device, queue) = own_device()?;
+    let mut renderer = Renderer::new(Gpu::from_device(device.clone(), queue.clone())?);
     let scene = renderer.upload(&Builtin::Hall.scene())?;
     let rig = Rig::pair(Builtin::Hall.camera(SIZE[0], SIZE[1]));
     let options = Options::new(Method::default()).g_buffer(GBuffer::None);
@@ -67,8 +65,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let pixels = read(&device, &bytes)?.as_chunks::<4>().0.to_vec();
     Picture::new(SIZE[0], SIZE[1], pixels).save_png(&path)?;
-    println!("{path}: a pair by {} that never left {}", Method::default(), renderer.gpu().adapter_name());
+    println!("{path}: a pair by {} that never left the device", Method::default());
     Ok(())
+}
+
+/// A program's own device, with what the library asks of one and whatever the program wants besides.
+fn own_device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: Gpu::required_features(),
+        required_limits: Gpu::required_limits(),
+        ..Default::default()
+    };
+    Ok(pollster::block_on(adapter.request_device(&descriptor))?)
 }
 
 /// What a live view would be given by its window.

@@ -1,0 +1,36 @@
+//! A quilt for a light-field display: many views of one scene, of which few are traced.
+//!
+//! ```sh
+//! cargo run --release --example quilt -- out
+//! ```
+
+use std::{error::Error, fs, path::Path};
+
+use stereotrace::{
+    Builtin, Gpu, Options, Renderer, Rig,
+    output::{quilt, quilt_name},
+};
+
+/// Views across and down, and the size of each in pixels.
+const GRID: [u32; 2] = [6, 4];
+const VIEW: [u32; 2] = [210, 280];
+/// Parallax at infinity between neighbours, in pixels. Displays blur what lies far from their screen, so it is small.
+const APART: f32 = 1.2;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args().nth(1).unwrap_or("out".into());
+    fs::create_dir_all(&folder)?;
+    let camera = Builtin::HallFinished.camera(VIEW[0], VIEW[1]).interaxial_pixels(APART);
+    let rig = Rig::row(camera, (GRID[0] * GRID[1]) as usize);
+
+    let mut renderer = Renderer::new(Gpu::new()?);
+    let scene = renderer.upload(&Builtin::HallFinished.scene())?;
+    let views = renderer.render_views(&scene, &rig, &Options::default())?;
+
+    // Displays read the grid from the name.
+    let path = Path::new(&folder).join(quilt_name("hall", &views, GRID[0], GRID[1]));
+    quilt(&views, GRID[0], GRID[1])?.save_png(&path)?;
+    let traced = views.views.iter().enumerate().filter(|(index, view)| view.made_from == *index).count();
+    println!("{}: {} views, {traced} of them traced", path.display(), views.views.len());
+    Ok(())
+}
