@@ -1,4 +1,4 @@
-//! Packings: both eyes beside or below each other in one picture, for 3D displays and for free viewing.
+//! Packings: both eyes beside, below or between each other in one picture, for 3D displays and for free viewing.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,12 +21,26 @@ pub enum Packing {
     TopBottom,
     /// The same, squeezed to the height of one view.
     HalfTopBottom,
+    /// Rows of the left and of the right eye by turns, the left eye's first: the size of a view. For polarised displays.
+    RowInterlaced,
+    /// Columns by turns, the left eye's first: the size of a view.
+    ColumnInterlaced,
+    /// Pixels by turns, row by row and column by column, the left eye's first: the size of a view.
+    Checkerboard,
 }
 
 impl Packing {
     /// Every packing, the default first.
-    pub const ALL: &'static [Self] =
-        &[Self::SideBySide, Self::HalfSideBySide, Self::CrossEyed, Self::TopBottom, Self::HalfTopBottom];
+    pub const ALL: &'static [Self] = &[
+        Self::SideBySide,
+        Self::HalfSideBySide,
+        Self::CrossEyed,
+        Self::TopBottom,
+        Self::HalfTopBottom,
+        Self::RowInterlaced,
+        Self::ColumnInterlaced,
+        Self::Checkerboard,
+    ];
 
     /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
@@ -36,6 +50,9 @@ impl Packing {
             Self::CrossEyed => "cross-eyed",
             Self::TopBottom => "top-bottom",
             Self::HalfTopBottom => "half-top-bottom",
+            Self::RowInterlaced => "row-interlaced",
+            Self::ColumnInterlaced => "column-interlaced",
+            Self::Checkerboard => "checkerboard",
         }
     }
 }
@@ -56,8 +73,13 @@ impl FromStr for Packing {
 }
 
 /// Puts two views into one picture. The half packings average two pixels in linear light; where their number is odd,
-/// the last one stands alone, so that the picture is one pixel larger than a view. Of views of different sizes, what
-/// both have is kept: the rows beside each other, the columns below each other.
+/// the last one stands alone, so that the picture is one pixel larger than a view. The interlaced ones take each pixel from
+/// its own place in one of the views, without averaging: means of two rows would stand half a row off in either eye, and
+/// so differ in height between them. For displays whose first row, column or pixel is the right eye's, exchange the views. Of
+/// views of different sizes, what both have is kept: the rows beside each other, the columns below each other.
+///
+/// FFmpeg's `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every other row,
+/// column or pixel it makes the interlaced ones by irl, icl and chl, and with the right eye first by irr, icr and chr.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
         Packing::SideBySide => beside(&left.picture(), &right.picture()),
@@ -65,7 +87,22 @@ pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
         Packing::HalfSideBySide => beside(&half_width(left), &half_width(right)),
         Packing::TopBottom => stacked(&left.picture(), &right.picture()),
         Packing::HalfTopBottom => stacked(&half_height(left), &half_height(right)),
+        Packing::RowInterlaced => interlaced(left, right, |_, row| row % 2 == 0),
+        Packing::ColumnInterlaced => interlaced(left, right, |column, _| column % 2 == 0),
+        Packing::Checkerboard => interlaced(left, right, |column, row| (column + row) % 2 == 0),
     }
+}
+
+/// Each pixel from its place in the left view where `is_left` says so of its column and row, else in the right one.
+fn interlaced(left: &View, right: &View, is_left: impl Fn(usize, usize) -> bool) -> Picture {
+    let both = rows(&left.rgba8, left.width).zip(rows(&right.rgba8, right.width));
+    let rgba8 = both.enumerate().flat_map(|(row, (left, right))| {
+        let is_left = &is_left;
+        let pixels = left.iter().zip(right).enumerate();
+        pixels.map(move |(column, (left, right))| if is_left(column, row) { *left } else { *right })
+    });
+    let rgba8: Vec<_> = rgba8.collect();
+    Picture { width: left.width.min(right.width), height: left.height.min(right.height), rgba8 }
 }
 
 fn beside(first: &Picture, second: &Picture) -> Picture {
@@ -146,6 +183,20 @@ mod tests {
     }
 
     #[test]
+    fn interlaced_packings_take_each_pixel_from_its_own_place_and_begin_with_the_left_eye() {
+        let pair = pair(grey(3, &[1, 2, 3, 4, 5, 6, 7, 8, 9]), grey(3, &[11, 12, 13, 14, 15, 16, 17, 18, 19]));
+        assert_shows(&pair.packed(Packing::RowInterlaced), (3, 3), &[1, 2, 3, 14, 15, 16, 7, 8, 9]);
+        assert_shows(&pair.packed(Packing::ColumnInterlaced), (3, 3), &[1, 12, 3, 4, 15, 6, 7, 18, 9]);
+        assert_shows(&pair.packed(Packing::Checkerboard), (3, 3), &[1, 12, 3, 14, 5, 16, 7, 18, 9]);
+        let crossed = packed(&pair.right, &pair.left, Packing::RowInterlaced);
+        assert_shows(&crossed, (3, 3), &[11, 12, 13, 4, 5, 6, 17, 18, 19]);
+        let one = grey(1, &[77]);
+        for packing in [Packing::RowInterlaced, Packing::ColumnInterlaced, Packing::Checkerboard] {
+            assert_shows(&packed(&one, &grey(1, &[5]), packing), (1, 1), &[77]);
+        }
+    }
+
+    #[test]
     fn half_packings_average_light_and_not_bytes() {
         // Half the light of white is 188, not 128.
         let left = grey(4, &[0, 255, 7, 7, 0, 255, 9, 9]);
@@ -173,6 +224,7 @@ mod tests {
         let (large, small) = (grey(2, &[1, 2, 3, 4]), grey(1, &[9]));
         assert_shows(&packed(&large, &small, Packing::SideBySide), (3, 1), &[1, 2, 9]);
         assert_shows(&packed(&large, &small, Packing::TopBottom), (1, 3), &[1, 3, 9]);
+        assert_shows(&packed(&large, &small, Packing::Checkerboard), (1, 1), &[1]);
         let mut empty = grey(1, &[]);
         for width in [0, 1] {
             empty.width = width;
