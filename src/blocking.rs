@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 use crate::{
-    BvhBuild, Cast, Encoded, Error, Gpu, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene, Statistics,
-    StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async, render_views_async,
-    renderer::OnProgress,
+    BvhBuild, Cast, Encoded, Error, Gpu, GroundTruth, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene,
+    Statistics, StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async,
+    render_views_async, renderer::OnProgress,
 };
 
 impl Gpu {
@@ -228,6 +228,35 @@ impl Renderer {
     /// As [`Renderer::occlusions_async`].
     pub fn occlusions(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
         block_on(self.occlusions_async(scene, pair))
+    }
+
+    /// What stereo vision asks of ground truth, of both views of a pair, blocking: see [`Renderer::ground_truth_async`].
+    ///
+    /// ```
+    /// use stereotrace::{Builtin, Gpu, Method, Options, Renderer, output::Batch};
+    ///
+    /// let (scene, camera) = (Builtin::Hall.scene(), Builtin::Hall.camera(64, 48));
+    /// let mut renderer = Renderer::new(Gpu::new()?);
+    /// let uploaded = renderer.upload(&scene)?;
+    /// let pair = renderer.render(&uploaded, &camera, &Options::new(Method::BRACKET))?;
+    /// let truth = renderer.ground_truth(&uploaded, &scene, &pair)?;
+    /// let folder = std::env::temp_dir();
+    /// let mut files = Batch::new();
+    /// files.add_pfm(folder.join("disp0.pfm"), 64, 48, &truth.left.disparity)?;
+    /// files.add_calib(folder.join("calib.txt"), &truth)?;
+    /// files.commit()?;
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Renderer::ground_truth_async`].
+    pub fn ground_truth(
+        &self,
+        uploaded: &UploadedScene,
+        scene: &Scene,
+        pair: &StereoPair,
+    ) -> Result<GroundTruth, Error> {
+        block_on(self.ground_truth_async(uploaded, scene, pair))
     }
 }
 

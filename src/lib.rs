@@ -64,10 +64,10 @@
 //! On by default, and none of them needed by the core:
 //! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
 //! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `png` (write PNG), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
-//!   and HDR) and `json` (read cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//! - `obj` (read OBJ and MTL), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
+//!   and HDR) and `json` (read and write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
 //!
-//! Off by default: `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
+//! Off by default: `exr` (write OpenEXR), and `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
 //! ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
@@ -93,6 +93,7 @@ mod folder;
 mod frame;
 mod geometry;
 pub mod gpu;
+mod ground_truth;
 #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 mod input;
 mod kernels;
@@ -131,6 +132,7 @@ pub use disparity::Occlusion;
 pub use error::Error;
 pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
 pub use gpu::{Adapter, Gpu};
+pub use ground_truth::{EyeTruth, GroundTruth};
 #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};

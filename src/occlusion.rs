@@ -65,7 +65,7 @@ impl Renderer {
 }
 
 /// Where an eye's pixels look, and the other eye.
-struct Pixels {
+pub(crate) struct Pixels {
     other_eye: DVec3,
     /// From the other eye to this one.
     aside: DVec3,
@@ -76,7 +76,8 @@ struct Pixels {
 }
 
 impl Pixels {
-    fn of(pose: &Pose, side: f64) -> Self {
+    /// Of the view whose eye stands so much of the interaxial to the right of the middle.
+    pub(crate) fn of(pose: &Pose, side: f64) -> Self {
         let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
         let d = f64::from(pose.screen_distance);
         let [width, height] = pose.screen_size.map(|length| f64::from(length) / d);
@@ -92,9 +93,18 @@ impl Pixels {
         }
     }
 
+    pub(crate) fn eye(&self) -> DVec3 {
+        self.other_eye + self.aside
+    }
+
+    /// Through a pixel's centre, of length 1 along the view axis: so a depth is its t.
+    pub(crate) fn direction(&self, column: usize, row: usize) -> DVec3 {
+        self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5)
+    }
+
     /// From the other eye to what a pixel shows at this depth, which is its t.
     fn ray(&self, column: usize, row: usize, z: f32) -> Ray {
-        let direction = self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5);
+        let direction = self.direction(column, row);
         // A point in the plane of the eyes has no direction of this length; it is out of frame.
         let aside = if z > 0.0 { self.aside / f64::from(z) } else { DVec3::ZERO };
         Ray::new(self.other_eye.as_vec3(), (direction + aside).as_vec3())

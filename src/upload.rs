@@ -147,6 +147,11 @@ impl UploadedScene {
         (best.method == Method::Naive).then_some(best)
     }
 
+    /// Whether its primitives are this scene's, or a clone's of it.
+    pub(crate) fn is_of(&self, scene: &Scene) -> bool {
+        self.shape.is_of(scene)
+    }
+
     /// # Errors
     /// [`Error::ForeignScene`] if another [`Gpu`] holds it.
     pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {

@@ -32,12 +32,17 @@ pub fn save_ids_pfm(path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]
 /// The bytes of a PFM picture; `path` is for errors.
 fn pfm(path: &Path, width: u32, height: u32, values: &[f32]) -> Result<Vec<u8>, Error> {
     check_count(path, width, height, values.len())?;
-    let mut bytes = format!("Pf\n{width} {height}\n-1.0\n").into_bytes();
+    Ok(pfm_bytes("Pf", [width, height], values, 1))
+}
+
+/// Of so many values a pixel.
+fn pfm_bytes(kind: &str, [width, height]: [u32; 2], values: &[f32], of_pixel: usize) -> Vec<u8> {
+    let mut bytes = format!("{kind}\n{width} {height}\n-1.0\n").into_bytes();
     bytes.reserve(4 * values.len());
-    for row in values.chunks_exact((width as usize).max(1)).rev() {
+    for row in values.chunks_exact((of_pixel * width as usize).max(1)).rev() {
         bytes.extend(row.iter().flat_map(|value| value.to_le_bytes()));
     }
-    Ok(bytes)
+    bytes
 }
 
 /// Ids as the values of a PFM picture.
@@ -89,7 +94,7 @@ impl View {
 
 #[cfg(feature = "png")]
 impl Picture {
-    /// Writes the picture as a PNG file with 8 bits a channel.
+    /// Writes the picture as a PNG file with 8 bits a channel, which says that they are sRGB.
     ///
     /// # Errors
     /// [`Error::Io`] if there are not `width * height` pixels or none at all, or the file cannot be written.
@@ -100,15 +105,45 @@ impl Picture {
 
     /// The bytes of a PNG file; `path` is for errors.
     fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-
+        let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
         check_count(path, self.width, self.height, self.rgba8.len())?;
-        let mut bytes = Vec::new();
-        PngEncoder::new(&mut bytes)
-            .write_image(self.rgba8.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8)
-            .map_err(|error| Error::unwritable(path, error))?;
-        Ok(bytes)
+        png_bytes(path, self.width, self.height, kind, self.rgba8.as_flattened())
     }
+}
+
+/// What the samples of a PNG file are.
+#[cfg(feature = "png")]
+pub(super) struct PngKind {
+    pub(super) color: png::ColorType,
+    pub(super) depth: png::BitDepth,
+    /// They are light, encoded as sRGB, and the file says so; else they are numbers.
+    pub(super) is_srgb: bool,
+}
+
+#[cfg(feature = "png")]
+impl PngKind {
+    pub(super) fn encoder<W: std::io::Write>(&self, to: W, width: u32, height: u32) -> png::Encoder<'static, W> {
+        let mut encoder = png::Encoder::new(to, width, height);
+        encoder.set_color(self.color);
+        encoder.set_depth(self.depth);
+        encoder.set_compression(png::Compression::Fast);
+        if self.is_srgb {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+        }
+        encoder
+    }
+}
+
+/// The bytes of a PNG file of these samples, those of 16 bits with the upper byte first.
+#[cfg(feature = "png")]
+pub(super) fn png_bytes(path: &Path, width: u32, height: u32, kind: PngKind, samples: &[u8]) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let written = kind.encoder(&mut bytes, width, height).write_header().and_then(|mut writer| {
+        writer.write_image_data(samples)?;
+        writer.finish()
+    });
+    written.map_err(|error| Error::unwritable(path, error))?;
+    Ok(bytes)
 }
 
 impl Batch {
@@ -120,6 +155,31 @@ impl Batch {
     pub fn add_png(&mut self, path: impl AsRef<Path>, picture: &Picture) -> Result<(), Error> {
         let path = path.as_ref();
         self.add(path, &picture.png(path)?)
+    }
+
+    /// Adds one number a pixel as [`save_pfm`] writes it: disparities, as Middlebury has them, depths, distances.
+    ///
+    /// # Errors
+    /// Those of [`save_pfm`].
+    pub fn add_pfm(&mut self, path: impl AsRef<Path>, width: u32, height: u32, values: &[f32]) -> Result<(), Error> {
+        let path = path.as_ref();
+        self.add(path, &pfm(path, width, height, values)?)
+    }
+
+    /// Adds three numbers a pixel, such as normals, as a PFM picture in colour (`PF`), else as [`save_pfm`] writes it.
+    ///
+    /// # Errors
+    /// Those of [`save_pfm`].
+    pub fn add_pfm_color(
+        &mut self,
+        path: impl AsRef<Path>,
+        width: u32,
+        height: u32,
+        values: &[[f32; 3]],
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        check_count(path, width, height, values.len())?;
+        self.add(path, &pfm_bytes("PF", [width, height], values.as_flattened(), 3))
     }
 
     /// Adds a view's depths as [`View::save_depth`] writes them.
@@ -182,6 +242,20 @@ mod tests {
     }
 
     #[test]
+    fn a_pfm_in_colour_has_three_values_a_pixel_and_its_bottom_row_first() {
+        let folder = Folder::new("pfm_color");
+        let path = folder.file("a.pfm");
+        let mut batch = Batch::new();
+        batch.add_pfm_color(&path, 1, 2, &[[1.0, 2.0, 3.0], [-1.0, -2.0, -3.0]]).unwrap();
+        let message = batch.add_pfm_color(folder.file("b.pfm"), 2, 2, &[[0.0; 3]; 3]).unwrap_err().to_string();
+        assert!(message.ends_with("b.pfm: a picture of 2x2 cannot be written from 3 pixels"), "{message}");
+        batch.commit().unwrap();
+        let mut expected = b"PF\n1 2\n-1.0\n".to_vec();
+        expected.extend([-1.0_f32, -2.0, -3.0, 1.0, 2.0, 3.0].iter().flat_map(|v| v.to_le_bytes()));
+        assert_eq!(fs::read(&path).unwrap(), expected);
+    }
+
+    #[test]
     fn a_wrong_number_of_values_is_an_error_and_writes_nothing() {
         let folder = Folder::new("count");
         let message = save_pfm(folder.file("a.pfm"), 2, 2, &[0.0; 3]).unwrap_err().to_string();
@@ -216,6 +290,8 @@ mod tests {
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!((read.width(), read.height()), (3, 2));
         assert_eq!(read.as_raw(), rgba8.as_flattened());
+        // The chunk of the standard, of one byte: relative colorimetric.
+        assert!(fs::read(&path).unwrap().windows(9).any(|part| part == b"\0\0\0\x01sRGB\x01"));
         assert_eq!(folder.names(), ["a.png"]);
     }
 

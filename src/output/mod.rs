@@ -5,15 +5,27 @@
 
 mod anaglyph;
 mod batch;
+mod calibration;
+#[cfg(feature = "exr")]
+mod exr;
 mod file;
+#[cfg(feature = "jpeg")]
+mod jpeg;
 mod packing;
 #[cfg(feature = "png")]
 mod png_rows;
+#[cfg(feature = "json")]
+mod pose_json;
 mod quilt;
 mod stale;
+#[cfg(feature = "png")]
+mod truth_png;
 
+#[cfg(feature = "exr")]
+pub use self::exr::ExrColor;
 pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
 pub use batch::{Batch, write_whole};
+pub use calibration::{Intrinsics, calib_txt};
 pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
 #[cfg(feature = "png")]

@@ -5,7 +5,10 @@ use std::{
     path::Path,
 };
 
-use super::{Batch, file::check_count};
+use super::{
+    Batch,
+    file::{PngKind, check_count},
+};
 use crate::Error;
 
 /// Bytes of the file that are written at a time.
@@ -76,11 +79,8 @@ fn stream(
     write: impl FnOnce(&mut PngRows<'_>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let unwritable = |error: png::EncodingError| Error::unwritable(path, error);
-    let mut encoder = png::Encoder::new(file, size[0], size[1]);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header().map_err(unwritable)?;
+    let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
+    let mut writer = kind.encoder(file, size[0], size[1]).write_header().map_err(unwritable)?;
     let mut stream = writer.stream_writer_with_size(CHUNK).map_err(unwritable)?;
     let mut rows = PngRows { stream: &mut stream, path, size, written: 0 };
     write(&mut rows)?;

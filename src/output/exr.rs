@@ -1,0 +1,222 @@
+//! OpenEXR files: both eyes in one, as parts that say which view they are.
+
+use std::{io::Cursor, path::Path};
+
+use exr::{
+    image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},
+    math::Vec2,
+    meta::{
+        attribute::{AttributeValue, Chromaticities, Text},
+        header::{ImageAttributes, LayerAttributes},
+    },
+};
+use half::f16;
+
+use super::{Batch, file::check_count};
+use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
+
+/// How an OpenEXR file holds colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ExrColor {
+    /// 16-bit floats: 11 bits of precision, up to 65,504; what is brighter becomes that.
+    #[default]
+    Half,
+    /// 32-bit floats.
+    Float,
+}
+
+/// Rec. 709's primaries and D65, those of sRGB.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+impl Batch {
+    /// Adds both views of a pair as an OpenEXR file of two parts, `left` and `right`, each with its attribute `view`; lossless
+    /// but for colours by [`ExrColor::Half`].
+    ///
+    /// Channels: `R`, `G`, `B`, linear light with Rec. 709's primaries ([`View::linear`]); `Z`, depth along the view direction
+    /// in world units, infinite for sky; `id.primitive` and `id.object`, 32-bit whole numbers, 0 for sky, else the id + 1. With a
+    /// ground truth of the pair also `id.material`; `disparity`, pixels; `distance`, along the ray; `N.X`, `N.Y`, `N.Z`, the shading
+    /// normal, and `Ng.X`, `Ng.Y`, `Ng.Z`, the geometric one, in the world's frame.
+    ///
+    /// Attributes: `worldToCamera`, for row vectors, its frame that of computer graphics (x right, y up, the camera looks along -z);
+    /// `interaxial` and `screenDistance`, world units.
+    ///
+    /// # Errors
+    /// [`Error::Options`] for a pair without linear light ([`Options::linear`](crate::Options::linear)), depths or ids; [`Error::Sizes`] for
+    /// a ground truth of another size; [`Error::Io`] as [`Batch::add`].
+    pub fn add_exr(
+        &mut self,
+        path: impl AsRef<Path>,
+        pair: &StereoPair,
+        truth: Option<&GroundTruth>,
+        color: ExrColor,
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        let eyes = truth.map(|truth| [&truth.left, &truth.right]);
+        let layers = [("left", &pair.left, -1.0), ("right", &pair.right, 1.0)].into_iter().enumerate();
+        let layers = layers.map(|(index, (name, view, side))| {
+            let channels = channels(path, view, eyes.map(|eyes| eyes[index]), color)?;
+            let size = Vec2(view.width as usize, view.height as usize);
+            let encoding = Encoding::SMALL_LOSSLESS;
+            Ok(Layer::new(size, attributes(&pair.pose, name, side), encoding, AnyChannels::sort(channels.into())))
+        });
+        let layers = layers.collect::<Result<Vec<_>, Error>>()?;
+        let window = layers[0].absolute_bounds();
+        let attributes = ImageAttributes { chromaticities: Some(REC_709), ..ImageAttributes::new(window) };
+        let mut bytes = Cursor::new(Vec::new());
+        let image = Image::from_layers(attributes, layers);
+        let written = exr::image::write::WritableImage::write(&image).non_parallel().to_buffered(&mut bytes);
+        written.map_err(|error| Error::unwritable(path, error))?;
+        self.add(path, bytes.get_ref())
+    }
+}
+
+fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
+    // Row vectors want the transposed matrix; y and z are turned from the frame of intrinsics.
+    let rows = pose.world_to_camera(side);
+    let turn = [1.0, -1.0, -1.0, 1.0];
+    let matrix = std::array::from_fn(|index| (turn[index % 4] * rows[index % 4][index / 4]) as f32);
+    let number = |value: f32| AttributeValue::F32(value);
+    LayerAttributes {
+        view_name: Some(Text::from(name)),
+        world_to_camera: Some(matrix),
+        other: [
+            (Text::from("interaxial"), number(pose.interaxial)),
+            (Text::from("screenDistance"), number(pose.screen_distance)),
+        ]
+        .into_iter()
+        .collect(),
+        ..LayerAttributes::named(name)
+    }
+}
+
+type Channel = AnyChannel<FlatSamples>;
+
+fn channels(path: &Path, view: &View, truth: Option<&EyeTruth>, color: ExrColor) -> Result<Vec<Channel>, Error> {
+    let missing = |option, reason: &str| Err(Error::Options { option, reason: reason.into() });
+    let count = view.rgba8.len();
+    check_count(path, view.width, view.height, count)?;
+    if view.linear.len() != count {
+        return missing("linear", "an OpenEXR file has linear light; this pair has none, use Options::linear(true)");
+    }
+    if view.depth.len() != count || view.primitive.len() != count {
+        return missing("g_buffer", "an OpenEXR file has depths and ids; use GBuffer::Ids");
+    }
+    let rgb = ["R", "G", "B"].iter().enumerate().map(|(index, name)| {
+        let values = view.linear.iter().map(|pixel| pixel[index]);
+        let samples = match color {
+            ExrColor::Half => {
+                FlatSamples::F16(values.map(|value| f16::from_f32(value.min(f16::MAX.to_f32()))).collect())
+            }
+            ExrColor::Float => FlatSamples::F32(values.collect()),
+        };
+        AnyChannel::new(*name, samples)
+    });
+    let mut channels: Vec<Channel> = rgb.collect();
+    channels.push(floats("Z", view.depth.clone()));
+    channels.push(ids("id.primitive", &view.primitive));
+    channels.push(ids("id.object", &view.object));
+    let Some(truth) = truth else { return Ok(channels) };
+    if [truth.width, truth.height] != [view.width, view.height] {
+        let sizes = format!("{}x{} beside {}x{}", truth.width, truth.height, view.width, view.height);
+        return Err(Error::Sizes { sizes, reason: "the ground truth must be the pair's" });
+    }
+    channels.push(ids("id.material", &truth.material));
+    channels.push(floats("disparity", truth.disparity.clone()));
+    channels.push(floats("distance", truth.distance.clone()));
+    for (name, normals) in [("N", &truth.shading_normal), ("Ng", &truth.geometric_normal)] {
+        for (index, axis) in ["X", "Y", "Z"].iter().enumerate() {
+            let values = normals.iter().map(|normal| normal[index]);
+            channels.push(floats(&format!("{name}.{axis}"), values.collect()));
+        }
+    }
+    Ok(channels)
+}
+
+fn floats(name: &str, values: Vec<f32>) -> Channel {
+    AnyChannel::new(name, FlatSamples::F32(values))
+}
+
+/// 0 for nothing, else the id + 1.
+fn ids(name: &str, ids: &[u32]) -> Channel {
+    const { assert!(MISS == u32::MAX) };
+    AnyChannel::new(name, FlatSamples::U32(ids.iter().map(|id| id.wrapping_add(1)).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::*;
+
+    use super::super::tests::{pair, view};
+    use super::*;
+    use crate::{
+        folder::Folder,
+        glam::{DMat4, DVec3, DVec4},
+    };
+
+    #[test]
+    fn both_parts_read_back_with_their_views_and_matrices() {
+        let folder = Folder::new("exr");
+        let path = folder.file("a.exr");
+        let mut both = pair(view(3, &[[10, 20, 30]; 6]), view(3, &[[200, 100, 50]; 6]));
+        both.left.primitive[4] = 70_000;
+        both.left.depth[4] = 2.5;
+        both.left.linear[0][0] = 1e9;
+        for color in [ExrColor::Half, ExrColor::Float] {
+            let mut batch = Batch::new();
+            batch.add_exr(&path, &both, None, color).unwrap();
+            batch.commit().unwrap();
+            let image = read_all_flat_layers_from_file(&path).unwrap();
+            assert_eq!(image.attributes.chromaticities, Some(REC_709));
+            for (layer, (name, side)) in image.layer_data.iter().zip([("left", -1.0), ("right", 1.0)]) {
+                assert_eq!(layer.attributes.layer_name, Some(Text::from(name)));
+                assert_eq!(layer.attributes.view_name, Some(Text::from(name)));
+                let names: Vec<String> = layer.channel_data.list.iter().map(|one| one.name.to_string()).collect();
+                assert_eq!(names, ["B", "G", "R", "Z", "id.object", "id.primitive"]);
+                // A point a unit before the eye is at (0, 0, -1), by a row vector.
+                let pose = &both.pose;
+                let eye = pose.eye.as_dvec3() + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
+                let point = (eye + pose.forward.as_dvec3() + 0.25 * pose.up.as_dvec3()).extend(1.0);
+                let rows = layer.attributes.world_to_camera.unwrap().map(f64::from);
+                // Columns of glam's matrix are the rows that were read: v M is its transposed times v.
+                let seen: DVec4 = DMat4::from_cols_array(&rows) * point;
+                assert!(seen.truncate().distance(DVec3::new(0.0, 0.25, -1.0)) < 1e-6, "{seen}");
+            }
+            let samples = |layer: usize, channel: &str| {
+                let list = &image.layer_data[layer].channel_data.list;
+                let found = list.iter().find(|one| one.name == Text::from(channel)).unwrap();
+                found.sample_data.values_as_f32().collect::<Vec<_>>()
+            };
+            assert_eq!(samples(0, "id.primitive"), [0.0, 0.0, 0.0, 0.0, 70_001.0, 0.0]);
+            assert_eq!(samples(0, "Z")[4], 2.5);
+            assert!(samples(0, "Z")[0].is_infinite());
+            let (light, exact) = (samples(1, "R")[2], both.right.linear[2][0]);
+            assert!((light - exact).abs() <= if color == ExrColor::Half { 3e-4 } else { 0.0 }, "{light} {exact}");
+            assert_eq!(samples(0, "R")[0], if color == ExrColor::Half { 65_504.0 } else { 1e9 });
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_named_and_nothing_is_written() {
+        let folder = Folder::new("exr_fault");
+        let full = pair(view(2, &[[1; 3]; 2]), view(2, &[[1; 3]; 2]));
+        let add = |pair: &StereoPair| {
+            Batch::new().add_exr(folder.file("a.exr"), pair, None, ExrColor::Half).unwrap_err().to_string()
+        };
+        let mut dark = full.clone();
+        dark.right.linear.clear();
+        assert!(add(&dark).contains("invalid options: linear: an OpenEXR file has linear light"));
+        let mut flat = full.clone();
+        flat.left.primitive.clear();
+        assert!(add(&flat).contains("g_buffer"));
+        let mut short = full;
+        short.left.rgba8.pop();
+        assert!(add(&short).contains("cannot be written from 1 pixel"));
+        assert!(folder.names().is_empty());
+    }
+}

@@ -1,0 +1,129 @@
+//! A checked camera as a JSON file: for other programs, and to be read back to the bit.
+
+use std::path::Path;
+
+use glam::Vec3;
+use serde_json::{Map, Value, json};
+
+use super::calibration::Intrinsics;
+use crate::{Error, Limits, Pose, input};
+
+impl Pose {
+    /// The camera as JSON text: `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and the matrices
+    /// `world_to_camera` and `camera_to_world`, row by row; `pose` has this struct's own fields, which [`Pose::from_json`] reads
+    /// back to the bit. `conventions` says what frames and units are.
+    pub fn to_json(&self) -> String {
+        let vector = |v: Vec3| json!(v.to_array().map(f64::from));
+        let text = json!({
+            "format": "stereotrace pose 1",
+            "conventions": {
+                "length": "world units",
+                "pixels": "from the picture's top left corner, x right, y down; pixel centres are at halves",
+                "camera_frame": "x right, y down, z along the view, origin at the eye",
+                "world_frame": "right-handed, y up",
+                "matrices": "rows; a point is a column (x, y, z, 1)",
+                "disparity": "x_left - x_right = fx * baseline / Z - doffs",
+            },
+            "width": self.size[0],
+            "height": self.size[1],
+            "baseline": f64::from(self.interaxial),
+            "doffs": self.intrinsics(1.0).cx - self.intrinsics(-1.0).cx,
+            "left": eye(self, -1.0),
+            "right": eye(self, 1.0),
+            "pose": {
+                "eye": vector(self.eye),
+                "forward": vector(self.forward),
+                "right": vector(self.right),
+                "up": vector(self.up),
+                "screen_distance": f64::from(self.screen_distance),
+                "screen_size": self.screen_size.map(f64::from),
+                "interaxial": f64::from(self.interaxial),
+                "interaxial_px": f64::from(self.interaxial_px),
+                "size": self.size,
+            },
+        });
+        format!("{text:#}\n")
+    }
+
+    /// Reads what [`Pose::to_json`] wrote: its entry `pose`, which is not checked against the others.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is over 16 MiB; [`Error::Parse`],
+    /// naming the line or the field, if it is no JSON or no pose.
+    pub fn from_json(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let limits = Limits::default();
+        let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
+        let file: Value = serde_json::from_slice(&bytes).map_err(|error| {
+            let line = Some(error.line()).filter(|&line| line > 0);
+            Error::parse_from(path, line, format!("no JSON: {error}"), error)
+        })?;
+        let fault = |reason| Error::parse(path, None, reason);
+        let pose =
+            file.get("pose").and_then(Value::as_object).ok_or_else(|| fault("it has no object 'pose'".into()))?;
+        read(pose).map_err(fault)
+    }
+}
+
+fn eye(pose: &Pose, side: f64) -> Value {
+    let Intrinsics { fx, fy, cx, cy } = pose.intrinsics(side);
+    let to_camera = pose.world_to_camera(side);
+    // The axes are at right angles and of unit length up to their rounding; the inverse is meant for what is written, so it is worked out.
+    let columns = glam::DMat4::from_cols_array_2d(&to_camera).transpose().inverse().transpose();
+    json!({
+        "fx": fx, "fy": fy, "cx": cx, "cy": cy,
+        "world_to_camera": to_camera,
+        "camera_to_world": columns.to_cols_array_2d(),
+    })
+}
+
+fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
+    let read = Pose {
+        eye: Vec3::from_array(numbers(pose, "eye")?),
+        forward: Vec3::from_array(numbers(pose, "forward")?),
+        right: Vec3::from_array(numbers(pose, "right")?),
+        up: Vec3::from_array(numbers(pose, "up")?),
+        screen_distance: positive(pose, "screen_distance")?,
+        screen_size: numbers(pose, "screen_size")?,
+        interaxial: number(pose, "interaxial")?,
+        interaxial_px: number(pose, "interaxial_px")?,
+        size: size(pose)?,
+    };
+    Ok(read)
+}
+
+fn field<'a>(pose: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
+    pose.get(name).ok_or_else(|| format!("pose: {name} is missing"))
+}
+
+/// A number that f32 holds.
+fn finite(value: &Value) -> Option<f32> {
+    value.as_f64().map(|number| number as f32).filter(|number| number.is_finite())
+}
+
+fn number(pose: &Map<String, Value>, name: &str) -> Result<f32, String> {
+    let value = field(pose, name)?;
+    finite(value).ok_or_else(|| format!("pose: {name} is {value}; it must be a number that fits f32"))
+}
+
+fn positive(pose: &Map<String, Value>, name: &str) -> Result<f32, String> {
+    number(pose, name).and_then(|found| match found {
+        found if found > 0.0 => Ok(found),
+        found => Err(format!("pose: {name} is {found}; it must be above 0")),
+    })
+}
+
+fn numbers<const N: usize>(pose: &Map<String, Value>, name: &str) -> Result<[f32; N], String> {
+    let value = field(pose, name)?;
+    let found: Option<Vec<f32>> = value.as_array().and_then(|list| list.iter().map(finite).collect());
+    let found = found.and_then(|list| list.try_into().ok());
+    found.ok_or_else(|| format!("pose: {name} is {value}; it must be {N} numbers that fit f32"))
+}
+
+fn size(pose: &Map<String, Value>) -> Result<[u32; 2], String> {
+    let value = field(pose, "size")?;
+    let side = |value: &Value| value.as_u64().and_then(|side| u32::try_from(side).ok()).filter(|side| *side > 0);
+    let sides: Option<Vec<u32>> = value.as_array().and_then(|list| list.iter().map(side).collect());
+    let sides = sides.and_then(|sides| sides.try_into().ok());
+    sides.ok_or_else(|| format!("pose: size is {value}; it must be width and height in pixels"))
+}

@@ -1,0 +1,233 @@
+//! Ground truth as PNG files of one channel: disparities as KITTI has them, ids, and masks.
+
+use std::path::Path;
+
+use super::{
+    Batch,
+    file::{PngKind, check_count, png_bytes},
+};
+use crate::{Error, EyeTruth, MISS, Occlusion};
+
+/// Disparities are written as so many parts of a pixel.
+const KITTI_STEPS: f64 = 256.0;
+
+/// The largest id that fits behind the 0 of nothing.
+const LARGEST_ID: u32 = u16::MAX as u32 - 1;
+
+impl Batch {
+    /// Adds disparities as a grey PNG file of 16 bits, as KITTI has them: `round(256 d)`, and 0 where `is_valid` says
+    /// no. As by KITTI's own code, a disparity so small that it would round to 0 is 1. Of an eye's truth
+    /// `disp_occ` has [`EyeTruth::surfaces`] and `disp_noc` [`EyeTruth::surfaces_of_both`]; as in KITTI, sky is not valid.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming the pixel, for a valid disparity that this file can't hold: zero or negative, as off-axis cameras
+    /// have it on the screen and behind it, or 256 and more; for lists that are not `width * height` long; and as [`Batch::add`].
+    pub fn add_kitti_disparity(
+        &mut self,
+        path: impl AsRef<Path>,
+        width: u32,
+        height: u32,
+        disparity: &[f32],
+        is_valid: &[bool],
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        check_count(path, width, height, disparity.len())?;
+        check_count(path, width, height, is_valid.len())?;
+        let pixels = disparity.iter().zip(is_valid).enumerate();
+        let samples = pixels.map(|(index, (&d, &valid))| match valid {
+            true => kitti_sample(d).map_err(|reason| {
+                let (column, row) = (index % width as usize, index / width as usize);
+                Error::unwritable(path, format!("disparity {d} px at column {column}, row {row} {reason}"))
+            }),
+            false => Ok(0),
+        });
+        self.add_grey16(path, width, height, &samples.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// Adds ids as a grey PNG file of 16 bits: 0 where nothing is ([`MISS`]), else the id + 1.
+    ///
+    /// # Errors
+    /// [`Error::Io`], naming an id over 65,534, which does not fit; for a list that is not `width * height` long; and as
+    /// [`Batch::add`].
+    pub fn add_ids_png(&mut self, path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
+        let path = path.as_ref();
+        check_count(path, width, height, ids.len())?;
+        let sample = |&id: &u32| match id {
+            MISS => Ok(0),
+            0..=LARGEST_ID => Ok(id as u16 + 1),
+            _ => Err(Error::unwritable(
+                path,
+                format!(
+                    "id {id} is over {LARGEST_ID}, the largest that a PNG file of 16 bits holds; an OpenEXR file \
+                     (Batch::add_exr) holds every id, a PFM file (save_ids_pfm) those up to 16777216"
+                ),
+            )),
+        };
+        self.add_grey16(path, width, height, &ids.iter().map(sample).collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// Adds who sees what an eye sees, as Middlebury's `mask0nocc.png` has it: 255 where the other eye sees the same point, 128
+    /// where it does not, be it hidden or out of its picture. 0, for unknown, is nowhere. Sky is a point like any other.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a list that is not `width * height` long, and as [`Batch::add`].
+    pub fn add_nocc_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
+        let grey = |found: &Occlusion| if *found == Occlusion::Visible { 255 } else { 128 };
+        self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
+    }
+
+    /// Adds what the other eye does not see, and why: 0 where it sees the point, 255 where something hides it, 128 where it lies outside
+    /// the other picture.
+    ///
+    /// # Errors
+    /// As [`Batch::add_nocc_mask`].
+    pub fn add_occlusion(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
+        let grey = |found: &Occlusion| match found {
+            Occlusion::Visible => 0,
+            Occlusion::Hidden => 255,
+            Occlusion::OutOfFrame => 128,
+        };
+        self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
+    }
+
+    /// Adds where an eye sees sky: 255 there, else 0.
+    ///
+    /// # Errors
+    /// As [`Batch::add_nocc_mask`].
+    pub fn add_sky_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
+        let grey = truth.sky().into_iter().map(|is_sky| if is_sky { 255 } else { 0 });
+        self.add_grey8(path.as_ref(), truth, grey.collect())
+    }
+
+    fn add_grey8(&mut self, path: &Path, truth: &EyeTruth, samples: Vec<u8>) -> Result<(), Error> {
+        check_count(path, truth.width, truth.height, samples.len())?;
+        let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Eight, is_srgb: false };
+        self.add(path, &png_bytes(path, truth.width, truth.height, kind, &samples)?)
+    }
+
+    /// Samples of the right number.
+    fn add_grey16(&mut self, path: &Path, width: u32, height: u32, samples: &[u16]) -> Result<(), Error> {
+        let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Sixteen, is_srgb: false };
+        let bytes: Vec<u8> = samples.iter().flat_map(|sample| sample.to_be_bytes()).collect();
+        self.add(path, &png_bytes(path, width, height, kind, &bytes)?)
+    }
+}
+
+/// What KITTI's file has for a disparity, or why it can't have it.
+fn kitti_sample(disparity: f32) -> Result<u16, &'static str> {
+    let steps = (f64::from(disparity) * KITTI_STEPS).round();
+    match disparity {
+        d if d.is_nan() => Err("is no number"),
+        d if d <= 0.0 => Err(
+            "is not above 0, which KITTI's PNG file can't hold: render the pair with parallel cameras, whose disparities are 0 at \
+             infinity, or write a PFM file",
+        ),
+        _ if steps > f64::from(u16::MAX) => Err(
+            "rounds to 256 or more, which KITTI's PNG file can't hold: render a smaller picture or a smaller interaxial, or \
+             write a PFM file",
+        ),
+        _ => Ok(steps.max(1.0) as u16),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folder::Folder;
+
+    /// Width, height and samples, by another crate's reader.
+    fn read(path: &Path) -> (u32, u32, Vec<u16>) {
+        match image::open(path).unwrap() {
+            image::DynamicImage::ImageLuma16(read) => (read.width(), read.height(), read.into_raw()),
+            image::DynamicImage::ImageLuma8(read) => {
+                (read.width(), read.height(), read.as_raw().iter().map(|&sample| sample.into()).collect())
+            }
+            other => panic!("{:?}", other.color()),
+        }
+    }
+
+    fn truth(occlusion: [Occlusion; 3], primitive: [u32; 3]) -> EyeTruth {
+        EyeTruth {
+            width: 3,
+            height: 1,
+            depth: vec![1.0; 3],
+            distance: vec![1.0; 3],
+            disparity: vec![1.0; 3],
+            occlusion: occlusion.to_vec(),
+            geometric_normal: vec![[0.0; 3]; 3],
+            shading_normal: vec![[0.0; 3]; 3],
+            primitive: primitive.to_vec(),
+            object: primitive.to_vec(),
+            material: primitive.to_vec(),
+        }
+    }
+
+    #[test]
+    fn kitti_has_256_steps_a_pixel_and_0_where_nothing_is_known() {
+        let folder = Folder::new("kitti");
+        let path = folder.file("a.png");
+        let values = [1.0, 0.5 / 256.0, 1e-6, 255.998, 2.0 + 1.4 / 256.0, -7.0, f32::INFINITY, f32::NAN];
+        let valid = [true, true, true, true, true, false, false, false];
+        let mut batch = Batch::new();
+        batch.add_kitti_disparity(&path, 4, 2, &values, &valid).unwrap();
+        batch.commit().unwrap();
+        assert_eq!(read(&path), (4, 2, vec![256, 1, 1, 65535, 513, 0, 0, 0]));
+    }
+
+    #[test]
+    fn what_kitti_cannot_hold_is_refused_with_its_pixel_and_what_to_do() {
+        let folder = Folder::new("kitti_fault");
+        for (value, words) in [
+            (0.0, "disparity 0 px at column 1, row 2 is not above 0"),
+            (
+                -3.5,
+                "disparity -3.5 px at column 1, row 2 is not above 0, which KITTI's PNG file can't hold: render the pair with parallel",
+            ),
+            (255.999, "rounds to 256 or more"),
+            (256.0, "rounds to 256 or more"),
+            (f32::INFINITY, "disparity inf px at column 1, row 2 rounds to 256 or more"),
+            (f32::NAN, "is no number"),
+        ] {
+            let values = [1.0, 1.0, 1.0, 1.0, 1.0, value];
+            let add = |valid| Batch::new().add_kitti_disparity(folder.file("a.png"), 2, 3, &values, valid);
+            let message = add(&[true; 6]).unwrap_err().to_string();
+            assert!(message.contains("a.png: ") && message.contains(words), "{message}");
+            add(&[true, true, true, true, true, false]).unwrap();
+        }
+        assert!(Batch::new().add_kitti_disparity(folder.file("a.png"), 2, 3, &[1.0; 6], &[true; 5]).is_err());
+        assert!(folder.names().is_empty());
+    }
+
+    #[test]
+    fn ids_begin_behind_nothing_and_end_at_16_bits() {
+        let folder = Folder::new("ids_png");
+        let path = folder.file("a.png");
+        let mut batch = Batch::new();
+        batch.add_ids_png(&path, 2, 2, &[MISS, 0, 1, 65_534]).unwrap();
+        let message = batch.add_ids_png(folder.file("b.png"), 1, 1, &[65_535]).unwrap_err().to_string();
+        assert!(message.contains("b.png: id 65535 is over 65534") && message.contains("OpenEXR"), "{message}");
+        batch.commit().unwrap();
+        assert_eq!(read(&path), (2, 2, vec![0, 1, 2, 65_535]));
+        assert_eq!(folder.names(), ["a.png"]);
+    }
+
+    #[test]
+    fn masks_are_as_their_definitions_say() {
+        let folder = Folder::new("masks");
+        let truth = truth([Occlusion::Visible, Occlusion::Hidden, Occlusion::OutOfFrame], [MISS, 3, 4]);
+        let mut batch = Batch::new();
+        batch.add_nocc_mask(folder.file("nocc"), &truth).unwrap();
+        batch.add_occlusion(folder.file("occlusion"), &truth).unwrap();
+        batch.add_sky_mask(folder.file("sky"), &truth).unwrap();
+        batch.commit().unwrap();
+        let grey = |name: &str| {
+            let bytes = std::fs::read(folder.file(name)).unwrap();
+            image::load_from_memory(&bytes).unwrap().into_luma8().into_raw()
+        };
+        assert_eq!(grey("nocc"), [255, 128, 128]);
+        assert_eq!(grey("occlusion"), [0, 255, 128]);
+        assert_eq!(grey("sky"), [255, 0, 0]);
+        assert_eq!(truth.surfaces(), [false, true, true]);
+        assert_eq!(truth.surfaces_of_both(), [false; 3]);
+    }
+}
