@@ -1,4 +1,8 @@
-//! How far two views differ: the accuracy figures of DESIGN, section 7.
+//! How far two views differ: the accuracy figures of DESIGN, section 7. And how far disparities do.
+
+mod disparity;
+
+pub use disparity::{BAD_PX, DisparityError, compare_disparity};
 
 use crate::{Error, MISS, Pose, View, message::counted};
 

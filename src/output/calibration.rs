@@ -2,42 +2,45 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::Batch;
 use crate::{Error, EyeTruth, GroundTruth, Pose};
 
-/// A pinhole camera: what is at `(x, y, z)` in its frame (x right, y down, z along the view) is seen at column `fx x / z + cx` and
-/// row `fy y / z + cy`, in pixels from the picture's top left corner, so that pixel centres are at halves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Intrinsics {
-    /// Focal length along rows, pixels.
-    pub fx: f64,
-    /// Focal length along columns, pixels.
-    pub fy: f64,
-    /// Column of the principal point.
-    pub cx: f64,
-    /// Row of the principal point.
-    pub cy: f64,
+/// Focal lengths and principal points of both eyes: what stands `x` to the right of an eye's axis, `y` below it and `z` along it is seen at column
+/// `fx x / z + cx` and row `fy y / z + cy`, in pixels from the picture's top left corner, so that pixel centres are at halves.
+pub(super) struct Intrinsics {
+    pub(super) fx: f64,
+    pub(super) fy: f64,
+    /// Of the left eye.
+    pub(super) cx0: f64,
+    /// Of the right eye.
+    pub(super) cx1: f64,
+    pub(super) cy: f64,
 }
 
-impl Pose {
-    /// The intrinsics of an eye: -1 left, +1 right, 0 the midpoint. Off-axis eyes look along parallel axes through one screen, so
-    /// their principal points are `e_px` apart, the left eye's on the left.
-    pub fn intrinsics(&self, side: f64) -> Intrinsics {
-        let [w, h] = self.size.map(f64::from);
-        let [across, tall] = self.screen_size.map(f64::from);
-        let d = f64::from(self.screen_distance);
-        let aside = 0.5 * side * f64::from(self.interaxial) * w / across;
-        Intrinsics { fx: d * w / across, fy: d * h / tall, cx: 0.5 * w + aside, cy: 0.5 * h }
+impl Intrinsics {
+    /// Off-axis eyes look along parallel axes through one screen, so their principal points are `e_px` apart, the left eye's on the left.
+    pub(super) fn of(pose: &Pose) -> Self {
+        let [w, h] = pose.size.map(f64::from);
+        let [across, tall] = pose.screen_size.map(f64::from);
+        let d = f64::from(pose.screen_distance);
+        let aside = 0.5 * f64::from(pose.interaxial) * w / across;
+        Self { fx: d * w / across, fy: d * h / tall, cx0: 0.5 * w - aside, cx1: 0.5 * w + aside, cy: 0.5 * h }
     }
 
-    /// The matrix, row by row, that takes points of the world to an eye's frame: x right, y down, z along the view, in world units.
-    pub fn world_to_camera(&self, side: f64) -> [[f64; 4]; 4] {
-        let [right, down, forward] = [self.right, -self.up, self.forward].map(|axis| axis.as_dvec3());
-        let eye = self.eye.as_dvec3() + right * (0.5 * side * f64::from(self.interaxial));
-        let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
-        [row(right), row(down), row(forward), [0.0, 0.0, 0.0, 1.0]]
+    pub(super) fn doffs(&self) -> f64 {
+        self.cx1 - self.cx0
     }
+}
+
+/// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
+/// world units.
+pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
+    let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
+    let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+    let row = |axis: DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
+    [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
 }
 
 /// Least and largest disparity of the surfaces of both views, of the sky where there are none.
@@ -56,15 +59,16 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
 /// are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it says nothing of negative ones.
 pub fn calib_txt(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
-    let [left, right] = [-1.0, 1.0].map(|side| pose.intrinsics(side));
-    let camera = |eye: Intrinsics| format!("[{} 0 {}; 0 {} {}; 0 0 1]", eye.fx, eye.cx - 0.5, eye.fy, eye.cy - 0.5);
+    let intrinsics = Intrinsics::of(pose);
+    let Intrinsics { fx, fy, cx0, cx1, cy } = intrinsics;
+    let camera = |cx: f64| format!("[{fx} 0 {}; 0 {fy} {}; 0 0 1]", cx - 0.5, cy - 0.5);
     let [low, high] = disparity_range(truth);
     let (vmin, vmax) = (low.floor(), high.ceil());
     format!(
         "cam0={}\ncam1={}\ndoffs={}\nbaseline={}\nwidth={}\nheight={}\nndisp={}\nisint=0\nvmin={vmin}\nvmax={vmax}\ndyavg=0\ndymax=0\n",
-        camera(left),
-        camera(right),
-        right.cx - left.cx,
+        camera(cx0),
+        camera(cx1),
+        intrinsics.doffs(),
         f64::from(pose.interaxial),
         pose.size[0],
         pose.size[1],
@@ -88,5 +92,64 @@ impl Batch {
     #[cfg(feature = "json")]
     pub fn add_camera_json(&mut self, path: impl AsRef<Path>, pose: &Pose) -> Result<(), Error> {
         self.add(path, pose.to_json().as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MISS, Occlusion, StereoCamera, glam::Vec3};
+
+    /// f = 100 px, e = 0.25, e_px = 5: the screen, 5 units away and 10 wide, is 200 pixels wide.
+    pub(super) fn pose() -> Pose {
+        let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(200, 100);
+        camera.screen_width(10.0).interaxial(0.25).pose().unwrap()
+    }
+
+    fn truth(disparity: [f32; 3], primitive: [u32; 3]) -> GroundTruth {
+        let eye = EyeTruth {
+            width: 3,
+            height: 1,
+            depth: vec![1.0; 3],
+            distance: vec![1.0; 3],
+            disparity: disparity.to_vec(),
+            occlusion: vec![Occlusion::Visible; 3],
+            geometric_normal: vec![[0.0; 3]; 3],
+            shading_normal: vec![[0.0; 3]; 3],
+            primitive: primitive.to_vec(),
+            object: primitive.to_vec(),
+            material: primitive.to_vec(),
+        };
+        GroundTruth { left: eye.clone(), right: eye, pose: pose() }
+    }
+
+    #[test]
+    fn calib_txt_is_as_worked_out_by_hand() {
+        // Principal points: 100 -+ 2.5, counted from the first pixel's centre. Sky, of -5, is no surface.
+        let expected = "cam0=[100 0 97; 0 100 49.5; 0 0 1]\ncam1=[100 0 102; 0 100 49.5; 0 0 1]\ndoffs=5\nbaseline=0.25\n\
+                        width=200\nheight=100\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
+        assert_eq!(calib_txt(&truth([11.5, -1.25, -5.0], [0, 1, MISS])), expected);
+        // Sky alone; and what is in the plane of the eyes.
+        assert!(calib_txt(&truth([-5.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-5\nvmax=-5\n"));
+        assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
+    }
+
+    #[test]
+    fn intrinsics_and_matrices_show_points_where_the_pose_does() {
+        let camera = StereoCamera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 0.5, -4.0)).size(123, 77);
+        let pose = camera.interaxial(0.4).screen_distance(3.0).pose().unwrap();
+        let Intrinsics { fx, fy, cx0, cx1, cy } = Intrinsics::of(&pose);
+        for (side, cx) in [(-1.0, cx0), (1.0, cx1)] {
+            for point in [Vec3::ZERO, Vec3::new(0.3, 0.2, -2.0), Vec3::new(-5.0, 2.0, -9.0)] {
+                let [x, y, z] = [0, 1, 2].map(|row| {
+                    let [a, b, c, d] = world_to_camera(&pose, side)[row];
+                    DVec3::new(a, b, c).dot(point.as_dvec3()) + d
+                });
+                let [column, row, depth] = pose.project(point, side as f32).map(f64::from);
+                let found = [fx * x / z + cx, fy * y / z + cy, z];
+                let off = [found[0] - column, found[1] - row, found[2] - depth];
+                assert!(off.iter().all(|off| off.abs() < 2e-5), "{found:?} {column} {row} {depth}");
+            }
+        }
     }
 }

@@ -12,7 +12,7 @@ use exr::{
 };
 use half::f16;
 
-use super::{Batch, file::check_count};
+use super::{Batch, calibration::world_to_camera, file::check_count};
 use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
 
 /// How an OpenEXR file holds colours.
@@ -78,7 +78,7 @@ impl Batch {
 
 fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
     // Row vectors want the transposed matrix; y and z are turned from the frame of intrinsics.
-    let rows = pose.world_to_camera(side);
+    let rows = world_to_camera(pose, side);
     let turn = [1.0, -1.0, -1.0, 1.0];
     let matrix = std::array::from_fn(|index| (turn[index % 4] * rows[index % 4][index / 4]) as f32);
     let number = |value: f32| AttributeValue::F32(value);

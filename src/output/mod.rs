@@ -25,7 +25,7 @@ mod truth_png;
 pub use self::exr::ExrColor;
 pub use anaglyph::{Anaglyph, anaglyph, anaglyph_encoded};
 pub use batch::{Batch, write_whole};
-pub use calibration::{Intrinsics, calib_txt};
+pub use calibration::calib_txt;
 pub use file::{save_ids_pfm, save_pfm};
 pub use packing::{Packing, packed};
 #[cfg(feature = "png")]

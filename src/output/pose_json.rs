@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 use serde_json::{Map, Value, json};
 
-use super::calibration::Intrinsics;
+use super::calibration::{Intrinsics, world_to_camera};
 use crate::{Error, Limits, Pose, input};
 
 impl Pose {
@@ -14,6 +14,7 @@ impl Pose {
     /// back to the bit. `conventions` says what frames and units are.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
+        let intrinsics = Intrinsics::of(self);
         let text = json!({
             "format": "stereotrace pose 1",
             "conventions": {
@@ -27,9 +28,9 @@ impl Pose {
             "width": self.size[0],
             "height": self.size[1],
             "baseline": f64::from(self.interaxial),
-            "doffs": self.intrinsics(1.0).cx - self.intrinsics(-1.0).cx,
-            "left": eye(self, -1.0),
-            "right": eye(self, 1.0),
+            "doffs": intrinsics.doffs(),
+            "left": eye(self, &intrinsics, -1.0),
+            "right": eye(self, &intrinsics, 1.0),
             "pose": {
                 "eye": vector(self.eye),
                 "forward": vector(self.forward),
@@ -65,15 +66,18 @@ impl Pose {
     }
 }
 
-fn eye(pose: &Pose, side: f64) -> Value {
-    let Intrinsics { fx, fy, cx, cy } = pose.intrinsics(side);
-    let to_camera = pose.world_to_camera(side);
-    // The axes are at right angles and of unit length up to their rounding; the inverse is meant for what is written, so it is worked out.
-    let columns = glam::DMat4::from_cols_array_2d(&to_camera).transpose().inverse().transpose();
+fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
+    let to_camera = world_to_camera(pose, side);
+    // The axes are at right angles and of unit length up to their rounding; the inverse is that of what is written. glam's columns are our
+    // rows, in and out.
+    let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
     json!({
-        "fx": fx, "fy": fy, "cx": cx, "cy": cy,
+        "fx": fx,
+        "fy": fy,
+        "cx": if side < 0.0 { cx0 } else { cx1 },
+        "cy": cy,
         "world_to_camera": to_camera,
-        "camera_to_world": columns.to_cols_array_2d(),
+        "camera_to_world": to_world.to_cols_array_2d(),
     })
 }
 
@@ -126,4 +130,72 @@ fn size(pose: &Map<String, Value>) -> Result<[u32; 2], String> {
     let sides: Option<Vec<u32>> = value.as_array().and_then(|list| list.iter().map(side).collect());
     let sides = sides.and_then(|sides| sides.try_into().ok());
     sides.ok_or_else(|| format!("pose: size is {value}; it must be width and height in pixels"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Batch;
+    use super::*;
+    use crate::{StereoCamera, folder::Folder, random::Random};
+
+    #[test]
+    fn a_pose_reads_back_to_the_bit() {
+        let folder = Folder::new("pose");
+        let path = folder.file("camera.json");
+        let mut random = Random::new(7);
+        for scale in [1e-5, 1.0, 1e7] {
+            for round in 0..100 {
+                let (eye, target) = (random.point(scale), random.point(scale));
+                let camera = StereoCamera::look_at(eye, target).up(random.point(1.0)).size(2 + round, 1 + 3 * round);
+                let Ok(pose) = camera.screen_width(scale * 0.37).screen_distance(scale / 3.0).pose() else { continue };
+                let mut batch = Batch::new();
+                batch.add_camera_json(&path, &pose).unwrap();
+                batch.commit().unwrap();
+                let read = Pose::from_json(&path).unwrap();
+                assert_eq!(read, pose);
+                // Equal is not the same of zeros.
+                assert_eq!(read.eye.to_array().map(f32::to_bits), pose.eye.to_array().map(f32::to_bits));
+            }
+        }
+    }
+
+    #[test]
+    fn its_matrices_are_each_others_inverse() {
+        let pose = StereoCamera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::ZERO).pose().unwrap();
+        let file: Value = serde_json::from_str(&pose.to_json()).unwrap();
+        for side in ["left", "right"] {
+            let matrix = |name: &str| {
+                let rows: Vec<Vec<f64>> = serde_json::from_value(file[side][name].clone()).unwrap();
+                DMat4::from_cols_slice(&rows.concat()).transpose()
+            };
+            let both = matrix("camera_to_world") * matrix("world_to_camera");
+            assert!(both.abs_diff_eq(DMat4::IDENTITY, 1e-12), "{both}");
+        }
+        assert_eq!(file["width"], 640);
+    }
+
+    #[test]
+    fn what_is_no_pose_is_refused_by_its_field() {
+        let folder = Folder::new("pose_fault");
+        let text = StereoCamera::look_at(Vec3::Z, Vec3::ZERO).pose().unwrap().to_json();
+        for (index, (from, to, expected)) in [
+            ("\"pose\"", "\"rose\"", "it has no object 'pose'"),
+            ("\"forward\"", "\"backward\"", "pose: forward is missing"),
+            ("\"screen_distance\": 1.0", "\"screen_distance\": -1", "pose: screen_distance is -1; it must be above 0"),
+            ("\"screen_distance\": 1.0", "\"screen_distance\": 1e99", "must be a number that fits f32"),
+            ("640,\n      480", "640", "size is [640]; it must be width and height"),
+            ("640,\n      480", "640, 0", "size is [640,0]; it must be width and height"),
+            ("{", "{,", "json:1: no JSON"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let broken = text.replacen(from, to, 1);
+            assert_ne!(broken, text, "{from}\n{text}");
+            let path = folder.write(&format!("{index}.json"), broken);
+            let message = Pose::from_json(path).unwrap_err().to_string();
+            assert!(message.contains(&format!("{index}.json")) && message.contains(expected), "{message}");
+        }
+        assert!(matches!(Pose::from_json("no/such/file.json"), Err(Error::Io { .. })));
+    }
 }

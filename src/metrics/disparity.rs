@@ -1,0 +1,118 @@
+//! How far disparities are from the true ones: the figures of the Middlebury and KITTI benchmarks.
+
+use crate::{Error, message::counted};
+
+/// The errors, in pixels, from which on a disparity is bad.
+pub const BAD_PX: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// KITTI's outliers are off by more than both of these: pixels, and a share of the true disparity.
+const OUTLIER: (f64, f64) = (3.0, 0.05);
+
+/// How far disparities are from the true ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct DisparityError {
+    /// Pixels that count: those of the mask whose true disparity is known.
+    pub pixels: usize,
+    /// Of these, those for which a disparity was found, percent.
+    pub found_percent: f64,
+    /// Of all that count, those that are off by more than [`BAD_PX`], or not found, percent (Middlebury's bad 0.5, 1, 2 and 4).
+    pub bad_percent: [f64; 4],
+    /// Of all that count, those that are off by over 3 px and over 5% of the true disparity, or not found, percent (KITTI's D1).
+    pub d1_percent: f64,
+    /// Mean error of those found, pixels; 0 if there are none.
+    pub mean_px: f64,
+    /// Root of their mean squared error, pixels; 0 if there are none.
+    pub rms_px: f64,
+}
+
+/// Compares disparities to the true ones where `mask` says yes ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
+/// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). What is infinite or no number is not known: true ones that are not known
+/// don't count, and what was not found is bad by every measure. D1 is relative to the true disparity and means that of parallel cameras:
+/// of an off-axis pair add [`Pose::interaxial_px`](crate::Pose::interaxial_px) to both.
+///
+/// ```
+/// use stereotrace::metrics::compare_disparity;
+///
+/// let error = compare_disparity(&[10.0, 21.5, f32::INFINITY, 0.0], &[10.25, 20.0, 5.0, 5.0], &[true, true, true, false])?;
+/// assert_eq!((error.pixels, error.bad_percent[1].round()), (3, 67.0));
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Sizes`] if the lists are not equally long, or nothing counts.
+pub fn compare_disparity(found: &[f32], truth: &[f32], mask: &[bool]) -> Result<DisparityError, Error> {
+    let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
+    if found.len() != truth.len() || found.len() != mask.len() {
+        let counts = [found.len(), truth.len(), mask.len()].map(|count| counted(count, "pixel", "pixels"));
+        return fault(counts.join(" beside "), "disparities, true ones and mask must be equally long");
+    }
+    let known = found.iter().zip(truth).zip(mask).filter(|((_, truth), counts)| **counts && truth.is_finite());
+    let (mut pixels, mut measured, mut outliers) = (0_usize, 0_usize, 0_usize);
+    let (mut sum, mut squares, mut bad) = (0.0, 0.0, [0_usize; 4]);
+    for ((&found, &truth), _) in known {
+        pixels += 1;
+        let is_found = found.is_finite();
+        let error = if is_found { (f64::from(found) - f64::from(truth)).abs() } else { f64::INFINITY };
+        bad.iter_mut().zip(BAD_PX).for_each(|(count, limit)| *count += usize::from(error > limit));
+        outliers += usize::from(error > OUTLIER.0 && error > OUTLIER.1 * f64::from(truth).abs());
+        if is_found {
+            measured += 1;
+            sum += error;
+            squares += error * error;
+        }
+    }
+    if pixels == 0 {
+        return fault("0 pixels".into(), "no pixel of the mask has a true disparity that is known");
+    }
+    let percent = |count: usize| 100.0 * count as f64 / pixels as f64;
+    let of_measured = |sum: f64| sum / measured.max(1) as f64;
+    Ok(DisparityError {
+        pixels,
+        found_percent: percent(measured),
+        bad_percent: bad.map(percent),
+        d1_percent: percent(outliers),
+        mean_px: of_measured(sum),
+        rms_px: of_measured(squares).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_measure_counts_as_worked_out_by_hand() {
+        // Errors: 0, 0.5 (no more than that), 0.75, 1.5, 3.5 (of 10: 35%), 3.5 (of 100: 3.5%), 6 (of 100: 6%), not found, no number.
+        let truth = [10.0, 10.0, 10.0, 10.0, 10.0, 100.0, 100.0, 8.0, 8.0];
+        let found = [10.0, 10.5, 9.25, 11.5, 13.5, 96.5, 106.0, f32::INFINITY, f32::NAN];
+        let error = compare_disparity(&found, &truth, &[true; 9]).unwrap();
+        let of_nine = |count: i32| 100.0 * f64::from(count) / 9.0;
+        assert_eq!(error.pixels, 9);
+        assert_eq!(error.found_percent, of_nine(7));
+        assert_eq!(error.bad_percent, [7, 6, 5, 3].map(of_nine));
+        assert_eq!(error.d1_percent, of_nine(4));
+        assert_eq!(error.mean_px, 15.75 / 7.0);
+        let squares = 0.25 + 0.5625 + 2.25 + 2.0 * 12.25 + 36.0;
+        assert!((error.rms_px - (squares / 7.0_f64).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_mask_and_what_is_not_known_are_left_out() {
+        let truth = [1.0, f32::INFINITY, 1.0, f32::NAN];
+        let error = compare_disparity(&[1.0, 1.0, 9.0, 1.0], &truth, &[true, true, false, true]).unwrap();
+        assert_eq!((error.pixels, error.bad_percent, error.d1_percent), (1, [0.0; 4], 0.0));
+        for (found, truth, mask) in [
+            (&[1.0][..], &[1.0, 2.0][..], &[true][..]),
+            (&[1.0], &[1.0], &[true, true]),
+            (&[1.0], &[1.0], &[false]),
+            (&[1.0], &[f32::INFINITY], &[true]),
+            (&[], &[], &[]),
+        ] {
+            let message = compare_disparity(found, truth, mask).unwrap_err().to_string();
+            assert!(message.starts_with("sizes that don't fit: "), "{message}");
+        }
+        // Nothing found is an answer, and a bad one.
+        let none = compare_disparity(&[f32::INFINITY], &[1.0], &[true]).unwrap();
+        assert_eq!((none.bad_percent, none.d1_percent, none.mean_px, none.rms_px), ([100.0; 4], 100.0, 0.0, 0.0));
+    }
+}
