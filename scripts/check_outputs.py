@@ -207,7 +207,7 @@ def check_exr(folder, maps):
                 check(folder, f"{name}: ids are whole", channels["id.primitive"].dtype == np.uint32)
                 eye = camera[view]
                 to_camera = np.array(header["worldToCamera"], dtype=float).reshape(4, 4)
-                expected = np.diag([1, -1, -1, 1]) @ np.array(eye["world_to_camera"])
+                expected = np.diag([1, -1, 1, 1]) @ np.array(eye["world_to_camera"])
                 check(folder, f"{name}: worldToCamera", np.allclose(to_camera.T, expected, rtol=1e-5, atol=1e-5))
                 check(folder, f"{name}: interaxial", np.isclose(header["interaxial"], camera["baseline"]))
                 if not full:

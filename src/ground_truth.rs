@@ -70,7 +70,7 @@ impl EyeTruth {
 
 impl Pose {
     /// Directions of the world, such as normals, in the camera's frame: x to the picture's right, y down, z along the view
-    /// direction, as OpenCV has it. Both eyes' axes are the same.
+    /// direction, as `OpenCV` has it. Both eyes' axes are the same.
     pub fn in_camera(&self, directions: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let axes = [self.right, -self.up, self.forward].map(|axis| axis.as_dvec3());
         let turned = |direction: &[f32; 3]| {
@@ -222,8 +222,9 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
     let sum: f64 = shares.iter().sum();
     let blend = normals.iter().zip(shares).map(|(normal, share)| *normal * (share / sum)).sum::<DVec3>();
-    // As the kernels have it: normals that cancel each other, and a triangle that is all rounding, leave its own.
-    if !(blend.length_squared() > 1e-6) {
+    // As the kernels have it: normals that cancel each other, and a triangle that is all rounding, whose blend is no number, leave its own.
+    let is_usable = blend.length_squared() > 1e-6;
+    if !is_usable {
         return flat;
     }
     let unit = blend.normalize();

@@ -67,7 +67,7 @@ fn shading_normals_are_those_that_surfaces_are_lit_by() {
     scene.shadows = false;
     scene.ambient = Some(Vec3::ZERO);
     let (pair, truth) = truth_of(&scene, &still_life_camera());
-    let mut smooth = 0;
+    let (mut smooth, mut worst) = (0, 0.0_f32);
     for sign in [-1.0, 1.0] {
         // So far off that its direction is the same from everywhere.
         let lamp = |axis: Vec3| Light::point(sign * 1e7 * axis, axis);
@@ -86,14 +86,17 @@ fn shading_normals_are_those_that_surfaces_are_lit_by() {
                     let faces = sign * geometric[axis] > 0.0;
                     let albedo = if eye.material[index] == 0 { 0.7 } else { 1.0 };
                     let expected = if faces { albedo * (sign * shading[axis]).max(0.0) } else { 0.0 };
-                    // Vertex normals are kept in 32 bits; the lamps' direction is off by 1e-6. Measured 1.6e-4.
-                    let close = geometric[axis].abs() < 1e-4 || (expected - light[axis]).abs() < 3e-4;
-                    assert!(close, "pixel {index}, axis {axis}: {expected} and {}", light[axis]);
+                    // What faces a lamp edge-on faces it or not by rounding.
+                    let off = if geometric[axis].abs() < 1e-4 { 0.0 } else { (expected - light[axis]).abs() };
+                    worst = worst.max(off);
+                    // Vertex normals are kept in 32 bits. Measured 2.4e-5.
+                    assert!(off < 1e-4, "pixel {index}, axis {axis}: {expected} and {}", light[axis]);
                 }
                 smooth += usize::from(shading != geometric);
             }
         }
     }
+    println!("{smooth} pixels of smooth triangles; light off by {worst:e}");
     assert!(smooth > 1000, "{smooth} pixels of smooth triangles");
 }
 

@@ -55,7 +55,7 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
 }
 
 /// The text of Middlebury's `calib.txt` (2014): the depth of what has disparity D is `baseline f / (D + doffs)`, the baseline in
-/// world units. Principal points are counted from the centre of the top left pixel, as OpenCV counts and we do not. The disparities
+/// world units. Principal points are counted from the centre of the top left pixel, as `OpenCV` counts and we do not. The disparities
 /// are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it says nothing of negative ones.
 pub fn calib_txt(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::{MISS, Occlusion, StereoCamera, glam::Vec3};
 
-    /// f = 100 px, e = 0.25, e_px = 5: the screen, 5 units away and 10 wide, is 200 pixels wide.
+    /// f = 100 px, e = 0.25, `e_px` = 5: the screen, 5 units away and 10 wide, is 200 pixels wide.
     pub(super) fn pose() -> Pose {
         let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(200, 100);
         camera.screen_width(10.0).interaxial(0.25).pose().unwrap()

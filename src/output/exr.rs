@@ -1,4 +1,4 @@
-//! OpenEXR files: both eyes in one, as parts that say which view they are.
+//! `OpenEXR` files: both eyes in one, as parts that say which view they are.
 
 use std::{io::Cursor, path::Path};
 
@@ -15,7 +15,7 @@ use half::f16;
 use super::{Batch, calibration::world_to_camera, file::check_count};
 use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
 
-/// How an OpenEXR file holds colours.
+/// How an `OpenEXR` file holds colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ExrColor {
@@ -35,7 +35,7 @@ const REC_709: Chromaticities = Chromaticities {
 };
 
 impl Batch {
-    /// Adds both views of a pair as an OpenEXR file of two parts, `left` and `right`, each with its attribute `view`; lossless
+    /// Adds both views of a pair as an `OpenEXR` file of two parts, `left` and `right`, each with its attribute `view`; lossless
     /// but for colours by [`ExrColor::Half`].
     ///
     /// Channels: `R`, `G`, `B`, linear light with Rec. 709's primaries ([`View::linear`]); `Z`, depth along the view direction
@@ -43,7 +43,7 @@ impl Batch {
     /// ground truth of the pair also `id.material`; `disparity`, pixels; `distance`, along the ray; `N.X`, `N.Y`, `N.Z`, the shading
     /// normal, and `Ng.X`, `Ng.Y`, `Ng.Z`, the geometric one, in the world's frame.
     ///
-    /// Attributes: `worldToCamera`, for row vectors, its frame that of computer graphics (x right, y up, the camera looks along -z);
+    /// Attributes: `worldToCamera`, for row vectors, its frame the one that `OpenEXR` says (left-handed: x right, y up, z along the view);
     /// `interaxial` and `screenDistance`, world units.
     ///
     /// # Errors
@@ -77,9 +77,9 @@ impl Batch {
 }
 
 fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
-    // Row vectors want the transposed matrix; y and z are turned from the frame of intrinsics.
+    // Row vectors want the transposed matrix; y is up here, and down in the frame of intrinsics.
     let rows = world_to_camera(pose, side);
-    let turn = [1.0, -1.0, -1.0, 1.0];
+    let turn = [1.0, -1.0, 1.0, 1.0];
     let matrix = std::array::from_fn(|index| (turn[index % 4] * rows[index % 4][index / 4]) as f32);
     let number = |value: f32| AttributeValue::F32(value);
     LayerAttributes {
@@ -178,18 +178,18 @@ mod tests {
                 assert_eq!(layer.attributes.view_name, Some(Text::from(name)));
                 let names: Vec<String> = layer.channel_data.list.iter().map(|one| one.name.to_string()).collect();
                 assert_eq!(names, ["B", "G", "R", "Z", "id.object", "id.primitive"]);
-                // A point a unit before the eye is at (0, 0, -1), by a row vector.
+                // A point a unit before the eye and a quarter up is at (0, 0.25, 1), by a row vector.
                 let pose = &both.pose;
                 let eye = pose.eye.as_dvec3() + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
                 let point = (eye + pose.forward.as_dvec3() + 0.25 * pose.up.as_dvec3()).extend(1.0);
                 let rows = layer.attributes.world_to_camera.unwrap().map(f64::from);
                 // Columns of glam's matrix are the rows that were read: v M is its transposed times v.
                 let seen: DVec4 = DMat4::from_cols_array(&rows) * point;
-                assert!(seen.truncate().distance(DVec3::new(0.0, 0.25, -1.0)) < 1e-6, "{seen}");
+                assert!(seen.truncate().distance(DVec3::new(0.0, 0.25, 1.0)) < 1e-6, "{seen}");
             }
             let samples = |layer: usize, channel: &str| {
                 let list = &image.layer_data[layer].channel_data.list;
-                let found = list.iter().find(|one| one.name == Text::from(channel)).unwrap();
+                let found = list.iter().find(|one| one.name == *channel).unwrap();
                 found.sample_data.values_as_f32().collect::<Vec<_>>()
             };
             assert_eq!(samples(0, "id.primitive"), [0.0, 0.0, 0.0, 0.0, 70_001.0, 0.0]);

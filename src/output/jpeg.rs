@@ -10,7 +10,7 @@ use crate::{Error, StereoPair};
 const APP2: u8 = 0xe2;
 const APP3: u8 = 0xe3;
 
-/// What a JPS file says of itself (VRex's stereoscopic descriptor): the length of the descriptor, the descriptor, and an empty comment. The
+/// What a JPS file says of itself (`VRex`'s stereoscopic descriptor): the length of the descriptor, the descriptor, and an empty comment. The
 /// descriptor's bytes are the pixels between the views, flags of which none says that the left view is on the left, the layout (side by side), and the kind (stereo).
 const JPS_DESCRIPTOR: &[u8] = b"_JPSJPS_\0\x04\0\0\x02\x01\0\0";
 
@@ -212,7 +212,7 @@ mod tests {
             (errors.max().unwrap(), bytes.len())
         };
         let ((fine, large), (coarse, small)) = (error_of(100), error_of(20));
-        // Measured 2 and 20.
+        // Measured 2 and 18.
         assert!(fine <= 4 && coarse > 8 && large > small, "{fine} {coarse} {large} {small}");
         let one = written("jpeg1", |batch, path| batch.add_jpeg(path, &view(1, &[[7; 3]]).picture(), 90).unwrap());
         assert_eq!(decoded(&one).dimensions(), (1, 1));

@@ -78,7 +78,7 @@ impl FromStr for Packing {
 /// so differ in height between them. For displays whose first row, column or pixel is the right eye's, exchange the views. Of
 /// views of different sizes, what both have is kept: the rows beside each other, the columns below each other.
 ///
-/// FFmpeg's `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every other row,
+/// `FFmpeg`'s `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every other row,
 /// column or pixel it makes the interlaced ones by irl, icl and chl, and with the right eye first by irr, icr and chr.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
