@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-
 use super::Batch;
 use crate::{Error, EyeTruth, GroundTruth, Pose};
 
@@ -36,10 +34,11 @@ impl Intrinsics {
 
 /// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
 /// world units.
+#[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
     let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
-    let row = |axis: DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
+    let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
     [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
 }
 
@@ -98,7 +97,10 @@ impl Batch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MISS, Occlusion, StereoCamera, glam::Vec3};
+    use crate::{
+        MISS, Occlusion, StereoCamera,
+        glam::{DVec3, Vec3},
+    };
 
     /// f = 100 px, e = 0.25, `e_px` = 5: the screen, 5 units away and 10 wide, is 200 pixels wide.
     pub(super) fn pose() -> Pose {
