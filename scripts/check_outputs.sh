@@ -30,7 +30,7 @@ if [ "$(cat "$venv/packages" 2>/dev/null)" != "$packages" ]; then
     echo "$packages" >"$venv/packages"
 fi
 
-cargo build --quiet --manifest-path "$root/Cargo.toml" --features exr --example ground_truth
+cargo build --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --features exr --example ground_truth
 out=$root/target/outputs/pairs
 rm -rf "$out"
 pair() { STEREOTRACE_ADAPTER=software "$root/target/debug/examples/ground_truth" "$@"; }
