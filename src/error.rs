@@ -192,13 +192,13 @@ pub(crate) fn located(path: &Path, line: Option<usize>, text: &str) -> String {
 }
 
 impl Error {
-    #[cfg(any(test, feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
+    #[cfg(any(test, feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn parse(path: impl Into<PathBuf>, line: Option<usize>, reason: impl Into<String>) -> Self {
         Self::Parse { path: path.into(), line, reason: reason.into(), source: None }
     }
 
     /// The same of what another error says.
-    #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
+    #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn parse_from(
         path: impl Into<PathBuf>,
         line: Option<usize>,

@@ -22,12 +22,17 @@ pub struct Limits {
     pub(crate) json_bytes: u64,
     sky_pixels: u64,
     pub(crate) texture_pixels: u64,
+    #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "other files have no instances"))]
+    pub(crate) triangles: u64,
     /// The most that the adapter can hold.
     adapter_pixels: u64,
     /// What messages say that the limits on files and on skies are raised by.
     pub(crate) option_names: [&'static str; 2],
     /// The same of the limit on textures.
     pub(crate) texture_option_name: &'static str,
+    /// The same of the limit on triangles.
+    #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "other files have no instances"))]
+    pub(crate) triangle_option_name: &'static str,
 }
 
 impl Default for Limits {
@@ -37,9 +42,11 @@ impl Default for Limits {
             json_bytes: 16 << 20,
             sky_pixels: (128 << 20) / SKY_PIXEL_BYTES,
             texture_pixels: (256 << 20) / TEXTURE_PIXEL_BYTES,
+            triangles: 1 << 25,
             adapter_pixels: u64::MAX,
             option_names: ["Limits"; 2],
             texture_option_name: "Limits",
+            triangle_option_name: "Limits",
         }
     }
 }
@@ -50,14 +57,14 @@ const SKY_PIXEL_BYTES: u64 = 16;
 const TEXTURE_PIXEL_BYTES: u64 = 4;
 
 impl Limits {
-    /// Largest OBJ file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same limit. 1 GiB
-    /// where nothing is said.
+    /// Largest OBJ, glTF or PLY file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same
+    /// limit, and all buffers of one glTF file. 1 GiB where nothing is said.
     pub fn file_bytes(mut self, bytes: u64) -> Self {
         self.file_bytes = bytes;
         self
     }
 
-    /// Largest JSON file. 16 MiB where nothing is said.
+    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). 16 MiB where nothing is said.
     pub fn json_bytes(mut self, bytes: u64) -> Self {
         self.json_bytes = bytes;
         self
@@ -70,10 +77,23 @@ impl Limits {
         self
     }
 
-    /// Pixels that a texture may have at most, and those of an OBJ's MTL files all together; each takes 4 bytes. 67,108,864 (one
+    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each takes 4 bytes. 67,108,864 (one
     /// of 8192x8192) where nothing is said: the 256 MiB that every WebGPU adapter can hold in a buffer.
     pub fn texture_pixels(mut self, pixels: u64) -> Self {
         self.texture_pixels = pixels;
+        self
+    }
+
+    /// Triangles that a glTF file's instances may become: a mesh counts as often as nodes show it. Each takes some 80 bytes here, and 24 or 36 more
+    /// with texture coordinates or colours; vertices may be three times as many. 33,554,432 where nothing is said.
+    pub fn triangles(mut self, triangles: u64) -> Self {
+        self.triangles = triangles;
+        self
+    }
+
+    /// What messages say that [`Limits::triangles`] is raised by. `Limits` where nothing is said.
+    pub fn triangle_option_name(mut self, name: &'static str) -> Self {
+        self.triangle_option_name = name;
         self
     }
 
@@ -128,15 +148,21 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     Ok((file, bytes))
 }
 
-/// A text's bytes, as many of them as the file said it had: what the system makes up as it is read (/proc) has no size.
-/// UTF-16 is an error.
-#[cfg(any(feature = "obj", feature = "json"))]
-pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
+/// A file's bytes, as many of them as it said it had: what the system makes up as it is read (/proc) has no size.
+#[cfg(any(feature = "scene-files", feature = "json"))]
+pub(crate) fn read_bytes(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     use std::io::Read;
 
     let (file, bytes) = open(path, limit, raised_by)?;
     let mut content = Vec::with_capacity(bytes as usize);
     file.take(bytes).read_to_end(&mut content).map_err(|source| Error::io(path, source))?;
+    Ok(content)
+}
+
+/// A text's bytes. UTF-16 is an error.
+#[cfg(any(feature = "obj", feature = "json"))]
+pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
+    let content = read_bytes(path, limit, raised_by)?;
     let utf_16 = match content[..] {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, by its byte order mark",
         [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",

@@ -94,7 +94,7 @@ mod frame;
 mod geometry;
 pub mod gpu;
 mod ground_truth;
-#[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
+#[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 mod input;
 mod kernels;
 mod lanes;
@@ -133,7 +133,7 @@ pub use error::Error;
 pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
 pub use gpu::{Adapter, Gpu};
 pub use ground_truth::{EyeTruth, GroundTruth};
-#[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
+#[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 pub use input::Limits;
 pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use occlusion::Occlusions;
@@ -147,8 +147,8 @@ pub use scene::{
     Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
     TextureId, TextureKind, Triangle, Wrap,
 };
-#[cfg(feature = "obj")]
-pub use scene::{MissingTextures, ObjOptions};
+#[cfg(feature = "scene-files")]
+pub use scene::{MissingTextures, ObjOptions, SceneOptions};
 pub use shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -44,7 +44,7 @@ impl Gpu {
     }
 
     /// How many texels a scene's shading table may have, read either way.
-    #[cfg(any(feature = "obj", feature = "sky", feature = "textures", feature = "json"))]
+    #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn largest_table(&self) -> u64 {
         self.texel_capacity(Fetch::Texture).max(self.texel_capacity(Fetch::Buffer))
     }

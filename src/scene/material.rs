@@ -176,7 +176,7 @@ impl Material {
     }
 
     /// Scales all of that down to what came, and says whether it was more.
-    #[cfg(any(feature = "obj", test))]
+    #[cfg(any(feature = "obj", feature = "gltf", test))]
     pub(super) fn conserve(&mut self) -> bool {
         if self.most_returned().max_element() <= 1.0 {
             return false;

@@ -4,6 +4,8 @@ mod beside;
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
+#[cfg(any(feature = "obj", feature = "ply"))]
+mod ears;
 mod ellipsoid;
 mod light;
 mod lights;
@@ -12,12 +14,18 @@ mod mesh;
 mod moving;
 #[cfg(feature = "obj")]
 mod obj;
+#[cfg(feature = "scene-files")]
+mod options;
 mod plane;
+#[cfg(feature = "ply")]
+mod ply;
+#[cfg(any(feature = "obj", feature = "ply"))]
+mod polygon;
 mod sky;
 mod smooth;
 pub mod suite;
 mod texture;
-#[cfg(feature = "obj")]
+#[cfg(feature = "scene-files")]
 mod warnings;
 
 pub(crate) use ellipsoid::ToSphere;
@@ -25,8 +33,8 @@ pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
 pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
-#[cfg(feature = "obj")]
-pub use obj::{MissingTextures, ObjOptions};
+#[cfg(feature = "scene-files")]
+pub use options::{MissingTextures, ObjOptions, SceneOptions};
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
@@ -224,6 +232,28 @@ impl Scene {
         obj::read(path.as_ref(), options)
     }
 
+    /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture
+    /// coordinates of vertices, and faces, which become triangles as those of an OBJ do. It is grey, where its vertices have no colours.
+    /// `docs/FORMATS.md` has all that is read; what is not is logged once. The scene has no lights yet: see [`Scene::place_lights`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`](crate::Limits) says;
+    /// [`Error::Parse`], naming element and line where they are known, if its content is wrong: a header that is none, numbers that are
+    /// missing or not finite, corners out of range, no faces at all, as in clouds of points.
+    #[cfg(feature = "ply")]
+    pub fn from_ply(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        Self::from_ply_with(path, &SceneOptions::default())
+    }
+
+    /// [`Scene::from_ply`] with limits and missing normals as `options` say.
+    ///
+    /// # Errors
+    /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    #[cfg(feature = "ply")]
+    pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
+        ply::read(path.as_ref(), options)
+    }
+
     /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.
     pub fn rendered_ambient(&self) -> Vec3 {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
@@ -314,7 +344,7 @@ impl Scene {
 }
 
 /// The light of an sRGB value (IEC 61966-2-1).
-#[cfg(any(feature = "obj", feature = "sky"))]
+#[cfg(any(feature = "scene-files", feature = "sky"))]
 fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

@@ -3,16 +3,11 @@
 //! tobj parses the numbers. It names no line in its errors, panics on some files,
 //! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
 //! it checks every index and leaves only lines that tobj reads as they are meant. It can only fan faces, so they are
-//! split into triangles here (polygon.rs).
+//! split into triangles here (../polygon.rs).
 
 mod checks;
-mod ears;
 mod models;
 mod mtl;
-mod options;
-mod polygon;
-
-pub use options::{MissingTextures, ObjOptions};
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
@@ -23,8 +18,7 @@ use self::{
     models::{Joined, join_models},
 };
 use super::{
-    MAX_COORDINATE, MaterialId, Mesh, Scene,
-    mesh::dropped_text,
+    MAX_COORDINATE, MaterialId, Mesh, Scene, SceneOptions,
     smooth::{check_crease, smooth_normals},
     warnings::Warnings,
 };
@@ -80,7 +74,7 @@ struct Prepared {
 }
 
 /// See [`Scene::from_obj_with`].
-pub(super) fn read(path: &Path, options: &ObjOptions) -> Result<Scene, Error> {
+pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
     let (text, _) = read_text(path, &options.limits)?;
@@ -131,9 +125,7 @@ fn warn_of_triangles(scene: &Scene, fanned: &[usize], clamped_colors: usize, war
         let vertices = counted(clamped_colors, "vertex", "vertices");
         warnings.warn_once(format!("colours beyond 0 to 1, which are brought into it, at {vertices}"));
     }
-    if scene.dropped > 0 {
-        warnings.warn_once(dropped_text(scene.dropped, &scene.triangles));
-    }
+    warnings.warn_of_dropped(scene);
 }
 
 /// Lets tobj read numbers and gather what faces have.

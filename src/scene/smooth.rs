@@ -39,6 +39,12 @@ pub(super) fn check_crease(degrees: f32) -> Result<(), String> {
     }
 }
 
+/// Zero has no direction and stays zero; f64, so that tiny and huge normals keep theirs.
+#[cfg(feature = "scene-files")]
+pub(super) fn unit(normal: Vec3) -> Vec3 {
+    normal.as_dvec3().normalize_or_zero().as_vec3()
+}
+
 /// Three normals a triangle, zeros for flat ones, or none where all are flat. Triangles of different `groups`, as far as these
 /// go, are never one fan, and those of group 0 are flat.
 pub(super) fn smooth_normals(

@@ -146,7 +146,17 @@ impl Texture {
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
-        let (size, pixels) = picture::decode(path, file, limits)?;
+        Self::decode(path, std::io::BufReader::new(file), limits)
+    }
+
+    /// Reads a picture that is, or is part of, the file `path`.
+    #[cfg(feature = "textures")]
+    pub(super) fn decode(
+        path: &std::path::Path,
+        source: impl std::io::BufRead + std::io::Seek,
+        limits: &Limits,
+    ) -> Result<Self, Error> {
+        let (size, pixels) = picture::decode(path, source, limits)?;
         Ok(Self::of(TextureKind::Image { size, pixels: Arc::new(pixels) }))
     }
 

@@ -2,8 +2,10 @@
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
-use super::PRINTED_WARNINGS;
-use crate::{Error, error::located, message::escaped};
+use super::{PRINTED_WARNINGS, Scene, mesh::dropped_text};
+use crate::error::located;
+#[cfg(feature = "obj")]
+use crate::{Error, message::escaped};
 
 /// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
 pub(super) struct Warnings<'a> {
@@ -14,7 +16,38 @@ pub(super) struct Warnings<'a> {
 
 struct LeftOut {
     count: usize,
-    first_line: usize,
+    first: Place,
+}
+
+/// Where something stands in a file.
+#[derive(Clone, Copy)]
+pub(super) enum Place {
+    Line(usize),
+    /// An item of a list of a glTF file, as `nodes[3]`.
+    #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "the other formats have lines"))]
+    Item(&'static str, usize),
+    /// In the file as a whole.
+    #[cfg_attr(not(any(feature = "gltf", feature = "ply")), allow(dead_code, reason = "an OBJ has lines"))]
+    File,
+}
+
+impl From<usize> for Place {
+    fn from(line: usize) -> Self {
+        Self::Line(line)
+    }
+}
+
+impl LeftOut {
+    fn text(&self, what: &str) -> String {
+        match (self.count, self.first) {
+            (1, Place::Line(line)) => format!("{what} on line {line}"),
+            (count, Place::Line(line)) => format!("{count} {what} from line {line} on"),
+            (1, Place::Item(list, index)) => format!("{what} in {list}[{index}]"),
+            (count, Place::Item(list, index)) => format!("{count} {what} from {list}[{index}] on"),
+            (1, Place::File) => what.into(),
+            (count, Place::File) => format!("{count} {what}"),
+        }
+    }
 }
 
 impl<'a> Warnings<'a> {
@@ -22,14 +55,15 @@ impl<'a> Warnings<'a> {
         Self { path, like: BTreeMap::new(), left_out: BTreeMap::new() }
     }
 
-    /// Warns of a line. Warnings of one `kind`, which is a heading for them, are alike.
-    pub(super) fn warn(&mut self, kind: &'static str, line: usize, text: impl Display) {
+    /// Warns of a line, or of what the text names. Warnings of one `kind`, which is a heading for them, are alike.
+    pub(super) fn warn(&mut self, kind: &'static str, line: impl Into<Option<usize>>, text: impl Display) {
         if self.is_printed(kind) {
-            self.log(Some(line), text.to_string());
+            self.log(line.into(), text.to_string());
         }
     }
 
     /// Warns of another file that a line names, and of what follows from it.
+    #[cfg(feature = "obj")]
     pub(super) fn warn_of(&mut self, kind: &'static str, line: usize, error: &Error, consequence: &str) {
         if self.is_printed(kind) {
             let name = escaped(&self.path.file_name().unwrap_or_default().to_string_lossy());
@@ -49,9 +83,16 @@ impl<'a> Warnings<'a> {
         self.log(None, text.to_string());
     }
 
+    /// Warns of triangles without area, once for the file.
+    pub(super) fn warn_of_dropped(&self, scene: &Scene) {
+        if scene.dropped > 0 {
+            self.warn_once(dropped_text(scene.dropped, &scene.triangles));
+        }
+    }
+
     /// Counts something that the file has and pictures don't show; `what` names it in the plural.
-    pub(super) fn left_out(&mut self, what: &'static str, line: usize) {
-        self.left_out.entry(what).or_insert(LeftOut { count: 0, first_line: line }).count += 1;
+    pub(super) fn left_out(&mut self, what: &'static str, place: impl Into<Place>) {
+        self.left_out.entry(what).or_insert(LeftOut { count: 0, first: place.into() }).count += 1;
     }
 
     /// As errors are written, so that both quote files alike.
@@ -67,11 +108,7 @@ impl Drop for Warnings<'_> {
                 self.log(None, format!("{kind}: {} more", count - PRINTED_WARNINGS));
             }
         }
-        let item = |(what, LeftOut { count, first_line }): (&&str, &LeftOut)| match count {
-            1 => format!("{what} on line {first_line}"),
-            _ => format!("{count} {what} from line {first_line} on"),
-        };
-        let items: Vec<_> = self.left_out.iter().map(item).collect();
+        let items: Vec<_> = self.left_out.iter().map(|(what, left_out)| left_out.text(what)).collect();
         if !items.is_empty() {
             self.log(None, format!("left out: {}", items.join("; ")));
         }

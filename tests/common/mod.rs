@@ -8,6 +8,7 @@ pub mod random;
 mod random_scene;
 pub mod sampling;
 pub mod shown_sky;
+pub mod warnings;
 
 use std::{
     io::Write,

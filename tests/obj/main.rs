@@ -13,42 +13,16 @@ mod surfaces;
 mod textures;
 mod warnings;
 
-use std::{
-    path::PathBuf,
-    sync::{Mutex, Once},
-};
+use std::path::PathBuf;
 
 use stereotrace::{Error, Material, MaterialId, ObjOptions, Scene};
-
-/// Every warning of this process; tests look for those that name their own folder.
-static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-struct Collector;
-
-impl log::Log for Collector {
-    fn enabled(&self, _: &log::Metadata) -> bool {
-        true
-    }
-
-    fn log(&self, record: &log::Record) {
-        if record.level() == log::Level::Warn {
-            WARNINGS.lock().unwrap().push(record.args().to_string());
-        }
-    }
-
-    fn flush(&self) {}
-}
 
 /// A folder of one test, whose OBJ files are read.
 pub(crate) struct Folder(common::folder::Folder);
 
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
-        static LOGGER: Once = Once::new();
-        LOGGER.call_once(|| {
-            log::set_logger(&Collector).unwrap();
-            log::set_max_level(log::LevelFilter::Warn);
-        });
+        common::warnings::collect();
         Self(common::folder::Folder::new(test))
     }
 
@@ -94,9 +68,7 @@ impl Folder {
 
     /// The warnings that name a file of this folder, from the file's name on.
     pub(crate) fn warnings(&self) -> Vec<String> {
-        let prefix = format!("{}{}", self.0.path().display(), std::path::MAIN_SEPARATOR);
-        let warnings = WARNINGS.lock().unwrap();
-        warnings.iter().filter_map(|warning| warning.strip_prefix(&prefix)).map(str::to_owned).collect()
+        common::warnings::of(&self.0)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use stereotrace::{Scene, glam::Vec3};
 
-use crate::{Folder, SIX, WARNINGS};
+use crate::{Folder, SIX, common};
 
 #[test]
 fn of_like_warnings_five_are_printed_and_the_rest_counted() {
@@ -76,7 +76,7 @@ fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
     (0..20).for_each(|_| scene.add_mesh(&flat).unwrap());
     assert_eq!(scene.degenerate_count(), 20);
     let start = "mesh '/";
-    let all = WARNINGS.lock().unwrap().clone();
+    let all = common::warnings::WARNINGS.lock().unwrap().clone();
     let own: Vec<_> = all.iter().filter(|text| text.starts_with(start) && text.contains("own_meshes")).collect();
     assert_eq!(own.len(), 6, "{all:?}");
     assert!(own[0].ends_with("triangles without area, which are dropped: 1 of 1"), "{}", own[0]);

@@ -2,12 +2,12 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{
-    MaterialId, Mesh, Prepared, Section,
-    mtl::Placement,
+use super::{MaterialId, Mesh, Prepared, Section, mtl::Placement};
+use crate::scene::{
+    linear,
     polygon::{Split, split},
+    smooth::unit,
 };
-use crate::scene::linear;
 
 /// What becomes of tobj's models.
 #[derive(Default)]
@@ -139,9 +139,4 @@ fn split_faces(
         }
     }
     triangles
-}
-
-/// Zero has no direction and stays zero; f64, so that tiny and huge normals keep theirs.
-fn unit(normal: Vec3) -> Vec3 {
-    normal.as_dvec3().normalize_or_zero().as_vec3()
 }

@@ -19,7 +19,7 @@ use self::{
     files::Textures,
     maps::Map,
 };
-use super::{ObjOptions, Prepared, lines, read_text, split_keyword};
+use super::{Prepared, SceneOptions, lines, read_text, split_keyword};
 use crate::{Error, Material, Texture, TextureId, message::counted, scene::warnings::Warnings};
 
 /// The materials of all MTL files of an OBJ.
@@ -38,7 +38,7 @@ pub(super) struct Library {
 pub(super) fn read(
     obj: &Path,
     prepared: &Prepared,
-    options: &ObjOptions,
+    options: &SceneOptions,
     warnings: &mut Warnings,
 ) -> Result<Library, Error> {
     let folder = obj.parent().unwrap_or(Path::new(""));

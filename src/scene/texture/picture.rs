@@ -1,6 +1,9 @@
 //! Pictures of textures, decoded into bytes of sRGB with alpha.
 
-use std::path::Path;
+use std::{
+    io::{BufRead, Seek},
+    path::Path,
+};
 
 use super::check_size;
 use crate::{Error, Limits};
@@ -8,14 +11,16 @@ use crate::{Error, Limits};
 /// What decoding may take for each pixel: RGBA of 16 bits, and the same of 8, with as much again for the decoder's own.
 const DECODING_BYTES: u64 = 24;
 
-/// Reads a PNG or JPEG picture: its width and height, and its pixels.
-pub(super) fn decode(path: &Path, file: std::fs::File, limits: &Limits) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
+/// Reads a PNG or JPEG picture: its width and height, and its pixels. Messages name `path`.
+pub(super) fn decode(
+    path: &Path,
+    source: impl BufRead + Seek,
+    limits: &Limits,
+) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
     let no_texture = |reason: String| Error::parse(path, None, format!("no picture of a texture: {reason}"));
     let said =
         |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a texture: {error}"), error);
-    let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
-        .with_guessed_format()
-        .map_err(|error| Error::io(path, error))?;
+    let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
     if !matches!(reader.format(), Some(image::ImageFormat::Png | image::ImageFormat::Jpeg)) {
         return Err(no_texture("it is neither PNG nor JPEG".into()));
     }

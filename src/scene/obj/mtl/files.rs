@@ -9,7 +9,7 @@ use std::{
 use super::{locate_one, maps::Map};
 use crate::{
     Error, Limits, Texture, TextureId, TextureKind, Wrap,
-    scene::{MissingTextures, obj::ObjOptions, warnings::Warnings},
+    scene::{MissingTextures, SceneOptions, warnings::Warnings},
 };
 
 /// The textures of all MTL files of an OBJ.
@@ -24,7 +24,7 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(obj: &'a Path, options: &ObjOptions) -> Self {
+    pub(super) fn new(obj: &'a Path, options: &SceneOptions) -> Self {
         let (missing, limits_left) = (options.missing_textures, options.limits);
         Self { obj, missing, limits_left, textures: Vec::new(), ids: HashMap::new(), read: HashMap::new() }
     }

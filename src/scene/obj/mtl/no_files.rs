@@ -5,7 +5,7 @@ use std::path::Path;
 use super::maps::Map;
 use crate::{
     Error, Texture, TextureId,
-    scene::{obj::ObjOptions, warnings::Warnings},
+    scene::{SceneOptions, warnings::Warnings},
 };
 
 pub(super) struct Textures {
@@ -13,7 +13,7 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    pub(super) fn new(_: &Path, _: &ObjOptions) -> Self {
+    pub(super) fn new(_: &Path, _: &SceneOptions) -> Self {
         Self { textures: Vec::new() }
     }
 

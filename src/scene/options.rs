@@ -1,37 +1,40 @@
-//! How an OBJ is read.
+//! How scene files are read.
 
 use crate::Limits;
 
-/// What becomes of a texture of an MTL that can't be read: its file is missing, broken, too large or none at all.
+/// What becomes of a texture of a material that can't be read: its file is missing, broken, too large or none at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MissingTextures {
-    /// The scene is not read: the error names the MTL's line.
+    /// The scene is not read: the error names the MTL's line, or glTF's image.
     #[default]
     Error,
-    /// The material is without it, and a warning names the MTL's line.
+    /// The material is without it, and a warning names what the error would.
     Warn,
 }
 
-/// How [`Scene::from_obj_with`](crate::Scene::from_obj_with) reads a file.
+/// How [`SceneFile::open`](crate::SceneFile::open) and the constructors of [`Scene`](crate::Scene) read a file.
 ///
 /// ```
-/// use stereotrace::{Limits, MissingTextures, ObjOptions};
+/// use stereotrace::{Limits, MissingTextures, SceneOptions};
 ///
-/// let options = ObjOptions::default()
+/// let options = SceneOptions::default()
 ///     .limits(Limits::default().texture_pixels(1 << 28))
 ///     .missing_textures(MissingTextures::Warn)
 ///     .crease_angle(Some(30.0));
 /// # let _ = options;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ObjOptions {
+pub struct SceneOptions {
     pub(super) limits: Limits,
     pub(super) missing_textures: MissingTextures,
     pub(super) crease_angle: Option<f32>,
 }
 
-impl ObjOptions {
+/// The options under the name that they have where OBJ files are read.
+pub type ObjOptions = SceneOptions;
+
+impl SceneOptions {
     /// How large the files may be, and the pictures of textures. [`Limits::default`] where nothing is said.
     pub fn limits(mut self, limits: Limits) -> Self {
         self.limits = limits;
@@ -44,8 +47,8 @@ impl ObjOptions {
         self
     }
 
-    /// Smooth normals for objects without any (`vn`): edges across which the normals of triangles are less than so many degrees
-    /// apart are smooth, within smoothing groups (`s`) where a file has them; faces under `s off` stay flat. See
+    /// Smooth normals for objects without any: edges across which the normals of triangles are less than so many degrees
+    /// apart are smooth, within an OBJ's smoothing groups (`s`) where it has them; faces under `s off` stay flat. See
     /// [`Mesh::smooth`](crate::Mesh::smooth). Modellers take 30. Without an angle, as where nothing is said, such objects are
     /// flat.
     pub fn crease_angle(mut self, degrees: Option<f32>) -> Self {
