@@ -13,7 +13,7 @@ if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
     }
     rustup target add "$target"
 fi
-for features in webgpu webgpu,obj,png,jpeg,exr,textures,sky,json; do
+for features in webgpu webgpu,obj,gltf,ply,png,jpeg,exr,textures,sky,json; do
     echo "wasm32: $features"
     # With --target, flags are the target's alone: what is built for this machine stays.
     RUSTFLAGS='-D warnings' cargo check --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --lib --target "$target" \

@@ -64,7 +64,7 @@
 //! On by default, and none of them needed by the core:
 //! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
 //! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
+//! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
 //!   and HDR) and `json` (read and write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
 //!
 //! Off by default: `exr` (write `OpenEXR`), and `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
@@ -148,7 +148,7 @@ pub use scene::{
     TextureId, TextureKind, Triangle, Wrap,
 };
 #[cfg(feature = "scene-files")]
-pub use scene::{MissingTextures, ObjOptions, SceneOptions};
+pub use scene::{MissingTextures, ObjOptions, SceneFile, SceneOptions};
 pub use shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -7,6 +7,10 @@ pub(crate) mod components;
 #[cfg(any(feature = "obj", feature = "ply"))]
 mod ears;
 mod ellipsoid;
+#[cfg(feature = "scene-files")]
+mod file;
+#[cfg(feature = "gltf")]
+mod gltf;
 mod light;
 mod lights;
 mod material;
@@ -30,6 +34,8 @@ mod warnings;
 
 pub(crate) use ellipsoid::ToSphere;
 pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
+#[cfg(feature = "scene-files")]
+pub use file::SceneFile;
 pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
@@ -230,6 +236,28 @@ impl Scene {
     #[cfg(feature = "obj")]
     pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
         obj::read(path.as_ref(), options)
+    }
+
+    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its nodes show them, with base colours,
+    /// metal and roughness, emission, masks and transparency as our materials have them. `docs/FORMATS.md` has the rules; what pictures don't show is
+    /// logged once. [`SceneFile::open`] has its cameras too.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is larger than [`Limits`](crate::Limits) says, or
+    /// has more triangles; [`Error::Parse`], naming the item, if its content is wrong: JSON that is none, indices and lengths out of range, numbers that are not
+    /// finite, nodes with two parents, extensions that it requires and that are not known, no triangles at all, textures that can't be read.
+    #[cfg(feature = "gltf")]
+    pub fn from_gltf(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
+        Self::from_gltf_with(path, &SceneOptions::default())
+    }
+
+    /// [`Scene::from_gltf`] with limits, missing textures and missing normals as `options` say.
+    ///
+    /// # Errors
+    /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    #[cfg(feature = "gltf")]
+    pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
+        gltf::read(path.as_ref(), options).map(|file| file.scene)
     }
 
     /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture

@@ -56,6 +56,7 @@ impl<'a> Warnings<'a> {
     }
 
     /// Warns of a line, or of what the text names. Warnings of one `kind`, which is a heading for them, are alike.
+    #[cfg(any(feature = "obj", feature = "gltf"))]
     pub(super) fn warn(&mut self, kind: &'static str, line: impl Into<Option<usize>>, text: impl Display) {
         if self.is_printed(kind) {
             self.log(line.into(), text.to_string());
@@ -72,6 +73,7 @@ impl<'a> Warnings<'a> {
     }
 
     /// Counts a warning and says whether it is among the first of its kind.
+    #[cfg(any(feature = "obj", feature = "gltf"))]
     fn is_printed(&mut self, kind: &'static str) -> bool {
         let count = self.like.entry(kind).or_default();
         *count += 1;

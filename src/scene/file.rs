@@ -1,0 +1,116 @@
+//! One way to open a scene file, whatever its format.
+
+use std::{ffi::OsStr, io::Read, path::Path};
+
+use super::{Scene, SceneOptions};
+use crate::{Error, StereoCamera, input};
+
+/// A file's format, and the cargo feature that reads it.
+#[derive(Clone, Copy, PartialEq)]
+enum Format {
+    Obj,
+    Gltf,
+    Ply,
+}
+
+/// The endings of names that are known.
+const ENDINGS: [(&str, Format); 4] =
+    [("obj", Format::Obj), ("gltf", Format::Gltf), ("glb", Format::Gltf), ("ply", Format::Ply)];
+
+/// What a scene file holds: OBJ, glTF 2.0 (.gltf and .glb) or PLY, as far as the cargo features `obj`, `gltf` and `ply` are there.
+///
+/// ```no_run
+/// use stereotrace::{SceneFile, SceneOptions, StereoCamera};
+///
+/// let SceneFile { mut scene, cameras, .. } = SceneFile::open("house.glb", &SceneOptions::default())?;
+/// let camera = match (cameras.first(), scene.bounds()) {
+///     (Some((_, camera)), _) => camera.size(1280, 720),
+///     (None, Some(bounds)) => StereoCamera::fitting(bounds, 1280, 720),
+///     (None, None) => panic!("nothing to see"),
+/// };
+/// if scene.lights.is_empty() {
+///     scene.place_lights(3, &camera)?;
+/// }
+/// # Ok::<(), stereotrace::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct SceneFile {
+    /// The scene, with the file's own lights: glTF may have some, and without any it has none.
+    pub scene: Scene,
+    /// The file's cameras with their names, in the file's order: glTF's perspective ones. Their pictures are 480 pixels high, the screen stands at the depth of the middle of
+    /// the scene's bounds, at least a quarter of these bounds' diagonal off, and the eyes a thirtieth of that apart.
+    pub cameras: Vec<(String, StereoCamera)>,
+}
+
+impl SceneFile {
+    /// Reads a scene file. Its content tells its format, and where that begins like none its name's ending does.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`] for a file of another format; those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and
+    /// [`Scene::from_ply_with`]; [`Error::Parse`] where the feature that reads the format is not there.
+    pub fn open(path: impl AsRef<Path>, options: &SceneOptions) -> Result<Self, Error> {
+        let path = path.as_ref();
+        match format_of(path, options)? {
+            #[cfg(feature = "obj")]
+            Format::Obj => Scene::from_obj_with(path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            #[cfg(feature = "gltf")]
+            Format::Gltf => super::gltf::read(path, options),
+            #[cfg(feature = "ply")]
+            Format::Ply => Scene::from_ply_with(path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            #[allow(unreachable_patterns, reason = "with all features there are no others")]
+            format => {
+                let (name, _) = ENDINGS.into_iter().find(|(_, known)| *known == format).unwrap_or(ENDINGS[0]);
+                Err(Error::parse(path, None, format!("stereotrace is built without its feature `{name}`")))
+            }
+        }
+    }
+}
+
+fn format_of(path: &Path, options: &SceneOptions) -> Result<Format, Error> {
+    let (file, _) = input::open(path, options.limits.file_bytes, options.limits.option_names[0])?;
+    let mut start = Vec::new();
+    file.take(64).read_to_end(&mut start).map_err(|source| Error::io(path, source))?;
+    let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start).trim_ascii_start();
+    if start.starts_with(b"glTF") || text.starts_with(b"{") {
+        return Ok(Format::Gltf);
+    }
+    if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
+        return Ok(Format::Ply);
+    }
+    let ending = path.extension().unwrap_or(OsStr::new("")).to_string_lossy().to_lowercase();
+    match ENDINGS.iter().find(|(known, _)| *known == ending) {
+        Some((_, format)) => Ok(*format),
+        None => Err(Error::unknown_name("ending of a scene file", &ending, &ENDINGS.map(|(known, _)| known))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::folder::Folder;
+
+    #[test]
+    fn content_tells_the_format_and_the_ending_where_it_does_not() {
+        let folder = Folder::new("scene_file");
+        let format = |name: &str, content: &str| format_of(&folder.write(name, content), &SceneOptions::default());
+        for (name, content, expected) in [
+            ("a.obj", "v 0 0 0", Format::Obj),
+            ("A.OBJ", "", Format::Obj),
+            ("b.gltf", " \n{}", Format::Gltf),
+            ("b.json", "\u{feff}{", Format::Gltf),
+            ("b.obj", "glTF\u{2}", Format::Gltf),
+            ("b.glb", "", Format::Gltf),
+            ("c", "ply\r\n", Format::Ply),
+            ("c.ply", "plywood", Format::Ply),
+        ] {
+            assert!(format(name, content).unwrap() == expected, "{name}");
+        }
+        for (name, ending) in [("house.stl", "stl"), ("house", ""), ("house.obj.gz", "gz")] {
+            let message = format(name, "solid ply").err().map(|error| error.to_string()).unwrap_or_default();
+            let expected = format!("unknown ending of a scene file '{ending}'; use one of obj, gltf, glb, ply");
+            assert_eq!(message, expected);
+        }
+        assert!(matches!(format_of(&folder.file("none.obj"), &SceneOptions::default()), Err(Error::Io { .. })));
+    }
+}

@@ -1,0 +1,81 @@
+//! Reads glTF 2.0 files, as text (.gltf) and binary (.glb).
+//!
+//! The crate `gltf-json` gives the JSON its types. Its parent `gltf` also walks through them, but takes indices, lengths and kinds of cameras on
+//! trust and panics where they are wrong, also in its own validation; so here each index goes through [`Document`] and each length through
+//! accessors.rs. Nodes are walked without recursion, and each may be reached once.
+
+mod accessors;
+mod cameras;
+mod document;
+mod lights;
+mod materials;
+mod meshes;
+mod nodes;
+mod textures;
+
+use std::path::Path;
+
+use glam::DAffine3;
+
+use self::{document::Document, materials::Surfaces, meshes::Meshes, nodes::walk};
+use super::{
+    Scene, SceneFile, SceneOptions,
+    smooth::check_crease,
+    warnings::{Place, Warnings},
+};
+use crate::{Error, message::counted};
+
+/// Where something stands in the world.
+type Placed<T> = (T, DAffine3);
+
+/// See [`Scene::from_gltf_with`].
+pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<SceneFile, Error> {
+    let crease = options.crease_angle.map_or(Ok(()), check_crease);
+    crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
+    let document = Document::open(path, options.limits)?;
+    let mut warnings = Warnings::new(path);
+    document.check_extensions(&warnings)?;
+    note_left_out(&document, &mut warnings);
+
+    let mut scene = Scene::new();
+    let mut surfaces = Surfaces::new(&document, options);
+    let mut meshes = Meshes::new(&document, options);
+    let (mut cameras, mut lights) = (Vec::new(), Vec::new());
+    walk(&document, |index, node, place| {
+        if let Some(mesh) = node.mesh {
+            let name = node.name.as_deref();
+            let mesh = meshes.instance(mesh.value(), index, (name, place), (&mut surfaces, &mut warnings))?;
+            // Before the mesh, which is checked against them.
+            surfaces.move_to(&mut scene);
+            scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
+        }
+        if let Some(camera) = node.camera {
+            cameras.push(((index, camera.value()), place));
+        }
+        let light = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+        lights.extend(light.map(|light| ((index, light.light.value()), place)));
+        Ok(())
+    })?;
+    surfaces.warn_of_ranges(&warnings);
+    if scene.triangles.is_empty() {
+        let nodes = counted(document.root.nodes.len(), "node", "nodes");
+        return Err(document.fault(format!("no triangles in its scene and {nodes}; a scene needs meshes of triangles")));
+    }
+    warnings.warn_of_dropped(&scene);
+    scene.lights = lights::read(&document, &lights, scene.bounds(), &mut warnings)?;
+    let cameras = cameras::read(&document, &cameras, scene.bounds(), &mut warnings)?;
+    Ok(SceneFile { scene, cameras })
+}
+
+/// Notes what no picture is made of.
+fn note_left_out(document: &Document, warnings: &mut Warnings) {
+    let root = &document.root;
+    let lists = [
+        ("animations", root.animations.len()),
+        ("skins", root.skins.len()),
+        ("scenes beside the first or the default one", root.scenes.len().saturating_sub(1)),
+    ];
+    for (what, count) in lists {
+        (0..count).for_each(|_| warnings.left_out(what, Place::File));
+    }
+}

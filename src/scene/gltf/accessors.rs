@@ -1,0 +1,189 @@
+//! Numbers out of buffers.
+
+use gltf_json::{
+    Accessor, Index,
+    accessor::{ComponentType, Type},
+    buffer::View,
+    validation::Checked,
+};
+
+use super::document::Document;
+use crate::{Error, message::counted};
+
+/// The numbers of an accessor, as they lie there.
+struct Elements<'a> {
+    accessor: &'a Accessor,
+    name: String,
+    component: ComponentType,
+    /// Numbers of an element.
+    width: usize,
+}
+
+impl Document<'_> {
+    /// Elements of up to N numbers each, with `fill` for those that the accessor's type has not.
+    pub(super) fn floats<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+        types: &[Type],
+        fill: f32,
+        by: &str,
+    ) -> Result<Vec<[f32; N]>, Error> {
+        let elements = self.elements(index, types, by)?;
+        let (component, width) = (elements.component, elements.width.min(N));
+        let scale = if elements.accessor.normalized { 1.0 / largest(component) } else { 1.0 };
+        let mut zero = [fill; N];
+        zero[..width].fill(0.0);
+        let values = self.values(&elements, zero, |bytes| {
+            let mut value = [fill; N];
+            for (place, bytes) in value[..width].iter_mut().zip(bytes.chunks_exact(component.size())) {
+                *place = match component {
+                    ComponentType::F32 => number(component, bytes) as f32,
+                    // The least of those with a sign is as far from 0 as the largest, and a step more.
+                    _ if elements.accessor.normalized => (number(component, bytes) * scale).max(-1.0) as f32,
+                    _ => number(component, bytes) as f32,
+                };
+            }
+            value
+        })?;
+        match values.iter().position(|value| value.iter().any(|number| !number.is_finite())) {
+            None => Ok(values),
+            Some(at) => {
+                let value = &values[at];
+                Err(self.fault(format!("{}: element {at} is {value:?}; its numbers must be finite", elements.name)))
+            }
+        }
+    }
+
+    /// Whole numbers, one an element.
+    pub(super) fn indices(&self, index: Index<Accessor>, by: &str) -> Result<Vec<u32>, Error> {
+        let elements = self.elements(index, &[Type::Scalar], by)?;
+        let component = elements.component;
+        if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+            return Err(self.fault(format!("{}: indices of type {component:?}; they have no sign", elements.name)));
+        }
+        self.values(&elements, 0, |bytes| number(component, bytes) as u32)
+    }
+
+    /// How many elements an accessor has, if a mesh may have so many.
+    pub(super) fn element_count(&self, index: Index<Accessor>, by: &str) -> Result<usize, Error> {
+        let accessor = self.item(("accessors", &self.root.accessors), index.value(), by)?;
+        self.check_size(&format!("accessors[{}]", index.value()), "elements", accessor.count.0, 3)?;
+        Ok(accessor.count.0 as usize)
+    }
+
+    /// Refuses more than the limit on triangles, times `factor`.
+    pub(super) fn check_size(&self, name: &str, what: &str, count: u64, factor: u64) -> Result<(), Error> {
+        let limit = self.limits.triangles.saturating_mul(factor);
+        match count <= limit {
+            true => Ok(()),
+            false => Err(Error::TooLarge {
+                path: self.path.into(),
+                size: format!("{name} has {count} {what}"),
+                limit,
+                remedy: format!("raise it by {}, if it is right", self.limits.triangle_option_name),
+            }),
+        }
+    }
+
+    fn elements(&self, index: Index<Accessor>, types: &[Type], by: &str) -> Result<Elements<'_>, Error> {
+        self.element_count(index, by)?;
+        let accessor = self.item(("accessors", &self.root.accessors), index.value(), by)?;
+        let name = format!("accessors[{}]", index.value());
+        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
+            return Err(self.fault(format!("{name}: its type or componentType is none that there is")));
+        };
+        if !types.contains(&kind) {
+            return Err(self.fault(format!("{name}: it is {kind:?}, where {by} takes {types:?}")));
+        }
+        Ok(Elements { accessor, name, component: component.0, width: kind.multiplicity() })
+    }
+
+    /// All elements, those that a sparse accessor replaces among them.
+    fn values<T: Copy>(
+        &self,
+        Elements { accessor, name, component, width }: &Elements,
+        zero: T,
+        parse: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, Error> {
+        let (count, size) = (accessor.count.0 as usize, component.size() * width);
+        let offset = accessor.byte_offset.unwrap_or_default().0;
+        let mut values = match accessor.buffer_view {
+            Some(view) => self.slices(view, offset, count, size, name)?.map(&parse).collect(),
+            None if accessor.sparse.is_some() => vec![zero; count],
+            // By the specification all zeros, for extensions that know better.
+            None => return Err(self.fault(format!("{name}: it has no bufferView"))),
+        };
+        if let Some(sparse) = &accessor.sparse {
+            let sparse_count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
+            let Checked::Valid(kind) = sparse.indices.component_type else {
+                return Err(self.fault(format!("{name}, sparse.indices: its componentType is none that there is")));
+            };
+            let (from, at) = (&sparse.values, &sparse.indices);
+            let [by_indices, by_values] = ["indices", "values"].map(|part| format!("{name}, sparse.{part}"));
+            let places = self.slices(at.buffer_view, at.byte_offset.0, sparse_count, kind.0.size(), &by_indices)?;
+            let replacements = self.slices(from.buffer_view, from.byte_offset.0, sparse_count, size, &by_values)?;
+            for (place, replacement) in places.zip(replacements) {
+                let place = number(kind.0, place);
+                let value = if place >= 0.0 { values.get_mut(place as usize) } else { None };
+                let elements = counted(count, "element", "elements");
+                *value.ok_or_else(|| self.fault(format!("{name}, sparse.indices: {place}, of {elements}")))? =
+                    parse(replacement);
+            }
+        }
+        Ok(values)
+    }
+
+    /// So many pieces of a view, from an offset on.
+    fn slices(
+        &self,
+        view: Index<View>,
+        offset: u64,
+        count: usize,
+        size: usize,
+        by: &str,
+    ) -> Result<impl Iterator<Item = &[u8]>, Error> {
+        let (description, bytes) = self.view(view, by)?;
+        let stride = description.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0).unwrap_or(size);
+        if stride < size {
+            let reason = format!("{by}: a byteStride of {stride} for elements of {size} bytes");
+            return Err(self.fault(reason));
+        }
+        let needed = count.checked_sub(1).map_or(Some(0), |steps| steps.checked_mul(stride)?.checked_add(size));
+        let bytes = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
+        let bytes = bytes.filter(|bytes| needed.is_some_and(|needed| needed <= bytes.len()));
+        let bytes = bytes.ok_or_else(|| {
+            let what = counted(count, "element", "elements");
+            let length = description.byte_length.0;
+            let view = view.value();
+            self.fault(format!(
+                "{by}: {what} of {size} bytes from byte {offset} on, in bufferViews[{view}] of {length}"
+            ))
+        })?;
+        Ok(bytes.chunks(stride).take(count).map(move |chunk| &chunk[..size]))
+    }
+}
+
+/// What a number is a share of, where it is one.
+fn largest(component: ComponentType) -> f64 {
+    match component {
+        ComponentType::I8 => i8::MAX.into(),
+        ComponentType::U8 => u8::MAX.into(),
+        ComponentType::I16 => i16::MAX.into(),
+        ComponentType::U16 => u16::MAX.into(),
+        ComponentType::U32 => u32::MAX.into(),
+        ComponentType::F32 => 1.0,
+    }
+}
+
+/// A number of a component's size.
+fn number(component: ComponentType, bytes: &[u8]) -> f64 {
+    let mut word = [0; 4];
+    word[..bytes.len()].copy_from_slice(bytes);
+    let bits = u32::from_le_bytes(word);
+    match component {
+        ComponentType::I8 => (bits as i8).into(),
+        ComponentType::I16 => (bits as i16).into(),
+        ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => bits.into(),
+        ComponentType::F32 => f32::from_bits(bits).into(),
+    }
+}

@@ -1,0 +1,58 @@
+//! Cameras.
+
+use glam::{DVec3, Vec3};
+use gltf_json::{camera::Type, validation::Checked};
+
+use super::{Placed, document::Document};
+use crate::{
+    Error, StereoCamera,
+    scene::warnings::{Place, Warnings},
+};
+
+/// Rows of a camera's picture, until somebody says otherwise.
+const HEIGHT: u32 = 480;
+/// Pictures are at most so many times as wide as high, or as high as wide.
+const MOST_ASPECT: f32 = 16.0;
+
+/// Perspective cameras with their nodes' names. A camera of one eye has no screen: it stands through the middle of the scene's box, at least a quarter
+/// of the box's diagonal off, and a thirtieth of that is between the eyes.
+pub(super) fn read(
+    document: &Document,
+    places: &[Placed<(usize, usize)>],
+    bounds: Option<(Vec3, Vec3)>,
+    warnings: &mut Warnings,
+) -> Result<Vec<(String, StereoCamera)>, Error> {
+    let root = &document.root;
+    let (low, high) = bounds.unwrap_or_default();
+    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let mut cameras = Vec::new();
+    for &((node, index), place) in places {
+        let description = document.item(("cameras", &root.cameras), index, format_args!("nodes[{node}]"))?;
+        let fault = |reason: String| document.fault(format!("cameras[{index}]: {reason}"));
+        match description.type_ {
+            Checked::Valid(Type::Perspective) => {}
+            Checked::Valid(Type::Orthographic) => {
+                warnings.left_out("orthographic cameras", Place::Item("cameras", index));
+                continue;
+            }
+            Checked::Invalid => return Err(fault("its type is none that there is".into())),
+        }
+        let perspective = description.perspective.as_ref().ok_or_else(|| fault("it has no perspective".into()))?;
+        let (eye, forward) = (place.translation, place.transform_vector3(DVec3::NEG_Z).normalize_or_zero());
+        let distance = (low.midpoint(high) - eye).dot(forward).max(0.25 * low.distance(high)).max(1e-6);
+        let aspect = perspective.aspect_ratio.unwrap_or(4.0 / 3.0);
+        if !(1.0 / MOST_ASPECT..=MOST_ASPECT).contains(&aspect) {
+            return Err(fault(format!("its aspectRatio is {aspect}; it must be within 1/16 to 16")));
+        }
+        let camera = StereoCamera::look_at(eye.as_vec3(), (eye + distance * forward).as_vec3())
+            .up(place.transform_vector3(DVec3::Y).normalize_or_zero().as_vec3())
+            .vertical_fov_degrees(perspective.yfov.to_degrees())
+            .screen_distance(distance as f32)
+            .interaxial((distance / 30.0) as f32)
+            .size((HEIGHT as f32 * aspect).round() as u32, HEIGHT);
+        camera.pose().map_err(|error| fault(format!("at nodes[{node}]: {error}")))?;
+        let name = root.nodes[node].name.clone().or_else(|| description.name.clone());
+        cameras.push((name.unwrap_or_else(|| format!("camera {index}")), camera));
+    }
+    Ok(cameras)
+}

@@ -1,0 +1,241 @@
+//! A glTF file taken apart: its JSON, and the bytes that this names.
+
+use std::{
+    borrow::Cow,
+    cell::{Cell, OnceCell},
+    fmt::Display,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use base64::{Engine, alphabet, engine};
+use gltf_json::{Buffer, Index, Root, buffer::View};
+use percent_encoding::percent_decode_str;
+
+use crate::{Error, Limits, input, message::counted, scene::warnings::Warnings};
+
+/// What is read of extensions, or makes no difference to what is read.
+const EXTENSIONS: [&str; 7] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Padding may be missing.
+const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
+    &alphabet::STANDARD,
+    engine::GeneralPurposeConfig::new().with_decode_padding_mode(engine::DecodePaddingMode::Indifferent),
+);
+
+/// A file's JSON and what belongs to it.
+pub(super) struct Document<'a> {
+    pub(super) path: &'a Path,
+    pub(super) root: Root,
+    pub(super) limits: Limits,
+    /// A binary file, and where its buffer is in it.
+    chunk: Option<(Vec<u8>, Range<usize>)>,
+    /// Each is read when it is first asked for.
+    buffers: Vec<OnceCell<Vec<u8>>>,
+    /// Bytes that further files may have.
+    bytes_left: Cell<u64>,
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn open(path: &'a Path, limits: Limits) -> Result<Self, Error> {
+        let bytes = input::read_bytes(path, limits.file_bytes, limits.option_names[0])?;
+        let is_binary = bytes.starts_with(b"glTF");
+        let fault = |reason: String| Error::parse(path, None, reason);
+        let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
+        let root = parse(path, &bytes[json], is_binary, &limits)?;
+        let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
+        let chunk = chunk.map(|chunk| (bytes, chunk));
+        let document = Self { path, root, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
+        match document.root.asset.version.split('.').next() {
+            Some("2") => Ok(document),
+            _ => Err(document.fault(format!("it is glTF {}; version 2 is read", document.root.asset.version))),
+        }
+    }
+
+    /// Refuses what a reader must know and this one does not, and warns of what it need not know.
+    pub(super) fn check_extensions(&self, warnings: &Warnings) -> Result<(), Error> {
+        let unknown = |names: &'_ [String]| -> Vec<String> {
+            names.iter().filter(|name| !EXTENSIONS.contains(&&***name)).cloned().collect()
+        };
+        let required = unknown(&self.root.extensions_required);
+        if !required.is_empty() {
+            let reason = format!("it requires {}; what is known is {}", required.join(", "), EXTENSIONS.join(", "));
+            return Err(self.fault(reason));
+        }
+        let used = unknown(&self.root.extensions_used);
+        if !used.is_empty() {
+            warnings.warn_once(format!("extensions that are left out: {}", used.join(", ")));
+        }
+        Ok(())
+    }
+
+    pub(super) fn fault(&self, reason: String) -> Error {
+        Error::parse(self.path, None, reason)
+    }
+
+    /// An item of a list; `by` says what names it.
+    pub(super) fn item<'b, T>(
+        &self,
+        (list, items): (&str, &'b [T]),
+        index: usize,
+        by: impl Display,
+    ) -> Result<&'b T, Error> {
+        items.get(index).ok_or_else(|| self.fault(format!("{by}: there is no {list}[{index}], of {}", items.len())))
+    }
+
+    /// The bytes of a view.
+    pub(super) fn view(&self, index: Index<View>, by: impl Display) -> Result<(&View, &[u8]), Error> {
+        let view = self.item(("bufferViews", &self.root.buffer_views), index.value(), by)?;
+        let name = format!("bufferViews[{}]", index.value());
+        let buffer = self.buffer(view.buffer, &name)?;
+        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = range(start, length).and_then(|range| buffer.get(range));
+        let bytes = bytes.ok_or_else(|| {
+            let size = counted(buffer.len(), "byte", "bytes");
+            self.fault(format!("{name}: {length} bytes from byte {start} on, in a buffer of {size}"))
+        })?;
+        Ok((view, bytes))
+    }
+
+    fn buffer(&self, index: Index<Buffer>, by: &str) -> Result<&[u8], Error> {
+        let buffer = self.item(("buffers", &self.root.buffers), index.value(), by)?;
+        let name = format!("buffers[{}]", index.value());
+        let content = match (&buffer.uri, &self.chunk, index.value()) {
+            (None, Some((bytes, chunk)), 0) => &bytes[chunk.clone()],
+            (None, ..) => return Err(self.fault(format!("{name}: it has no URI and no binary chunk"))),
+            (Some(uri), ..) => {
+                let place = &self.buffers[index.value()];
+                match place.get() {
+                    Some(bytes) => bytes,
+                    None => {
+                        let bytes = self.resource(uri, &name)?;
+                        place.get_or_init(|| bytes)
+                    }
+                }
+            }
+        };
+        let length = buffer.byte_length.0;
+        content.get(..usize::try_from(length).unwrap_or(usize::MAX)).ok_or_else(|| {
+            let found = counted(content.len(), "byte", "bytes");
+            self.fault(format!("{name}: its byteLength is {length}, and it has {found}"))
+        })
+    }
+
+    /// The bytes that a URI holds or names. All files together may have as many as the file itself.
+    fn resource(&self, uri: &str, by: &str) -> Result<Vec<u8>, Error> {
+        if let Some(bytes) = self.decoded(uri, by)? {
+            return Ok(bytes);
+        }
+        let path = self.located(uri, by)?;
+        let bytes = input::read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0])?;
+        self.bytes_left.set(self.bytes_left.get() - bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    /// The bytes of a data URI, if it is one.
+    pub(super) fn decoded(&self, uri: &str, by: &str) -> Result<Option<Vec<u8>>, Error> {
+        let Some(data) = uri.strip_prefix("data:") else { return Ok(None) };
+        let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
+        let text = text.ok_or_else(|| self.fault(format!("{by}: its data URI is not base64")))?;
+        let bytes = BASE64.decode(text).map_err(|error| {
+            Error::parse_from(self.path, None, format!("{by}: its data URI is no base64: {error}"), error)
+        })?;
+        Ok(Some(bytes))
+    }
+
+    /// The file that a URI names. Names are relative to this file; some come with the separators of another system.
+    pub(super) fn located(&self, uri: &str, by: &str) -> Result<PathBuf, Error> {
+        // A drive's letter is no scheme.
+        let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|scheme| {
+            scheme.len() > 1 && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
+        });
+        if let Some(scheme) = scheme {
+            return Err(self.fault(format!("{by}: URIs of '{scheme}:' are not read; files and base64 data are")));
+        }
+        let name: Cow<'_, str> = percent_decode_str(uri).decode_utf8_lossy();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(&*name);
+        Ok(if file.is_file() { file } else { folder.join(name.replace('\\', "/")) })
+    }
+}
+
+fn range(start: u64, length: u64) -> Option<Range<usize>> {
+    let end = start.checked_add(length)?;
+    Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
+}
+
+/// Where the JSON and the buffer of a binary file are.
+fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> {
+    let word = |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+    let (Some(version), Some(length)) = (word(4), word(8)) else { return Err("the file ends in its header".into()) };
+    if version != 2 {
+        return Err(format!("it is binary glTF {version}; version 2 is read"));
+    }
+    if length as usize > bytes.len() {
+        let found = counted(bytes.len(), "byte", "bytes");
+        return Err(format!("it has {found} of the {length} that its header says"));
+    }
+    let (mut at, mut json, mut buffer) = (12, None, None);
+    while let (Some(size), Some(kind)) = (word(at), word(at + 4)) {
+        let content = range(at as u64 + 8, size.into()).filter(|content| content.end <= length as usize);
+        let content =
+            content.ok_or_else(|| format!("the chunk at byte {at} has {size} bytes, beyond the file's end"))?;
+        at = content.end;
+        match &kind.to_le_bytes() {
+            b"JSON" if json.is_none() => json = Some(content),
+            b"BIN\0" if buffer.is_none() => buffer = Some(content),
+            _ => {} // what other chunks hold is for those who know them
+        }
+    }
+    json.map(|json| (json, buffer)).ok_or_else(|| "it has no JSON chunk".into())
+}
+
+fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<Root, Error> {
+    let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
+    let bytes = structure_bytes(json);
+    if bytes > limits.json_bytes {
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("its JSON has {} beside its strings", counted(bytes, "byte", "bytes")),
+            limit: limits.json_bytes,
+            remedy: format!("raise it by {}, if it is right", limits.option_names[0]),
+        });
+    }
+    Root::from_slice(json).map_err(|error| {
+        let line = Some(error.line()).filter(|&line| line > 0 && !is_binary);
+        Error::parse_from(path, line, format!("no JSON of glTF: {error}"), error)
+    })
+}
+
+/// How many bytes stand beside strings: what takes more memory than it has bytes. A brace may become a node.
+fn structure_bytes(json: &[u8]) -> u64 {
+    let (mut count, mut in_string, mut escaped) = (0, false, false);
+    for &byte in json {
+        match byte {
+            b'"' if !escaped => in_string = !in_string,
+            _ => count += u64::from(!in_string),
+        }
+        escaped = in_string && byte == b'\\' && !escaped;
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_beside_strings_are_counted() {
+        for (json, expected) in [("", 0), ("{}", 2), (r#"{"a": "b"}"#, 4), (r#"["\"[", "\\", 1]"#, 7)] {
+            assert_eq!(structure_bytes(json.as_bytes()), expected, "{json}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Lights of the extension `KHR_lights_punctual`.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use gltf_json::{
+    extensions::scene::khr_lights_punctual::{Light as Description, Type},
+    validation::Checked,
+};
+
+use super::{Placed, document::Document};
+use crate::{
+    Error, Light,
+    scene::{
+        MAX_LIGHTS, MAX_SOFT_LIGHTS,
+        warnings::{Place, Warnings},
+    },
+};
+
+/// The scene's lights. Ours have no falloff: a point's intensity is what it gives at the middle of the scene's box, or from as far off as half the box's
+/// longest side where it is nearer. All together give at most 1 to a white surface there: photometric units leave the rest to a camera's exposure.
+pub(super) fn read(
+    document: &Document,
+    places: &[Placed<(usize, usize)>],
+    bounds: Option<(Vec3, Vec3)>,
+    warnings: &mut Warnings,
+) -> Result<Vec<Light>, Error> {
+    let root = &document.root;
+    let descriptions = root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    let descriptions = descriptions.map_or(&[][..], |extension| &extension.lights);
+    let (low, high) = bounds.unwrap_or_default();
+    let (middle, nearest) = (low.as_dvec3().midpoint(high.as_dvec3()), 0.5 * (high - low).max_element().max(1e-6));
+    let mut lights: Vec<(Light, DVec3)> = Vec::new();
+    let mut directional = 0;
+    for &((node, index), place) in places {
+        let description = document.item(("lights", descriptions), index, format_args!("nodes[{node}]"))?;
+        let item = Place::Item("lights", index);
+        let Checked::Valid(kind) = description.type_ else {
+            return Err(document.fault(format!("lights[{index}]: its type is none that there is")));
+        };
+        note_left_out(description, kind, item, warnings);
+        directional += usize::from(kind == Type::Directional);
+        if lights.len() == MAX_LIGHTS || kind == Type::Directional && directional > MAX_SOFT_LIGHTS {
+            warnings.left_out("lights beyond those that a scene may have", item);
+            continue;
+        }
+        let color = Vec3::from_array(description.color).as_dvec3();
+        let strength = f64::from(description.intensity) / PI;
+        if !(strength >= 0.0 && strength.is_finite() && color.is_finite() && color.min_element() >= 0.0) {
+            let reason = format!(
+                "lights[{index}]: its light is {} times {color}; it must be finite and not negative",
+                description.intensity
+            );
+            return Err(document.fault(reason));
+        }
+        let (light, radiance) = match kind {
+            Type::Directional => {
+                let towards = place.transform_vector3(DVec3::Z).normalize_or_zero().as_vec3();
+                (Light::directional(towards, 0.0, Vec3::ZERO), color * strength)
+            }
+            Type::Point | Type::Spot => {
+                let distance = place.translation.distance(middle).max(nearest.into());
+                (Light::point(place.translation.as_vec3(), Vec3::ZERO), color * strength / (distance * distance))
+            }
+        };
+        light.check().map_err(|reason| document.fault(format!("lights[{index}] at nodes[{node}]: {reason}")))?;
+        lights.push((light, radiance));
+    }
+    let total: DVec3 = lights.iter().map(|(_, radiance)| radiance).sum();
+    let brightest = total.max_element();
+    if brightest > 1.0 {
+        warnings.warn_once(format!(
+            "its lights are {brightest:.4} times as bright as a white surface shows; they are scaled down to 1"
+        ));
+    }
+    let with_light =
+        |(light, radiance): (Light, DVec3)| Light { intensity: (radiance / brightest.max(1.0)).as_vec3(), ..light };
+    Ok(lights.into_iter().map(with_light).collect())
+}
+
+fn note_left_out(description: &Description, kind: Type, place: Place, warnings: &mut Warnings) {
+    if kind != Type::Directional {
+        warnings.left_out("falloffs of lights", place);
+    }
+    if kind == Type::Spot {
+        warnings.left_out("cones of spot lights, which shine all around", place);
+    }
+    if description.range.is_some() {
+        warnings.left_out("ranges of lights", place);
+    }
+}

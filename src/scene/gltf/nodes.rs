@@ -1,0 +1,79 @@
+//! The nodes of a scene.
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use gltf_json::{Node, scene::UnitQuaternion};
+
+use super::document::Document;
+use crate::Error;
+
+/// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the order of the file.
+/// Without a default scene the first one is taken, and without any all nodes that are nobody's children.
+pub(super) fn walk(
+    document: &Document,
+    mut visit: impl FnMut(usize, &Node, DAffine3) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let root = &document.root;
+    let scene = root.scene.map(|scene| scene.value()).or((!root.scenes.is_empty()).then_some(0));
+    let roots: Vec<usize> = match scene {
+        Some(scene) => {
+            let scene = document.item(("scenes", &root.scenes), scene, "scene")?;
+            scene.nodes.iter().map(|node| node.value()).collect()
+        }
+        None => orphans(&root.nodes),
+    };
+    let mut visited = vec![false; root.nodes.len()];
+    let place = |node: usize| (node, None::<usize>, DAffine3::IDENTITY);
+    // The next one last.
+    let mut waiting: Vec<_> = roots.into_iter().rev().map(place).collect();
+    while let Some((index, parent, place)) = waiting.pop() {
+        let by = || parent.map_or("the scene".into(), |parent| format!("nodes[{parent}]"));
+        let node = document.item(("nodes", &root.nodes), index, by())?;
+        if std::mem::replace(&mut visited[index], true) {
+            let reason = format!("{}: its child nodes[{index}] has another parent, or is above it", by());
+            return Err(document.fault(reason));
+        }
+        let own = transform(node).map_err(|reason| document.fault(format!("nodes[{index}]: {reason}")))?;
+        let place = place * own;
+        visit(index, node, place)?;
+        let children = node.children.iter().flatten().rev();
+        waiting.extend(children.map(|child| (child.value(), Some(index), place)));
+    }
+    Ok(())
+}
+
+fn orphans(nodes: &[Node]) -> Vec<usize> {
+    let mut is_child = vec![false; nodes.len()];
+    for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+        if let Some(is_child) = is_child.get_mut(child.value()) {
+            *is_child = true;
+        }
+    }
+    (0..nodes.len()).filter(|&index| !is_child[index]).collect()
+}
+
+/// What a node does to what is below it, in f64.
+fn transform(node: &Node) -> Result<DAffine3, String> {
+    let vector = |vector: Option<[f32; 3]>, otherwise: DVec3| {
+        vector.map_or(otherwise, |vector| glam::Vec3::from_array(vector).as_dvec3())
+    };
+    let transform = match node.matrix {
+        Some(matrix) => {
+            let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+            if matrix.row(3) != glam::DVec4::W {
+                return Err(format!("the last row of its matrix is {}; it must be 0, 0, 0, 1", matrix.row(3)));
+            }
+            DAffine3::from_mat4(matrix)
+        }
+        None => {
+            let UnitQuaternion(rotation) = node.rotation.unwrap_or_default();
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            if !(rotation.length() > 0.0 && rotation.length().is_finite()) {
+                return Err(format!("its rotation {rotation} is none"));
+            }
+            let scale = vector(node.scale, DVec3::ONE);
+            let translation = vector(node.translation, DVec3::ZERO);
+            DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation)
+        }
+    };
+    if transform.is_finite() { Ok(transform) } else { Err("its transform is not finite".into()) }
+}
