@@ -77,6 +77,12 @@ pub(crate) fn ply() -> Vec<Files> {
     contents.map(|content| vec![("scene.ply".into(), content)]).into()
 }
 
+/// The JSON and the buffer of a binary file of [`Builder`].
+pub(crate) fn parts(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    (file[20..20 + length].into(), file[20 + length + 8..].into())
+}
+
 pub(crate) fn gltf() -> Vec<Files> {
     let mut all = Builder::new();
     let texture = all.texture(&png());

@@ -62,6 +62,7 @@ impl UvRule {
 pub(super) struct Surface {
     pub(super) material: MaterialId,
     pub(super) uv: UvRule,
+    pub(super) is_textured: bool,
 }
 
 /// The materials that are used.
@@ -100,8 +101,9 @@ impl<'a> Surfaces<'a> {
             None => &plain,
         };
         let (material, uv) = self.read(description, index.unwrap_or_default(), warnings)?;
+        let is_textured = material.texture.is_some();
         self.new.push(material);
-        let surface = Surface { material: MaterialId((self.moved + self.new.len()) as u32 - 1), uv };
+        let surface = Surface { material: MaterialId((self.moved + self.new.len()) as u32 - 1), uv, is_textured };
         self.found.insert(index, surface);
         Ok(surface)
     }
@@ -216,8 +218,7 @@ impl<'a> Surfaces<'a> {
                 let least = if factor > 0.0 { 255.0 * cutoff / factor } else { f32::INFINITY };
                 match picture {
                     _ if cutoff <= 0.0 => Ok(whole),
-                    // NaN too.
-                    _ if !(least <= 255.0) => Ok(gone),
+                    _ if least > 255.0 => Ok(gone),
                     None => Ok(whole),
                     Some(picture) => {
                         let least = least.ceil() as u8;

@@ -188,6 +188,9 @@ fn add(
         mesh.uv.resize(before, [Vec2::ZERO; 3]);
         let place = |corner: u32| surface.uv.place(Vec2::from_array(uv[corner as usize]));
         mesh.uv.extend(triangles.iter().map(|corners| corners.map(place)));
+    } else if surface.is_textured {
+        warnings
+            .left_out("textures of primitives without texture coordinates for them, but for one corner", Place::File);
     }
     if let Some(colors) = attribute(Semantic::Colors(0)) {
         let colors = document.floats::<4>(colors, &[Type::Vec3, Type::Vec4], 1.0, &by("COLOR_0"))?;

@@ -4,7 +4,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{DVec3, Vec3};
 use gltf_json::{
-    Image, Index, Texture as Description,
+    Index, Texture as Description,
     texture::{MagFilter, WrappingMode},
     validation::Checked,
 };
@@ -69,26 +69,15 @@ impl<'a> Textures<'a> {
         by: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<Picture>, Error> {
-        let (image, description) = self.image(index, by)?;
-        let Some(image) = image else { return self.lost(by, "it has no picture that is read", None, warnings) };
-        let texture = match self.read.get(&image.0) {
-            Some(texture) => Ok(texture.clone()),
-            None => self.load(image, by, warnings)?,
-        };
-        match texture {
-            Ok(texture) => {
-                if let TextureKind::Image { pixels, .. } = texture.kind()
-                    && self.read.insert(image.0, texture.clone()).is_none()
-                {
-                    let left = &mut self.limits_left.texture_pixels;
-                    *left = left.saturating_sub(pixels.len() as u64);
-                }
-                let wrap = self.wrap(description, index.value(), warnings)?;
-                Ok(Some(Picture { image: image.0, texture: texture.wrap(wrap) }))
-            }
-            Err(None) => Ok(None),
-            Err(Some(error)) => self.lost(by, &reason(&error), Some(error), warnings),
+        let Some((image, texture)) = self.loaded(index, by, warnings)? else { return Ok(None) };
+        if let TextureKind::Image { pixels, .. } = texture.kind()
+            && self.read.insert(image, texture.clone()).is_none()
+        {
+            let left = &mut self.limits_left.texture_pixels;
+            *left = left.saturating_sub(pixels.len() as u64);
         }
+        let wrap = self.wrap(index, warnings)?;
+        Ok(Some(Picture { image, texture: texture.wrap(wrap) }))
     }
 
     /// The means of a texture's picture, which is not kept.
@@ -98,24 +87,14 @@ impl<'a> Textures<'a> {
         by: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<Means>, Error> {
-        let (image, _) = self.image(index, by)?;
-        let Some(image) = image else { return self.lost(by, "it has no picture that is read", None, warnings) };
-        if let Some(means) = self.means.get(&image.0) {
+        let image = self.image(index, by)?;
+        if let Some(means) = image.and_then(|image| self.means.get(&image)) {
             return Ok(Some(*means));
         }
-        let texture = match self.read.get(&image.0) {
-            Some(texture) => Ok(texture.clone()),
-            None => self.load(image, by, warnings)?,
-        };
-        match texture {
-            Ok(texture) => {
-                let means = means(&texture);
-                self.means.insert(image.0, means);
-                Ok(Some(means))
-            }
-            Err(None) => Ok(None),
-            Err(Some(error)) => self.lost(by, &reason(&error), Some(error), warnings),
-        }
+        let Some((image, texture)) = self.loaded(index, by, warnings)? else { return Ok(None) };
+        let means = means(&texture);
+        self.means.insert(image, means);
+        Ok(Some(means))
     }
 
     /// The number of a picture among the scene's textures; where `least` is given, with an alpha of 255 from there on and of 0 below.
@@ -148,36 +127,42 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The image of a texture, if it has one that can be read.
-    fn image(
+    /// The number of a texture's image, if it has one that may be read: others are of formats of extensions.
+    fn image(&self, index: Index<Description>, by: &str) -> Result<Option<usize>, Error> {
+        let description = self.document.item(("textures", &self.document.root.textures), index.value(), by)?;
+        Ok(Some(description.source.value()).filter(|&source| source != u32::MAX as usize))
+    }
+
+    /// The picture of a texture, and its image's number; `None` for one that can't be read, where that is no error.
+    fn loaded(
         &self,
         index: Index<Description>,
         by: &str,
-    ) -> Result<(Option<(usize, &'a Image)>, &'a Description), Error> {
-        let root = &self.document.root;
-        let description = self.document.item(("textures", &root.textures), index.value(), by)?;
-        let source = description.source.value();
-        if source == u32::MAX as usize {
-            return Ok((None, description)); // in a format of an extension alone
+        warnings: &mut Warnings,
+    ) -> Result<Option<(usize, Texture)>, Error> {
+        let Some(image) = self.image(index, by)? else {
+            return self.lost(by, self.document.fault("it has no picture that is read".into()), warnings);
+        };
+        if let Some(texture) = self.read.get(&image) {
+            return Ok(Some((image, texture.clone())));
         }
-        let name = format!("textures[{}]", index.value());
-        let image = self.document.item(("images", &root.images), source, name)?;
-        Ok((Some((source, image)), description))
+        if cfg!(not(feature = "textures")) {
+            let text = format!("{by} is left out: stereotrace is built without its feature `textures`");
+            warnings.warn("textures", None, text);
+            return Ok(None);
+        }
+        match self.load(image, by) {
+            Ok(texture) => Ok(Some((image, texture))),
+            Err(error) => self.lost(by, error, warnings),
+        }
     }
 
     /// What becomes of a texture that can't be read.
-    fn lost<T>(
-        &self,
-        by: &str,
-        reason: &str,
-        error: Option<Error>,
-        warnings: &mut Warnings,
-    ) -> Result<Option<T>, Error> {
-        let text = format!("{by}: {reason}");
-        match (self.missing, error) {
-            (MissingTextures::Error, Some(error)) => Err(Error::parse_from(self.document.path, None, text, error)),
-            (MissingTextures::Error, None) => Err(self.document.fault(text)),
-            (MissingTextures::Warn, _) => {
+    fn lost<T>(&self, by: &str, error: Error, warnings: &mut Warnings) -> Result<Option<T>, Error> {
+        let text = format!("{by}: {}", reason(&error));
+        match self.missing {
+            MissingTextures::Error => Err(Error::parse_from(self.document.path, None, text, error)),
+            MissingTextures::Warn => {
                 warnings.warn("textures that can't be read", None, format!("{text}; the material is without it"));
                 Ok(None)
             }
@@ -185,8 +170,9 @@ impl<'a> Textures<'a> {
     }
 
     /// What lies beyond a texture's edges.
-    fn wrap(&self, description: &Description, index: usize, warnings: &mut Warnings) -> Result<Wrap, Error> {
-        let Some(sampler) = description.sampler else { return Ok(Wrap::Repeat) };
+    fn wrap(&self, index: Index<Description>, warnings: &mut Warnings) -> Result<Wrap, Error> {
+        let index = index.value();
+        let Some(sampler) = self.document.root.textures[index].sampler else { return Ok(Wrap::Repeat) };
         let samplers = ("samplers", &*self.document.root.samplers);
         let sampler = self.document.item(samplers, sampler.value(), format_args!("textures[{index}]"))?;
         let [Checked::Valid(along_u), Checked::Valid(along_v)] = [sampler.wrap_s, sampler.wrap_t] else {
@@ -210,38 +196,24 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// A picture, or what hinders: `None` where no picture is read at all.
     #[cfg(feature = "textures")]
-    fn load(
-        &self,
-        (index, image): (usize, &Image),
-        _: &str,
-        _: &mut Warnings,
-    ) -> Result<Result<Texture, Option<Error>>, Error> {
+    fn load(&self, index: usize, by: &str) -> Result<Texture, Error> {
         let (document, name) = (self.document, format!("images[{index}]"));
+        let image = document.item(("images", &document.root.images), index, by)?;
         let decode = |bytes: &[u8]| Texture::decode(document.path, std::io::Cursor::new(bytes), &self.limits_left);
-        let texture = match (&image.uri, image.buffer_view) {
+        match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match document.decoded(uri, &name)? {
                 Some(bytes) => decode(&bytes),
                 None => Texture::open_within(document.located(uri, &name)?, &self.limits_left),
             },
             (None, Some(view)) => decode(document.view(view, &name)?.1),
             (None, None) => Err(document.fault(format!("{name} has no URI and no bufferView"))),
-        };
-        Ok(texture.map_err(Some))
+        }
     }
 
     #[cfg(not(feature = "textures"))]
-    #[allow(clippy::unnecessary_wraps, reason = "where textures are read, it may fail")]
-    fn load(
-        &self,
-        _: (usize, &Image),
-        by: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Result<Texture, Option<Error>>, Error> {
-        let text = format!("{by} is left out: stereotrace is built without its feature `textures`");
-        warnings.warn("textures", None, text);
-        Ok(Err(None))
+    fn load(&self, _: usize, by: &str) -> Result<Texture, Error> {
+        unreachable!("{by} is left out before it is read")
     }
 }
 
