@@ -2,17 +2,27 @@
 
 mod comfort;
 mod fitting;
+mod frustum;
+mod intrinsics;
 mod path;
 mod ranges;
+mod toe_in;
 
 pub use comfort::Comfort;
+pub use intrinsics::Intrinsics;
 pub use path::CameraPath;
 pub use ranges::{MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES};
 
 use glam::{DVec3, Vec3};
 
-pub(crate) use self::ranges::least_pixel_angle;
-use self::ranges::{check_fields, check_precision, check_screen_distance, fault};
+pub(crate) use self::{
+    frustum::{Frustum, Parallax},
+    ranges::least_pixel_angle,
+};
+use self::{
+    intrinsics::Lenses,
+    ranges::{check_fields, check_precision, check_screen_distance, fault},
+};
 use crate::Error;
 
 /// Depth of a ray that hits nothing, in every buffer; WGSL has no infinity. Results turn it into `f32::INFINITY`.
@@ -21,11 +31,34 @@ pub const FAR: f32 = 3.4e38;
 /// Distance between human eyes in metres, on average (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
 
-/// The rectangle on the screen plane, given by angle or by width.
+/// What the picture holds: by angle, by the width of the rectangle on the screen plane, or by focal lengths and the principal point in
+/// the middle between the eyes', in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aperture {
     VerticalFov(f32),
     ScreenWidth(f32),
+    Lenses(Lenses),
+}
+
+/// Where the screen is: so far from the eyes, or where principal points that lie so many pixels apart put it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Screen {
+    Distance(f32),
+    Offset(f64),
+}
+
+/// How the eyes of a pair are turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Convergence {
+    /// Not at all: both look along one direction, through one screen rectangle or, where the screen is at infinity, as parallel cameras.
+    /// Rows of the pictures are epipolar lines: no point stands higher in one than in the other.
+    #[default]
+    OffAxis,
+    /// Towards each other, so that their axes meet at the screen's distance, as a pair of cameras on a toe-in rig. Points then stand higher in
+    /// one picture than in the other, by up to [`Comfort::vertical_parallax_px`], and nothing of a view can be carried over along rows:
+    /// a pair is rendered by [`Method::Naive`](crate::Method::Naive) whatever method is asked for, and a warning is logged.
+    ToeIn,
 }
 
 /// The distance between the eyes, in world units or in pixels.
@@ -35,11 +68,13 @@ enum Interaxial {
     Pixels(f32),
 }
 
-/// Two eyes that look through one screen rectangle (off-axis projection).
+/// Two eyes that look through one screen rectangle (off-axis projection), or side by side as parallel cameras.
 ///
 /// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`; they stand at
 /// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`, and what lies
-/// on it has zero parallax. Setters take any value; [`StereoCamera::pose`] and every render check them.
+/// on it has zero parallax. With `d` infinite the eyes are parallel cameras: zero parallax is at infinity, and all
+/// that is nearer has disparity `f_px e / Z`. A calibrated pair is given by its [`Intrinsics`], a pair that is toed in
+/// by [`Convergence::ToeIn`]. Setters take any value; [`StereoCamera::pose`] and every render check them.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, glam::Vec3};
@@ -58,13 +93,14 @@ pub struct StereoCamera {
     target: Vec3,
     up: Vec3,
     aperture: Aperture,
-    screen_distance: f32,
+    screen: Screen,
     interaxial: Interaxial,
+    convergence: Convergence,
     width: u32,
     height: u32,
 }
 
-/// A checked camera, in numbers that kernels and formulas use.
+/// A checked camera, in numbers that kernels and formulas use. As a calibration has them: [`Pose::intrinsics`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Pose {
@@ -76,16 +112,24 @@ pub struct Pose {
     pub right: Vec3,
     /// The picture's up `u = r × f`, unit length.
     pub up: Vec3,
-    /// Distance `d` from the plane of the eyes to the screen, world units.
+    /// Distance `d` from the plane of the eyes to the screen, world units; infinite for parallel cameras.
     pub screen_distance: f32,
-    /// Screen rectangle's width `W` and height `H`, world units.
+    /// Screen rectangle's width `W` and height `H`, world units; infinite for parallel cameras.
     pub screen_size: [f32; 2],
     /// Distance between the eyes `e`, world units.
     pub interaxial: f32,
-    /// `e_px = e w / W`: the parallax at infinity, pixels.
+    /// `e_px = e w / W = f_px e / d`: the parallax at infinity, pixels; 0 for parallel cameras.
     pub interaxial_px: f32,
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
+    /// How the eyes are turned. Of a pair that is toed in, the axes here are those of the midpoint between the eyes
+    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera that has its numbers.
+    pub convergence: Convergence,
+    /// How far away what the camera looks at is, world units: the screen's distance; where that is infinite the target's. Rules that need
+    /// a length to go by take this one.
+    pub subject_distance: f32,
+    /// Where eyes look.
+    pub(crate) frustum: Frustum,
 }
 
 impl StereoCamera {
@@ -99,8 +143,9 @@ impl StereoCamera {
             target,
             up: Vec3::Y,
             aperture: Aperture::VerticalFov(45.0),
-            screen_distance: distance,
+            screen: Screen::Distance(distance),
             interaxial: Interaxial::World(distance / 30.0),
+            convergence: Convergence::OffAxis,
             width: 640,
             height: 480,
         }
@@ -142,9 +187,25 @@ impl StereoCamera {
         self
     }
 
-    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units.
+    /// What a calibration says of both eyes, in place of the field of view and of the screen's distance, which follows from how far apart
+    /// their principal points lie: `d = fx e / doffs`, infinite where they don't. A [`StereoCamera::screen_distance`] that is set after it
+    /// holds in turn; the principal points then stand around the same middle. It is of a picture of this [`StereoCamera::size`].
+    pub fn intrinsics(mut self, intrinsics: Intrinsics) -> Self {
+        let (lenses, offset) = intrinsics.split();
+        (self.aperture, self.screen) = (Aperture::Lenses(lenses), Screen::Offset(offset));
+        self
+    }
+
+    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units. `f32::INFINITY` makes the eyes parallel
+    /// cameras.
     pub fn screen_distance(mut self, distance: f32) -> Self {
-        self.screen_distance = distance;
+        self.screen = Screen::Distance(distance);
+        self
+    }
+
+    /// How the eyes are turned.
+    pub fn convergence(mut self, convergence: Convergence) -> Self {
+        self.convergence = convergence;
         self
     }
 
@@ -154,7 +215,8 @@ impl StereoCamera {
         self
     }
 
-    /// Distance between the eyes in pixels of this picture: the parallax at infinity.
+    /// Distance between the eyes in pixels of this picture: the parallax at infinity. It takes a screen that is not infinitely far, since
+    /// parallel cameras have none there, whatever their distance.
     pub fn interaxial_pixels(mut self, pixels: f32) -> Self {
         self.interaxial = Interaxial::Pixels(pixels);
         self
@@ -168,31 +230,162 @@ impl StereoCamera {
     /// |---|---|
     /// | size | 1 to [`MAX_SIDE`] a side |
     /// | eye, target | coordinates within [`MAX_EYE_COORDINATE`], for both eyes |
-    /// | screen distance | [`SCREEN_DISTANCES`] |
-    /// | field of view or screen width, size, interaxial | pixels span [`MIN_PIXEL_ANGLE`] as seen from both eyes |
+    /// | screen distance, given or by principal points | [`SCREEN_DISTANCES`], or infinite |
+    /// | field of view or screen width or intrinsics, size, interaxial | pixels span [`MIN_PIXEL_ANGLE`] as seen from both eyes |
+    /// | intrinsics | focal lengths above 0, `cx1` at least `cx0`, and more only with eyes apart |
     /// | interaxial | 0, or so large that the eyes' rounding changes it by at most [`MAX_EYE_SHIFT`] of it |
     ///
     /// # Errors
     /// [`Error::Camera`], naming the field, for what lies outside of them, a field of view outside 0 to 180 degrees, a
-    /// target that is the eye, or `up` parallel to the view.
+    /// target that is the eye, `up` parallel to the view, and what contradicts itself: a screen at infinity with a width of its own or an interaxial in
+    /// pixels, principal points with an interaxial in pixels, and principal points that differ where eyes are toed in.
     pub fn pose(&self) -> Result<Pose, Error> {
         check_fields(self)?;
         // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
-        let forward = (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or_zero();
+        let towards = self.target.as_dvec3() - self.eye.as_dvec3();
+        let forward = towards.normalize_or_zero();
         if forward == DVec3::ZERO {
             return fault("target", self.target.to_string(), "it must differ from the eye");
         }
-        check_screen_distance(self.screen_distance)?;
+        if let Screen::Distance(distance) = self.screen {
+            check_screen_distance(distance)?;
+        }
         let side = forward.cross(self.up.as_dvec3().normalize_or_zero());
         if side.length() <= 1e-6 {
             return fault("up", self.up.to_string(), "it must not be zero or parallel to the view direction");
         }
         let right = side.normalize();
-        let (width, screen_size) = (self.width as f32, self.screen_size()?);
+        let view = match (self.screen, self.aperture) {
+            (Screen::Distance(d), Aperture::VerticalFov(degrees)) if d.is_finite() => {
+                let height = 2.0 * d * half_fov(degrees)?.tan();
+                self.through_screen(d, [height * self.width as f32 / self.height as f32, height])?
+            }
+            (Screen::Distance(d), Aperture::ScreenWidth(width)) if d.is_finite() => {
+                if !(width > 0.0 && width.is_finite()) {
+                    return fault("screen_width", width.to_string(), "it must be above 0");
+                }
+                self.through_screen(d, [width, width * self.height as f32 / self.width as f32])?
+            }
+            _ => self.through_lenses()?,
+        };
+        let target_distance = (towards.length() as f32).clamp(*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end());
+        let is_finite = view.screen_distance.is_finite();
+        let mut pose = Pose {
+            eye: self.eye,
+            forward: forward.as_vec3(),
+            right: right.as_vec3(),
+            up: right.cross(forward).as_vec3(),
+            screen_distance: view.screen_distance,
+            screen_size: view.screen_size,
+            interaxial: view.interaxial,
+            interaxial_px: view.interaxial_px,
+            size: [self.width, self.height],
+            convergence: self.convergence,
+            subject_distance: if is_finite { view.screen_distance } else { target_distance },
+            frustum: view.frustum,
+        };
+        if self.convergence == Convergence::ToeIn {
+            // Each eye's picture is centred on the eye's own axis.
+            pose.frustum.shift = 0.0;
+        }
+        check_precision(self, &pose)?;
+        Ok(pose)
+    }
+
+    /// What is seen through a rectangle on a screen at a finite distance.
+    fn through_screen(&self, distance: f32, screen_size: [f32; 2]) -> Result<Sight, Error> {
+        if !screen_size.iter().all(|side| *side > 0.0 && side.is_finite()) {
+            let value = format!("{} x {}", screen_size[0], screen_size[1]);
+            return fault("screen size", value, "choose a field of view and a screen distance that f32 can hold");
+        }
+        let width = self.width as f32;
         let (interaxial, interaxial_px) = match self.interaxial {
             Interaxial::World(world) => (world, world * width / screen_size[0]),
             Interaxial::Pixels(pixels) => (pixels * screen_size[0] / width, pixels),
         };
+        let [across, up] = screen_size.map(f64::from);
+        let frustum =
+            Frustum { distance: distance.into(), size: [across, up], center: [0.0; 2], shift: interaxial.into() };
+        self.sight(distance, screen_size, interaxial, interaxial_px, frustum)
+    }
+
+    /// What is seen by focal lengths and principal points, which say where the screen is or are put where the screen asks for it.
+    fn through_lenses(&self) -> Result<Sight, Error> {
+        let [w, h] = [self.width, self.height].map(f64::from);
+        let lenses = match self.aperture {
+            Aperture::Lenses(lenses) => lenses.checked()?,
+            Aperture::VerticalFov(degrees) => Lenses::of_fov(f64::from(half_fov(degrees)?), [w, h]),
+            Aperture::ScreenWidth(width) => {
+                let reason = "it takes a screen distance that is given, and finite; take a field of view or intrinsics";
+                return fault("screen_width", width.to_string(), reason);
+            }
+        };
+        let Lenses { focal: [fx, fy], principal: [cx, cy] } = lenses;
+        let (interaxial, offset, distance) = self.offset_and_distance(fx)?;
+        let frustum = Frustum {
+            distance: 1.0,
+            size: [w / fx, h / fy],
+            center: [(0.5 * w - cx) / fx, (cy - 0.5 * h) / fy],
+            shift: offset / fx,
+        };
+        let screen_size = [w / fx * distance, h / fy * distance].map(|side| side as f32);
+        self.sight(distance as f32, screen_size, interaxial as f32, offset as f32, frustum)
+    }
+
+    /// The distance between the eyes, how far their principal points lie apart, in pixels, and the distance of the screen; at a focal length.
+    fn offset_and_distance(&self, fx: f64) -> Result<(f64, f64, f64), Error> {
+        match (self.screen, self.interaxial) {
+            (Screen::Distance(d), Interaxial::World(e)) => {
+                let (d, e) = (f64::from(d), f64::from(e));
+                Ok((e, fx * e / d, d))
+            }
+            (Screen::Distance(d), Interaxial::Pixels(pixels)) if d.is_finite() => {
+                let (d, pixels) = (f64::from(d), f64::from(pixels));
+                Ok((pixels * d / fx, pixels, d))
+            }
+            (Screen::Offset(offset), Interaxial::World(e)) => {
+                let e = f64::from(e);
+                let distance = if offset == 0.0 { f64::INFINITY } else { fx * e / offset };
+                self.check_offset(offset, distance)?;
+                Ok((e, offset, distance))
+            }
+            (_, Interaxial::Pixels(_)) => {
+                let reason = "in pixels it is the parallax at infinity, which principal points say, and which parallel cameras have none \
+                              of: give it in world units";
+                fault("interaxial", self.interaxial_text(), reason)
+            }
+        }
+    }
+
+    /// Checks where principal points that lie so far apart put the screen.
+    fn check_offset(&self, offset: f64, distance: f64) -> Result<(), Error> {
+        if offset.is_nan() || offset < 0.0 {
+            let reason =
+                "cx1 must be cx0 or more: what is infinitely far would stand farther to the left for the right eye";
+            return fault("doffs", offset.to_string(), reason);
+        }
+        if offset > 0.0 && self.convergence == Convergence::ToeIn {
+            let reason = "eyes that are toed in have their principal points in one place: give a screen distance after the intrinsics";
+            return fault("doffs", offset.to_string(), reason);
+        }
+        if !distance.is_finite() && offset == 0.0 {
+            return Ok(());
+        }
+        check_screen_distance(distance as f32).map_err(|_| Error::Camera {
+            field: "screen_distance",
+            value: format!("{:?}, by principal points {offset} px apart", distance as f32),
+            reason: "fx times interaxial over their distance must lie between 1e-6 and 1e9; for parallel cameras they are equal",
+        })
+    }
+
+    fn sight(
+        &self,
+        screen_distance: f32,
+        screen_size: [f32; 2],
+        interaxial: f32,
+        interaxial_px: f32,
+        frustum: Frustum,
+    ) -> Result<Sight, Error> {
         if !(interaxial >= 0.0 && interaxial.is_finite() && interaxial_px.is_finite()) {
             let value = match self.interaxial {
                 Interaxial::World(world) => world.to_string(),
@@ -200,74 +393,45 @@ impl StereoCamera {
             };
             return fault("interaxial", value, "it must be a number of at least 0");
         }
-        let pose = Pose {
-            eye: self.eye,
-            forward: forward.as_vec3(),
-            right: right.as_vec3(),
-            up: right.cross(forward).as_vec3(),
-            screen_distance: self.screen_distance,
-            screen_size,
-            interaxial,
-            interaxial_px,
-            size: [self.width, self.height],
-        };
-        check_precision(self, &pose)?;
-        Ok(pose)
+        Ok(Sight { screen_distance, screen_size, interaxial, interaxial_px, frustum })
     }
 
-    /// Width and height of the screen rectangle in world units.
-    fn screen_size(&self) -> Result<[f32; 2], Error> {
-        let (width, height) = (self.width as f32, self.height as f32);
-        let positive = |value: f32| value > 0.0 && value.is_finite();
-        let screen_size = match self.aperture {
-            Aperture::VerticalFov(degrees) => {
-                if !(degrees > 0.0 && degrees < 180.0) {
-                    return fault("vertical_fov", degrees.to_string(), "it must lie between 0 and 180 degrees");
-                }
-                let screen_height = 2.0 * self.screen_distance * (0.5 * degrees).to_radians().tan();
-                [screen_height * width / height, screen_height]
-            }
-            Aperture::ScreenWidth(screen_width) => {
-                if !positive(screen_width) {
-                    return fault("screen_width", screen_width.to_string(), "it must be above 0");
-                }
-                [screen_width, screen_width * height / width]
-            }
-        };
-        if !screen_size.iter().all(|side| positive(*side)) {
-            let value = format!("{} x {}", screen_size[0], screen_size[1]);
-            return fault("screen size", value, "choose a field of view and a screen distance that f32 can hold");
+    /// The interaxial as it was given.
+    fn interaxial_text(&self) -> String {
+        match self.interaxial {
+            Interaxial::World(world) => format!("{world:?}"),
+            Interaxial::Pixels(pixels) => format!("{pixels:?} px"),
         }
-        Ok(screen_size)
+    }
+
+    /// Checks two eyes so many interaxials apart.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] where f32 does not hold them.
+    pub(crate) fn check_apart(&self, pose: &Pose, times: f32) -> Result<(), Error> {
+        let apart = times * pose.interaxial;
+        if !apart.is_finite() {
+            return fault("interaxial", apart.to_string(), "it must be a number of at least 0");
+        }
+        check_precision(&self.interaxial(apart), &pose.apart(times))
     }
 }
 
-impl Pose {
-    /// Parallax `x_r - x_l = e_px (1 - d/Z)` in pixels of a point at depth `z` (thesis, eq. 10, in pixels):
-    /// `e_px` at infinity, 0 on the screen, `-e_px` at `d/2`.
-    pub fn parallax_px(&self, z: f32) -> f32 {
-        self.interaxial_px * (1.0 - self.screen_distance / z)
-    }
+/// What a camera's numbers say but for its axes: fields of [`Pose`].
+struct Sight {
+    screen_distance: f32,
+    screen_size: [f32; 2],
+    interaxial: f32,
+    interaxial_px: f32,
+    frustum: Frustum,
+}
 
-    /// World position of an eye: -1 left, +1 right, 0 the midpoint.
-    pub fn eye_position(&self, side: f32) -> Vec3 {
-        (self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial)).as_vec3()
+/// Half of a vertical field of view, in radians.
+fn half_fov(degrees: f32) -> Result<f32, Error> {
+    if degrees > 0.0 && degrees < 180.0 {
+        return Ok((0.5 * degrees).to_radians());
     }
-
-    /// Where a world point lands in an eye's picture: `[x, y, Z]`, x and y in pixels from the top left corner
-    /// (pixel centres at halves), `Z` its depth along the view direction.
-    pub fn project(&self, point: Vec3, side: f32) -> [f32; 3] {
-        let eye = self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial);
-        let to = point.as_dvec3() - eye;
-        let z = to.dot(self.forward.as_dvec3());
-        let (w, h) = (f64::from(self.size[0]), f64::from(self.size[1]));
-        let pixels = w / f64::from(self.screen_size[0]);
-        let d = f64::from(self.screen_distance);
-        // The screen is centred between the eyes, so an eye's own offset comes back in.
-        let on_screen = to.dot(self.right.as_dvec3()) * d / z + f64::from(0.5 * side * self.interaxial);
-        let y = to.dot(self.up.as_dvec3()) * d / z;
-        [(0.5 * w + on_screen * pixels) as f32, (0.5 * h - y * pixels) as f32, z as f32]
-    }
+    fault("vertical_fov", degrees.to_string(), "it must lie between 0 and 180 degrees")
 }
 
 #[cfg(test)]
@@ -315,6 +479,9 @@ mod tests {
             (camera().interaxial(-1.0), "interaxial"),
             (camera().interaxial(f32::NAN), "interaxial"),
             (camera().interaxial_pixels(f32::INFINITY), "interaxial"),
+            (camera().interaxial_pixels(3.0).vertical_fov_degrees(40.0).screen_distance(f32::INFINITY), "interaxial"),
+            (camera().screen_distance(f32::INFINITY), "screen_width"),
+            (camera().screen_distance(f32::NEG_INFINITY), "screen_distance"),
             (camera().up(Vec3::Z), "up"),
             (camera().up(Vec3::ZERO), "up"),
             (camera().vertical_fov_degrees(180.0), "vertical_fov"),

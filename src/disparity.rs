@@ -1,6 +1,6 @@
 //! Which points of the two views are one: disparities, and what only one eye sees, for stereo vision.
 
-use crate::{Pose, StereoPair, View};
+use crate::{Convergence, Pose, StereoPair, View};
 
 /// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an occluder
 /// leaves is not told where it is narrower.
@@ -22,14 +22,19 @@ pub enum Occlusion {
 impl Pose {
     /// Disparity `x_l - x_r` in pixels of a point at depth `z`, with the sign of stereo vision: the opposite of
     /// [`Pose::parallax_px`], in f64. `e_px (d/Z - 1)`: above 0 before the screen, 0 on it, below 0 behind it, `-e_px` at
-    /// infinity.
+    /// infinity. Of parallel cameras it is `f_px e / Z`: 0 at infinity, and above 0 before it. Of eyes that are toed in, that of points on the axis
+    /// between them ([`Pose::parallax_px`]).
     ///
     /// Since both eyes look through one screen rectangle, disparities of this camera are those of two parallel
     /// cameras of baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`: `f B / Z - e_px`.
     pub fn disparity_px(&self, z: f32) -> f64 {
-        let e_px = f64::from(self.interaxial_px);
+        let parallax = self.parallax();
         // No eyes apart, no disparity, not even in their plane.
-        if e_px == 0.0 { 0.0 } else { e_px * (f64::from(self.screen_distance) / f64::from(z) - 1.0) }
+        if parallax.reach() == 0.0 {
+            return 0.0;
+        }
+        let disparity = f64::from(parallax.distance) / f64::from(z) - f64::from(parallax.at_infinity);
+        f64::from(parallax.scale_px) * disparity / self.toe_in_divisor(z.into())
     }
 }
 
@@ -40,8 +45,9 @@ impl StereoPair {
     /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`] by [`Pose::disparity_px`]. d is above
     /// 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
     /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add
-    /// [`Pose::interaxial_px`] to get disparities of parallel cameras, which are 0 at infinity. A point in the plane of the eyes
-    /// has `f32::INFINITY`. Empty where depth was not kept ([`GBuffer::None`](crate::GBuffer)).
+    /// [`Pose::interaxial_px`] to get disparities of parallel cameras, which are 0 at infinity; those of a pair whose screen is at infinity are. A point in the plane of the eyes
+    /// has `f32::INFINITY`. Empty where depth was not kept ([`GBuffer::None`](crate::GBuffer)), and where eyes are toed in
+    /// ([`Convergence::ToeIn`](crate::Convergence)): points then don't stay in their rows.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};
@@ -52,18 +58,18 @@ impl StereoPair {
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     pub fn disparity(&self) -> Vec<f32> {
-        disparities(&self.left, &self.pose)
+        self.disparities(&self.left)
     }
 
     /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take pixels
     /// over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left ones' disparities, seen up to
     /// half a pixel aside.
     pub fn right_disparity(&self) -> Vec<f32> {
-        disparities(&self.right, &self.pose)
+        self.disparities(&self.right)
     }
 
     /// Whether the right eye sees what each left pixel shows, as far as the right view's depth tells. Row-major,
-    /// `[height][width]`, top row first; empty where depth was not kept.
+    /// `[height][width]`, top row first; empty where depth was not kept, and where eyes are toed in.
     ///
     /// A point lands up to half a pixel beside the centre of the nearest right pixel. The surface seen there is taken to go on to the
     /// landing place with the flatter of the slopes of disparity to the two neighbours, or level where they have opposite
@@ -72,16 +78,22 @@ impl StereoPair {
     /// from the right eye to each point 0.3 to 2.9% of the pixels of the built-in scenes are (docs/DESIGN.md, section 7). Sky is a
     /// surface at infinity. [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
+        if self.pose.convergence == Convergence::ToeIn {
+            return Vec::new();
+        }
         let width = (self.left.width as usize).max(1);
         let exact = |view: &View| view.depth.iter().map(|&z| self.pose.disparity_px(z)).collect::<Vec<_>>();
         let (left, right) = (exact(&self.left), exact(&self.right));
         let rows = left.chunks_exact(width).zip(right.chunks_exact(width));
         rows.flat_map(|(left, right)| left.iter().enumerate().map(|(column, &d)| seen(column, d, right))).collect()
     }
-}
 
-fn disparities(view: &View, pose: &Pose) -> Vec<f32> {
-    view.depth.iter().map(|&z| pose.disparity_px(z) as f32).collect()
+    fn disparities(&self, view: &View) -> Vec<f32> {
+        match self.pose.convergence {
+            Convergence::OffAxis => view.depth.iter().map(|&z| self.pose.disparity_px(z) as f32).collect(),
+            Convergence::ToeIn => Vec::new(),
+        }
+    }
 }
 
 /// Whether a left point of this disparity is seen in a row of right disparities.

@@ -9,7 +9,7 @@ pub(crate) struct Frame {
     pub(crate) source_eye: [f32; 3],
     pub(crate) parallax_px: f32,
     pub(crate) target_eye: [f32; 3],
-    pub(crate) screen_distance: f32,
+    pub(crate) parallax_distance: f32,
     pub(crate) source_corner: [f32; 3],
     pub(crate) shift: f32,
     pub(crate) target_corner: [f32; 3],
@@ -45,6 +45,9 @@ pub(crate) struct Frame {
     pub(crate) jitter_seed: u32,
     pub(crate) zero_b: u32,
     pub(crate) zero: u32,
+    pub(crate) at_infinity: f32,
+    pub(crate) pixel_side: f32,
+    pub(crate) _pad: [u32; 2],
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.

@@ -126,7 +126,7 @@ pub use auto::Choice;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use blocking::{render_stereo, render_views};
 pub use bvh::BvhBuild;
-pub use camera::{CameraPath, Comfort, FAR, Pose, StereoCamera};
+pub use camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
 pub use cast::{Cast, Ray, RayHit};
 pub use disparity::Occlusion;
 pub use error::Error;

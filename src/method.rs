@@ -47,7 +47,7 @@ pub enum Check {
 pub enum BufferDepth {
     /// As many as said.
     Fixed(NonZeroU32),
-    /// `2 e_px`, rounded up: the thesis's choice. One slot short from nearest depth d/2 on (DESIGN, section 2).
+    /// `2 e_px`, rounded up: the thesis's choice; of parallel cameras twice the disparity at the target. One slot short from nearest depth d/2 on (DESIGN, section 2).
     TwiceInteraxial,
     /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
     Adaptive,
@@ -174,7 +174,7 @@ impl BufferDepth {
     pub(crate) fn slots(self, pose: &Pose, (nearest, farthest): (f32, f32)) -> u32 {
         let depth = match self {
             Self::Fixed(slots) => f64::from(slots.get()),
-            Self::TwiceInteraxial => f64::from(2.0 * pose.interaxial_px).ceil(),
+            Self::TwiceInteraxial => f64::from(2.0 * pose.typical_parallax_px()).ceil(),
             // X is rounded to f32, which can move two samples together by a thousandth of a pixel.
             Self::Adaptive => (lemma1(pose, nearest, farthest) + 1e-3).floor() + 2.0,
         };
@@ -183,11 +183,10 @@ impl BufferDepth {
     }
 }
 
-/// `B = e_px d (1/Z_near - 1/Z_far)`: two left samples in one right column are fewer than `B + 1` columns apart
+/// `B = e_px d (1/Z_near - 1/Z_far)`, of parallel cameras with `f_px e` for `e_px d`: two left samples in one right column are fewer than `B + 1` columns apart
 /// (thesis, Lemma 1, with rounding as in DESIGN, section 2). A farthest depth of infinity counts as 1/Z = 0.
 pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
-    let reach = f64::from(pose.interaxial_px) * f64::from(pose.screen_distance);
-    reach * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
+    pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
+use crate::{Convergence, Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
 
 /// A ray to a point that hits something with no more disparity than this besides, in pixels, has met that point: more than what depths, and directions to them, round
 /// by on surfaces that are seen edge-on. What is told so wrongly is a strip beside an edge that is no wider.
@@ -27,8 +27,12 @@ impl Renderer {
     /// ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) right depths are those of points up to half a pixel aside.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without depths, and those of [`Renderer::closest_hits_async`].
+    /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for one whose eyes are toed in, and those of [`Renderer::closest_hits_async`].
     pub async fn occlusions_async(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
+        if pair.pose.convergence == Convergence::ToeIn {
+            let reason = "its eyes are toed in: where points leave the other picture goes by rows, which are no epipolar lines there";
+            return Err(Error::Rig { reason: reason.into() });
+        }
         let left = self.occlusion_of(scene, &pair.left, &pair.pose, -0.5).await?;
         Ok(Occlusions { left, right: self.occlusion_of(scene, &pair.right, &pair.pose, 0.5).await? })
     }
@@ -78,19 +82,9 @@ pub(crate) struct Pixels {
 impl Pixels {
     /// Of the view whose eye stands so much of the interaxial to the right of the middle.
     pub(crate) fn of(pose: &Pose, side: f64) -> Self {
-        let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
-        let d = f64::from(pose.screen_distance);
-        let [width, height] = pose.screen_size.map(|length| f64::from(length) / d);
-        let aside = right * (2.0 * side * f64::from(pose.interaxial));
-        // Both eyes look through one screen rectangle.
-        let corner = forward - right * (0.5 * width) + up * (0.5 * height) - aside / (2.0 * d);
-        Self {
-            other_eye: pose.eye.as_dvec3() - aside / 2.0,
-            aside,
-            corner,
-            right: right * (width / f64::from(pose.size[0])),
-            down: -up * (height / f64::from(pose.size[1])),
-        }
+        let aside = pose.right.as_dvec3() * (2.0 * side * f64::from(pose.interaxial));
+        let [right, down] = pose.pixel_steps();
+        Self { other_eye: pose.eye.as_dvec3() - aside / 2.0, aside, corner: pose.corner(side), right, down }
     }
 
     pub(crate) fn eye(&self) -> DVec3 {

@@ -5,7 +5,8 @@ use std::{ops::ControlFlow, sync::Once};
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use crate::blocking::render_stereo;
 use crate::{
-    BvhBuild, Error, Gpu, Options, Rig, Scene, Statistics, StereoCamera, StereoPair, UploadedScene, Views,
+    BvhBuild, Convergence, Error, Gpu, Method, Options, Pose, Rig, Scene, Statistics, StereoCamera, StereoPair,
+    UploadedScene, Views,
     frame::{self, Done, OnRows, Rows, ViewRows},
     gpu::Timestamps,
     kernels::Kernels,
@@ -62,6 +63,8 @@ pub struct Renderer {
     pub(crate) steps: Steps,
     /// Done when a scene was warned of that is far from the origin.
     pub(crate) rounding_warned: Once,
+    /// Done when it was said of a pair that is toed in what that costs.
+    toe_in_warned: Once,
 }
 
 impl Renderer {
@@ -82,6 +85,7 @@ impl Renderer {
             runs: gpu.threads(),
             steps: Steps::default(),
             rounding_warned: Once::new(),
+            toe_in_warned: Once::new(),
             gpu,
         }
     }
@@ -91,7 +95,9 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Renders a pair; `progress` is called after every band of rows, and may stop the frame.
+    /// Renders a pair; `progress` is called after every band of rows, and may stop the frame. Eyes that are toed in
+    /// ([`Convergence::ToeIn`]) are traced one after the other, by [`Method::Naive`] whatever method is asked for; a warning says so once a
+    /// renderer.
     ///
     /// # Errors
     /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't, [`Error::Limit`] for a picture that the adapter can't bind,
@@ -104,9 +110,18 @@ impl Renderer {
         options: &Options,
         progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
-        let eyes = Eyes::pair(&camera.pose()?);
-        let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
-        Ok(StereoPair::of(done, views))
+        let pose = camera.pose()?;
+        let [first, second] = match self.frames_of(&pose, options) {
+            Frames::One(eyes) => {
+                let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
+                return Ok(StereoPair::of(done, views));
+            }
+            Frames::Two(eyes) => eyes,
+        };
+        let options = &Options { method: Method::Naive, ..options.clone() };
+        let left = self.whole_frame(scene, &first, options, &mut half_of(progress, 0.0)).await?;
+        let right = self.whole_frame(scene, &second, options, &mut half_of(progress, 0.5)).await?;
+        Ok(StereoPair::of_two(pose, left, right))
     }
 
     /// Runs the passes of a frame without reading the pictures back: for benchmarks.
@@ -119,9 +134,34 @@ impl Renderer {
         camera: &StereoCamera,
         options: &Options,
     ) -> Result<Statistics, Error> {
-        let eyes = Eyes::pair(&camera.pose()?);
         let mut go_on = |_| ControlFlow::Continue(());
-        Ok(self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?.pair_statistics())
+        let [first, second] = match self.frames_of(&camera.pose()?, options) {
+            Frames::One(eyes) => {
+                let done = self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?;
+                return Ok(done.pair_statistics());
+            }
+            Frames::Two(eyes) => eyes,
+        };
+        let options = &Options { method: Method::Naive, ..options.clone() };
+        let left = self.sampled(scene, &first, options, false, &mut go_on, &mut |_| Ok(())).await?;
+        let right = self.sampled(scene, &second, options, false, &mut go_on, &mut |_| Ok(())).await?;
+        Ok(left.beside(right).pair_statistics())
+    }
+
+    /// The eyes of a pair's frame, or of its frames where they are toed in.
+    fn frames_of(&self, pose: &Pose, options: &Options) -> Frames {
+        if pose.convergence == Convergence::OffAxis {
+            return Frames::One(Eyes::pair(pose));
+        }
+        if !matches!(options.method, Method::Naive | Method::Auto) {
+            let method = options.method;
+            self.toe_in_warned.call_once(|| {
+                log::warn!(
+                    "eyes that are toed in share no rows, so nothing is carried over: both are traced (naive), not by {method}"
+                );
+            });
+        }
+        Frames::Two([-1.0, 1.0].map(|side| Eyes::mono(pose.of_eye(side))))
     }
 
     /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
@@ -176,6 +216,17 @@ impl Renderer {
         let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
         Ok((done, views))
     }
+}
+
+/// What a pair is rendered in.
+enum Frames {
+    One(Eyes),
+    Two([Eyes; 2]),
+}
+
+/// What shows a frame's progress as that of the half of two that begins there.
+fn half_of(progress: &mut OnProgress<'_>, begin: f32) -> impl FnMut(Progress) -> ControlFlow<()> {
+    move |Progress { pass, done }| progress(Progress { pass, done: begin + 0.5 * done })
 }
 
 /// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`](crate::Method::Auto). For more than

@@ -1,7 +1,8 @@
 //! Eyes on one line behind one screen: which are traced, and from which the others are made.
 
 use crate::{
-    Choice, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera, View, Work, cpu,
+    Choice, Convergence, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera,
+    View, Work, cpu,
     frame::uniform::{frame_uniform, same_parallax},
     layout,
 };
@@ -16,11 +17,12 @@ const FROM_END: f32 = 1.0 / 7.0;
 /// Views of a rig at most.
 pub const MAX_VIEWS: usize = 1024;
 
-/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two.
+/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two, and one eye is a rig too
+/// ([`Rig::mono`]).
 ///
 /// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's offset. All look
-/// through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 - d/Z)`, of either sign. Some views
-/// are traced, their sources; each other view is made from the source nearest to it.
+/// through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 - d/Z)`, of either sign; parallel cameras'
+/// is `(o_a - o_b) f_px e / Z`. Some views are traced, their sources; each other view is made from the source nearest to it.
 ///
 /// ```
 /// use stereotrace::{Rig, StereoCamera, glam::Vec3};
@@ -37,6 +39,11 @@ pub struct Rig {
 }
 
 impl Rig {
+    /// One eye, at the camera's midpoint.
+    pub fn mono(camera: StereoCamera) -> Self {
+        Self::at(camera, vec![0.0])
+    }
+
     /// Left and right, an interaxial apart; the right view is made from the left one.
     pub fn pair(camera: StereoCamera) -> Self {
         Self { camera, offsets: vec![-0.5, 0.5], traced: Some(vec![0]) }
@@ -67,12 +74,12 @@ impl Rig {
         &self.offsets
     }
 
-    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity), unless
-    /// [`Rig::traced`] says otherwise.
+    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity; of parallel cameras that at
+    /// the target's distance), unless [`Rig::traced`] says otherwise.
     pub const REACH: f32 = 1.0 / 8.0;
 
     /// # Errors
-    /// [`Error::Rig`] for no eyes, too many, two in one place, and sources that are no eyes; [`Error::Camera`] for a camera whose
+    /// [`Error::Rig`] for no eyes, too many, two in one place, several that are toed in, and sources that are no eyes; [`Error::Camera`] for a camera whose
     /// outermost or closest eyes f32 does not hold.
     pub(crate) fn eyes(&self) -> Result<Eyes, Error> {
         let fault = |reason| Err(Error::Rig { reason });
@@ -90,12 +97,20 @@ impl Rig {
             return fault(format!("two eyes have the offset {}", two[0]));
         }
         let pose = self.camera.pose()?;
+        if pose.convergence == Convergence::ToeIn {
+            return match self.offsets[..] {
+                [offset] => Ok(Eyes::mono(pose.of_eye(2.0 * offset))),
+                _ => fault(format!(
+                    "its {count} eyes are toed in, so that rows are no epipolar lines; render them as a pair, or one at a time"
+                )),
+            };
+        }
         if pose.interaxial > 0.0 && count > 1 {
             // The outermost eyes, and the closest ones, must be a pair that a camera may have.
             let span = 2.0 * sorted[0].abs().max(sorted[count - 1].abs());
             let gap = sorted.windows(2).map(|two| two[1] - two[0]).fold(f32::INFINITY, f32::min);
             for apart in [span, gap] {
-                self.camera.interaxial(apart * pose.interaxial).pose()?;
+                self.camera.check_apart(&pose, apart)?;
             }
         }
         let sources = match &self.traced {
@@ -128,7 +143,7 @@ impl Rig {
     fn sources_by_rule(&self, pose: &Pose) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.offsets.len()).collect();
         order.sort_by(|&a, &b| self.offsets[a].total_cmp(&self.offsets[b]));
-        let reach = Self::REACH * pose.size[0] as f32 / pose.interaxial_px.max(f32::MIN_POSITIVE);
+        let reach = Self::REACH * pose.size[0] as f32 / pose.typical_parallax_px().max(f32::MIN_POSITIVE);
         let ends = |group: &[usize]| (self.offsets[group[0]], self.offsets[group[group.len() - 1]]);
         let mut traced = Vec::new();
         // Groups of equal numbers of eyes, so many that none is wider than twice the reach.
@@ -179,6 +194,11 @@ impl Eyes {
         Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0] }
     }
 
+    /// One eye, which is traced.
+    pub(crate) fn mono(pose: Pose) -> Self {
+        Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0] }
+    }
+
     pub(crate) fn positions(&self) -> Vec<glam::Vec3> {
         self.offsets.iter().map(|offset| self.pose.eye_position(2.0 * offset)).collect()
     }
@@ -187,7 +207,7 @@ impl Eyes {
     pub(crate) fn frame(&self, view: usize) -> layout::Frame {
         let apart = self.offsets[view] - self.offsets[self.seconds[view]];
         layout::Frame {
-            second_parallax_px: apart * self.pose.interaxial_px,
+            second_parallax_px: self.pose.parallax().times(apart).scale_px,
             second_same_parallax: same_parallax(&self.pose, apart),
             ..frame_uniform(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
         }
@@ -205,9 +225,7 @@ impl Eyes {
 
     /// A view and its source as a pair: the pose whose interaxial is the distance between them.
     pub(crate) fn pair_of(&self, view: usize) -> Pose {
-        let apart = (self.offsets[view] - self.offsets[self.sources[view]]).abs();
-        let Pose { interaxial, interaxial_px, .. } = self.pose;
-        Pose { interaxial: apart * interaxial, interaxial_px: apart * interaxial_px, ..self.pose }
+        self.pose.apart((self.offsets[view] - self.offsets[self.sources[view]]).abs())
     }
 }
 

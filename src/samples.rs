@@ -7,7 +7,7 @@ mod jitter;
 use std::{fmt, str::FromStr};
 
 pub(crate) use self::{
-    cells::{Between, Cells},
+    cells::Cells,
     gather::{Centres, Gather},
     jitter::Jitter,
 };
@@ -102,11 +102,12 @@ impl Eyes {
     /// # Errors
     /// As [`Eyes::with_samples`].
     pub(crate) fn with_lattice(&self, side: u32) -> Result<Self, Error> {
-        let Pose { size, screen_size, .. } = self.pose;
+        let Pose { size, screen_size, mut frustum, .. } = self.pose;
         let samples = size.map(|pixels| pixels * side);
-        let larger = |axis: usize| screen_size[axis] * (1.0 + 1.0 / samples[axis] as f32);
-        let pose = Pose { size: samples.map(|samples| samples + 1), screen_size: [larger(0), larger(1)], ..self.pose };
-        self.finer(pose, side)
+        let larger = |axis: usize, length: f32| length * (1.0 + 1.0 / samples[axis] as f32);
+        let screen_size = [larger(0, screen_size[0]), larger(1, screen_size[1])];
+        frustum.size = [0, 1].map(|axis| larger(axis, frustum.size[axis] as f32).into());
+        self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, frustum, ..self.pose }, side)
     }
 
     /// Before a screen with so many samples from pixel to pixel.
@@ -121,7 +122,7 @@ impl Eyes {
             ));
         }
         let aside = self.offsets.iter().fold(0.0_f32, |most, offset| most.max(offset.abs()));
-        let angle = camera::least_pixel_angle(&pose, 2.0 * f64::from(aside) * f64::from(pose.interaxial));
+        let angle = camera::least_pixel_angle(&pose, aside.into());
         if angle < f64::from(camera::MIN_PIXEL_ANGLE) {
             return fault(format!(
                 "those of {width}x{height} pixels are {angle:.1e} radians apart in the picture's corners, and must be at least \

@@ -27,7 +27,7 @@ fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(ligh
 
 // One of the sources that a target asks.
 struct Asked {
-    parallax_px: f32,     // of the target at infinity, as frame.parallax_px
+    parallax_px: f32,     // as frame.parallax_px
     same_parallax: f32,
     second: bool,
 }
@@ -37,7 +37,7 @@ fn nearest_source() -> Asked {
 }
 
 fn parallax_from(source: Asked, z: f32) -> f32 {
-    return source.parallax_px * (1.0 - frame.screen_distance / z);
+    return source.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
 }
 
 // Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.

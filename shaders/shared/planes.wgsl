@@ -113,7 +113,7 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let direction = of_ray3(rays.direction, ray);
     let from_point = direction * of_ray(hits.t, ray) - (point - rays.origin);
     let uv = vec2f(dot(from_point, u), dot(from_point, v));
-    let width = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x);
+    let width = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x) * frame.pixel_side;
     let slope = max(abs(dot(normal, direction)), 1e-9);
     let head = table_texel(head_at);
     if (head.x & 15u) != CHECKERBOARD {

@@ -12,9 +12,9 @@ const MISS: u32 = 0xffffffffu;
 // reaches (DESIGN, section 2).
 struct Frame {
     source_eye: vec3f,       // world position
-    parallax_px: f32,        // of the target at infinity, pixels: e_px = e w / W; negative where it stands to the left of its source
+    parallax_px: f32,        // pixels: e_px = e w / W, f_px where cameras are parallel; negative where the target stands to the left of its source
     target_eye: vec3f,
-    screen_distance: f32,    // d, world units
+    parallax_distance: f32,  // d, e where cameras are parallel, world units: reprojection.wgsl
     source_corner: vec3f,    // direction from the source through the picture's top left corner
     shift: f32,              // from the source to the target along right_axis, world units
     target_corner: vec3f,
@@ -50,6 +50,8 @@ struct Frame {
     jitter_seed: u32,            // of the offsets of rows of samples, the same in all views
     zero_b: u32,
     zero: u32,
+    at_infinity: f32,            // 1, 0 where cameras are parallel: reprojection.wgsl
+    pixel_side: f32,             // side of a square as large as a pixel, in widths of one
 }
 
 //! if canvas is middles or texels

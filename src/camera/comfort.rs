@@ -13,24 +13,31 @@ impl Pose {
             interaxial_ratio: self.interaxial_px / width,
             interaxial_limit: HUMAN_INTERAXIAL / display_width,
             nearest_ratio: nearest / self.screen_distance,
+            vertical_parallax_px: self.vertical_parallax_px(nearest, farthest),
             positive_parallax_px: positive_px,
             negative_parallax_px: negative_px,
             positive_parallax_percent: 100.0 * positive_px / width,
             negative_parallax_percent: 100.0 * negative_px / width,
             display_width,
+            parallel: self.screen_distance.is_infinite(),
         }
     }
 }
+
+/// Eyes that are toed in are warned of where points stand farther apart in height than this, in pixels.
+const MOST_VERTICAL_PX: f32 = 1.0;
 
 /// How comfortable a stereo pair is to look at. It warns and never refuses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comfort {
-    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side).
+    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at infinity, 0 for parallel
+    /// cameras.
     pub interaxial_ratio: f32,
     /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
     pub interaxial_limit: f32,
-    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2).
+    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2). 0 for parallel cameras, whose
+    /// pictures have all before the display.
     pub nearest_ratio: f32,
     /// Largest parallax behind the screen, pixels, at least 0.
     pub positive_parallax_px: f32,
@@ -40,8 +47,13 @@ pub struct Comfort {
     pub positive_parallax_percent: f32,
     /// The same in percent of the picture's width.
     pub negative_parallax_percent: f32,
+    /// How much higher a point stands in one picture than in the other at most, pixels: of points in the corners of either picture at these
+    /// depths. 0 unless eyes are toed in.
+    pub vertical_parallax_px: f32,
     /// Width of the display in metres that this holds for.
     pub display_width: f32,
+    /// The screen is at infinity.
+    parallel: bool,
 }
 
 impl Comfort {
@@ -66,10 +78,22 @@ impl Comfort {
                 self.display_width
             ));
         }
-        if !self.nothing_too_near() {
+        if self.parallel {
+            warnings.push(format!(
+                "the screen is at infinity, so that all stands before the display, by up to {:.1} px: choose a distance, or show the \
+                 pictures shifted apart",
+                -self.negative_parallax_px
+            ));
+        } else if !self.nothing_too_near() {
             warnings.push(format!(
                 "the nearest surface is at {:.2} of the screen's distance, nearer than one half",
                 self.nearest_ratio
+            ));
+        }
+        if self.vertical_parallax_px > MOST_VERTICAL_PX {
+            warnings.push(format!(
+                "the eyes are toed in: points stand up to {:.1} px higher in one picture than in the other",
+                self.vertical_parallax_px
             ));
         }
         warnings
@@ -90,6 +114,14 @@ mod tests {
         assert_eq!(comfort.interaxial_ratio, 0.05);
         assert!(comfort.converges() && comfort.nothing_too_near() && comfort.warnings().is_empty());
         assert_eq!(comfort.positive_parallax_percent, 5.0);
+        let parallel = camera.screen_distance(f32::INFINITY).vertical_fov_degrees(40.0).interaxial(0.2).pose().unwrap();
+        let comfort = parallel.comfort(4.0, f32::INFINITY, 0.5);
+        assert_eq!((comfort.interaxial_ratio, comfort.positive_parallax_px), (0.0, 0.0));
+        // f e / Z, f being half the height over the tangent of half the angle.
+        let f = 50.0 / 20.0_f32.to_radians().tan();
+        assert!((comfort.negative_parallax_px + f * 0.05).abs() < 1e-4, "{comfort:?}");
+        assert!(comfort.converges() && !comfort.nothing_too_near());
+        assert!(comfort.warnings().len() == 1 && comfort.warnings()[0].contains("at infinity"), "{comfort:?}");
         let cinema = pose.comfort(2.4, 10.0, 12.0);
         assert!(!cinema.converges() && !cinema.nothing_too_near());
         assert_eq!(cinema.warnings().len(), 2);

@@ -1,8 +1,10 @@
 //! Cameras that move: around their target, or from key frame to key frame.
 
+use std::mem::discriminant;
+
 use glam::{DQuat, DVec3, Vec3};
 
-use super::{Aperture, Interaxial, StereoCamera};
+use super::{Aperture, Interaxial, Screen, StereoCamera};
 use crate::Error;
 
 impl StereoCamera {
@@ -37,7 +39,8 @@ impl CameraPath {
     ///
     /// # Errors
     /// [`Error::Camera`] for no cameras, frames below 0 or not in ascending order, a camera that has no picture, and cameras that are not
-    /// given in the same way: field of view or screen width, interaxial in world units or pixels, picture size.
+    /// given in the same way: field of view, screen width or intrinsics, of which these stay what they are; interaxial in world units or pixels;
+    /// convergence; picture size.
     pub fn new(keys: Vec<(f32, StereoCamera)>) -> Result<Self, Error> {
         let fault = |value: String, reason| Err(Error::Camera { field: "frame", value, reason });
         let mut last = None;
@@ -48,7 +51,8 @@ impl CameraPath {
                 return fault(frame.to_string(), "frames of a path ascend from 0 on, to at most 2^24");
             }
             if last.is_some_and(|(_, before)| !alike(before, camera)) {
-                let reason = "the cameras of a path must all have one size, and give view and interaxial in one way";
+                let reason =
+                    "the cameras of a path must have one size and convergence, and give view and interaxial in one way";
                 return fault(frame.to_string(), reason);
             }
             last = Some((*frame, camera));
@@ -89,13 +93,17 @@ impl CameraPath {
             (Interaxial::Pixels(a), Interaxial::Pixels(b)) => Interaxial::Pixels(linear(a, b)),
             (a, _) => a,
         };
+        let screen = match (a.screen, b.screen) {
+            (Screen::Distance(a), Screen::Distance(b)) => Screen::Distance(1.0 / linear(1.0 / a, 1.0 / b)),
+            (a, _) => a,
+        };
         StereoCamera {
             eye: smooth(|camera| camera.eye),
             target: smooth(|camera| camera.target),
             up: smooth(|camera| camera.up),
             aperture,
             interaxial,
-            screen_distance: 1.0 / linear(1.0 / a.screen_distance, 1.0 / b.screen_distance),
+            screen,
             ..a
         }
     }
@@ -116,11 +124,18 @@ impl CameraPath {
 }
 
 fn alike(a: &StereoCamera, b: &StereoCamera) -> bool {
-    let ways = |camera: &StereoCamera| {
-        let by_angle = matches!(camera.aperture, Aperture::VerticalFov(_));
-        (by_angle, matches!(camera.interaxial, Interaxial::World(_)), camera.width, camera.height)
+    let apertures = match (a.aperture, b.aperture) {
+        // Of a calibration nothing changes along a path.
+        (Aperture::Lenses(a), Aperture::Lenses(b)) => a == b,
+        (a, b) => discriminant(&a) == discriminant(&b),
     };
-    ways(a) == ways(b)
+    let screens = match (a.screen, b.screen) {
+        (Screen::Offset(a), Screen::Offset(b)) => a == b,
+        (a, b) => discriminant(&a) == discriminant(&b),
+    };
+    let rest =
+        |camera: &StereoCamera| (discriminant(&camera.interaxial), camera.convergence, camera.width, camera.height);
+    apertures && screens && rest(a) == rest(b)
 }
 
 #[cfg(test)]
@@ -172,7 +187,7 @@ mod tests {
     fn parallax_changes_evenly_where_the_screen_moves() {
         let path =
             CameraPath::new(vec![(0.0, camera(0.0).screen_distance(2.0)), (2.0, camera(0.0).screen_distance(6.0))]);
-        assert_eq!(path.unwrap().at(1.0).screen_distance, 3.0);
+        assert_eq!(path.unwrap().at(1.0).screen, Screen::Distance(3.0));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::{DVec3, Vec3};
 
-use super::{Aperture, Interaxial, Pose, StereoCamera};
+use super::{Aperture, Lenses, Pose, StereoCamera};
 use crate::Error;
 
 /// Longest side of a picture in pixels. With more of them f32 does not tell their directions apart, whatever the field
@@ -15,16 +15,17 @@ pub const MAX_SIDE: u32 = 1 << 17;
 /// from outside. Farther off, the box tests of the traversal overflow f32.
 pub const MAX_EYE_COORDINATE: f32 = 2e8;
 
-/// Distances to the screen in world units. Primitives that a pixel tells apart there are so small below it that the
+/// Distances to the screen in world units, but for infinity. Primitives that a pixel tells apart there are so small below it that the
 /// products of an intersection vanish in f32.
 pub const SCREEN_DISTANCES: RangeInclusive<f32> = 1e-6..=1e9;
 
 /// The least angle in radians that a pixel must span as seen from its eye, 2⁻¹⁸: 0.8 seconds of arc. A direction in f32
 /// is good to about a tenth of it.
 ///
-/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the side `s` of a
-/// pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye. Too narrow
-/// and too wide a field of view fall below it, too many pixels, and eyes too far apart.
+/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the shorter side `s` of a
+/// pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye. (Where the screen is at infinity, of
+/// any plane before the eyes.) Too narrow and too wide a field of view fall below it, too many pixels, eyes too far apart, and principal
+/// points too far outside of the picture.
 pub const MIN_PIXEL_ANGLE: f32 = 1.0 / 262_144.0;
 
 /// The share of the interaxial by which f32 may move the eyes apart or together when their positions are rounded.
@@ -56,31 +57,32 @@ pub(super) fn check_fields(camera: &StereoCamera) -> Result<(), Error> {
 }
 
 pub(super) fn check_screen_distance(distance: f32) -> Result<(), Error> {
-    if SCREEN_DISTANCES.contains(&distance) {
+    if SCREEN_DISTANCES.contains(&distance) || distance == f32::INFINITY {
         return Ok(());
     }
-    fault("screen_distance", format!("{distance:?}"), "it must lie between 1e-6 and 1e9")
+    fault("screen_distance", format!("{distance:?}"), "it must lie between 1e-6 and 1e9, or be infinite")
 }
 
 /// Checks that directions and eyes survive their rounding to f32.
 pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
-    let interaxial = || match camera.interaxial {
-        Interaxial::World(world) => format!("{world:?}"),
-        Interaxial::Pixels(pixels) => format!("{pixels:?} px"),
-    };
+    let interaxial = || camera.interaxial_text();
+    let too_small = |angle: f64| angle.is_nan() || angle < f64::from(MIN_PIXEL_ANGLE);
     let angle = least_pixel_angle(pose, 0.0);
-    if angle < f64::from(MIN_PIXEL_ANGLE) {
+    if too_small(angle) {
         let [w, h] = pose.size;
         let (field, value) = match camera.aperture {
-            Aperture::VerticalFov(degrees) => ("vertical_fov", degrees),
-            Aperture::ScreenWidth(width) => ("screen_width", width),
+            Aperture::VerticalFov(degrees) => ("vertical_fov", format!("{degrees:?}")),
+            Aperture::ScreenWidth(width) => ("screen_width", format!("{width:?}")),
+            Aperture::Lenses(Lenses { focal: [fx, fy], principal: [cx, cy] }) => {
+                ("intrinsics", format!("fx {fx}, fy {fy}, cx {cx}, cy {cy}"))
+            }
         };
         let reason = "pixels must span at least 3.8e-6 radians (2^-18) in the picture's corners: take fewer pixels, or \
-                      a field of view that is neither so narrow nor so wide";
-        return fault(field, format!("{value:?}, and pixels of {w}x{h} span {angle:.1e} radians"), reason);
+                      a field of view that is neither so narrow nor so wide, around a principal point that is not so far off";
+        return fault(field, format!("{value}, and pixels of {w}x{h} span {angle:.1e} radians"), reason);
     }
-    let angle = least_pixel_angle(pose, f64::from(pose.interaxial));
-    if angle < f64::from(MIN_PIXEL_ANGLE) {
+    let angle = least_pixel_angle(pose, 0.5);
+    if too_small(angle) {
         let reason =
             "so far apart the eyes see the screen too much aslant: pixels must span at least 3.8e-6 radians (2^-18)";
         return fault("interaxial", format!("{}, and pixels span {angle:.1e} radians", interaxial()), reason);
@@ -97,12 +99,11 @@ pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), 
     Ok(())
 }
 
-/// The angle in radians that a pixel of the picture's corners spans, with the eyes so far apart.
-pub(crate) fn least_pixel_angle(pose: &Pose, interaxial: f64) -> f64 {
-    let d = f64::from(pose.screen_distance);
-    let [width, height] = pose.screen_size.map(f64::from);
-    let (x, y) = (0.5 * (width + interaxial) / d, 0.5 * height / d);
-    width / f64::from(pose.size[0]) / d / (1.0 + x * x + y * y)
+/// The angle in radians that a pixel of the picture's corners spans, as seen from eyes so many interaxials to either side of the midpoint.
+pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
+    let [x, y] = pose.frustum.aside(offset);
+    let [across, down] = pose.frustum.steps(pose.size);
+    across.min(down) / (1.0 + x * x + y * y)
 }
 
 /// By how much rounding moves one eye against the other.

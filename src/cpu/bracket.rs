@@ -133,7 +133,7 @@ fn agreed_bits(
     reuse: ShadowReuse,
 ) -> u32 {
     let [width, height] = frame.size();
-    let parallax = |depth: f32| frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / depth);
+    let parallax = |depth: f32| frame.parallax(depth);
     let (column, row) = (index % width, index / width);
     let point_parallax = parallax(depth);
     let place = column as f32 + 0.5 - point_parallax - 0.5;

@@ -64,6 +64,11 @@ impl Frame {
         }
     }
 
+    /// `x_t - x_s` in pixels of a point at depth `z`.
+    fn parallax(&self, z: f32) -> f32 {
+        self.raw.parallax_px * (self.raw.at_infinity - self.raw.parallax_distance / z)
+    }
+
     /// Direction from an eye through a pixel's centre, or its jittered sample, of length 1 along the view axis.
     pub fn direction(&self, eye: Eye, column: usize, row: usize) -> Vec3 {
         let corner: Vec3 = match eye {

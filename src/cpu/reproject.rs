@@ -10,11 +10,10 @@ pub(super) fn in_sweep(frame: &Frame) -> impl Iterator<Item = usize> + use<> {
 
 /// X, where left sample `column` at depth `z` lands: its centre moved by the parallax (DESIGN, section 2).
 pub(super) fn landing_x(frame: &Frame, column: usize, z: f32) -> f32 {
-    let parallax = frame.raw.parallax_px * (1.0 - frame.raw.screen_distance / z);
-    column as f32 + 0.5 + parallax
+    column as f32 + 0.5 + frame.parallax(z)
 }
 
-/// Where left sample `column` at depth `z` lands: `floor(column + 0.5 + e_px (1 - d/z))`, or `None` outside the
+/// Where left sample `column` at depth `z` lands: `floor(column + 0.5 + parallax)`, or `None` outside the
 /// picture (DESIGN, section 2).
 pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
     let x = landing_x(frame, column, z);

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     Adaptive, Error, GBuffer, Method, OnProgress, Options, Progress, Renderer, UploadedScene,
     rig::Eyes,
-    samples::{Between, Cells, Centres},
+    samples::{Cells, Centres},
 };
 
 /// Samples of the finest level that the host holds at a time, of all views, about: some 150 MiB.
@@ -196,9 +196,8 @@ impl<'a> Levels<'a> {
         let pairs = targets(&self.eyes.sources).filter(|_| method != Method::Ideal);
         for (from, to) in pairs.flat_map(|(view, source)| [(view, source), (source, view)]) {
             let apart = self.eyes.offsets[to] - self.eyes.offsets[from];
-            let pose = &self.eyes.pose;
-            let between = Between { parallax_px: apart * pose.interaxial_px, screen_distance: pose.screen_distance };
-            cells[from].seen_by(&cells[to], level, &differing[from], between, &mut divided[to]);
+            let parallax = self.eyes.pose.parallax().times(apart);
+            cells[from].seen_by(&cells[to], level, &differing[from], parallax, &mut divided[to]);
         }
         cells.iter_mut().zip(divided).for_each(|(cells, divided)| cells.divide(level, divided));
     }

@@ -2,8 +2,8 @@
 
 use super::{Done, targets::MOST_BYTES};
 use crate::{
-    Error, GBuffer, Options, PixelSource, RigView, ShadowSource, Statistics, StereoPair, View, Views, message::counted,
-    rig::Eyes,
+    Error, GBuffer, Options, PixelSource, Pose, RigView, ShadowSource, Statistics, StereoPair, View, Views,
+    message::counted, rig::Eyes,
 };
 
 /// Rows of all views of a frame, as they are done: see [`Renderer::render_rows`](crate::Renderer::render_rows_async).
@@ -147,6 +147,16 @@ impl ViewRows {
 }
 
 impl Done {
+    /// With the eye that another frame shows.
+    pub(crate) fn beside(mut self, other: Self) -> Self {
+        self.eyes.offsets.extend(&other.eyes.offsets);
+        self.eyes.sources.push(1);
+        self.eyes.seconds.push(1);
+        self.tallies.extend(&other.tallies);
+        self.choices.extend(&other.choices);
+        self.in_all(other)
+    }
+
     /// Of a pair.
     pub(crate) fn pair_statistics(&self) -> Statistics {
         let [left, right] = [&self.tallies[0], &self.tallies[1]];
@@ -169,6 +179,13 @@ impl Done {
 }
 
 impl StereoPair {
+    /// Of two frames of one eye each.
+    pub(crate) fn of_two(pose: Pose, left: (Done, Vec<ViewRows>), right: (Done, Vec<ViewRows>)) -> Self {
+        let ((left, mut views), (right, of_right)) = (left, right);
+        views.extend(of_right);
+        Self { pose, ..Self::of(left.beside(right), views) }
+    }
+
     pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
         let statistics = done.pair_statistics();
         let mut views = views.into_iter();

@@ -128,6 +128,11 @@ impl Done {
             tally.missed += other.missed;
             tally.lost_candidates += other.lost_candidates;
         }
+        self.in_all(other)
+    }
+
+    /// With what another frame cost but for its views.
+    pub(super) fn in_all(mut self, other: Self) -> Self {
         self.in_steps |= other.in_steps;
         self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
         self.intermediate_bytes = self.intermediate_bytes.max(other.intermediate_bytes);

@@ -1,43 +1,17 @@
-//! Cameras as stereo vision has them: intrinsics of both eyes, Middlebury's `calib.txt`, and a JSON file that has all of it.
+//! Cameras as stereo vision has them: Middlebury's `calib.txt`, and a JSON file that has all of it.
 
 use std::path::Path;
 
 use super::Batch;
-use crate::{Error, EyeTruth, GroundTruth, Pose};
-
-/// Focal lengths and principal points of both eyes: what stands `x` to the right of an eye's axis, `y` below it and `z` along it is seen at column
-/// `fx x / z + cx` and row `fy y / z + cy`, in pixels from the picture's top left corner, so that pixel centres are at halves.
-pub(super) struct Intrinsics {
-    pub(super) fx: f64,
-    pub(super) fy: f64,
-    /// Of the left eye.
-    pub(super) cx0: f64,
-    /// Of the right eye.
-    pub(super) cx1: f64,
-    pub(super) cy: f64,
-}
-
-impl Intrinsics {
-    /// Off-axis eyes look along parallel axes through one screen, so their principal points are `e_px` apart, the left eye's on the left.
-    pub(super) fn of(pose: &Pose) -> Self {
-        let [w, h] = pose.size.map(f64::from);
-        let [across, tall] = pose.screen_size.map(f64::from);
-        let d = f64::from(pose.screen_distance);
-        let aside = 0.5 * f64::from(pose.interaxial) * w / across;
-        Self { fx: d * w / across, fy: d * h / tall, cx0: 0.5 * w - aside, cx1: 0.5 * w + aside, cy: 0.5 * h }
-    }
-
-    pub(super) fn doffs(&self) -> f64 {
-        self.cx1 - self.cx0
-    }
-}
+use crate::{Error, EyeTruth, GroundTruth, Pose, camera::Intrinsics};
 
 /// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
 /// world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
-    let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
-    let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+    let eye = pose.eye.as_dvec3() + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
+    let Pose { right, up, forward, .. } = pose.of_eye(side as f32);
+    let [right, up, forward] = [right, up, forward].map(|axis| axis.as_dvec3());
     let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
     [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
 }
@@ -58,7 +32,7 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
 /// are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it says nothing of negative ones.
 pub fn calib_txt(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
-    let intrinsics = Intrinsics::of(pose);
+    let intrinsics = pose.intrinsics();
     let Intrinsics { fx, fy, cx0, cx1, cy } = intrinsics;
     let camera = |cx: f64| format!("[{fx} 0 {}; 0 {fy} {}; 0 0 1]", cx - 0.5, cy - 0.5);
     let [low, high] = disparity_range(truth);
@@ -140,7 +114,7 @@ mod tests {
     fn intrinsics_and_matrices_show_points_where_the_pose_does() {
         let camera = StereoCamera::look_at(Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 0.5, -4.0)).size(123, 77);
         let pose = camera.interaxial(0.4).screen_distance(3.0).pose().unwrap();
-        let Intrinsics { fx, fy, cx0, cx1, cy } = Intrinsics::of(&pose);
+        let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
         for (side, cx) in [(-1.0, cx0), (1.0, cx1)] {
             for point in [Vec3::ZERO, Vec3::new(0.3, 0.2, -2.0), Vec3::new(-5.0, 2.0, -9.0)] {
                 let [x, y, z] = [0, 1, 2].map(|row| {

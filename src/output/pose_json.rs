@@ -1,12 +1,16 @@
 //! A checked camera as a JSON file: for other programs, and to be read back to the bit.
 
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 use glam::{DMat4, Vec3};
 use serde_json::{Map, Value, json};
 
-use super::calibration::{Intrinsics, world_to_camera};
-use crate::{Error, Limits, Pose, input};
+use super::calibration::world_to_camera;
+use crate::{
+    Convergence, Error, Limits, Pose,
+    camera::{Frustum, Intrinsics},
+    input,
+};
 
 impl Pose {
     /// The camera as JSON text: `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and the matrices
@@ -14,7 +18,8 @@ impl Pose {
     /// back to the bit. `conventions` says what frames and units are.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
-        let intrinsics = Intrinsics::of(self);
+        let intrinsics = self.intrinsics();
+        let Frustum { distance, size, center, shift } = self.frustum;
         let text = json!({
             "format": "stereotrace pose 1",
             "conventions": {
@@ -36,11 +41,14 @@ impl Pose {
                 "forward": vector(self.forward),
                 "right": vector(self.right),
                 "up": vector(self.up),
-                "screen_distance": f64::from(self.screen_distance),
-                "screen_size": self.screen_size.map(f64::from),
+                "screen_distance": length(self.screen_distance),
+                "screen_size": self.screen_size.map(length),
                 "interaxial": f64::from(self.interaxial),
                 "interaxial_px": f64::from(self.interaxial_px),
                 "size": self.size,
+                "convergence": if self.convergence == Convergence::ToeIn { "toe-in" } else { "off-axis" },
+                "subject_distance": f64::from(self.subject_distance),
+                "frustum": { "distance": distance, "size": size, "center": center, "shift": shift },
             },
         });
         format!("{text:#}\n")
@@ -66,6 +74,11 @@ impl Pose {
     }
 }
 
+/// JSON has no infinity, which is how far the screen of parallel cameras is.
+fn length(value: f32) -> Value {
+    if value == f32::INFINITY { json!("inf") } else { json!(f64::from(value)) }
+}
+
 fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
     // The axes are at right angles and of unit length up to their rounding; the inverse is that of what is written. glam's columns are our
@@ -82,16 +95,30 @@ fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64
 }
 
 fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
+    let frustum = field(pose, "frustum")?;
+    let fields = frustum.as_object().ok_or_else(|| format!("pose: frustum is {frustum}; it must be an object"))?;
     let read = Pose {
         eye: Vec3::from_array(numbers(pose, "eye")?),
         forward: Vec3::from_array(numbers(pose, "forward")?),
         right: Vec3::from_array(numbers(pose, "right")?),
         up: Vec3::from_array(numbers(pose, "up")?),
-        screen_distance: positive(pose, "screen_distance")?,
-        screen_size: numbers(pose, "screen_size")?,
-        interaxial: number(pose, "interaxial")?,
-        interaxial_px: number(pose, "interaxial_px")?,
+        screen_distance: positive(pose, "screen_distance", extent)?,
+        screen_size: list(pose, "screen_size", extent, "lengths, or \"inf\"")?,
+        interaxial: number(pose, "interaxial", finite)?,
+        interaxial_px: number(pose, "interaxial_px", finite)?,
         size: size(pose)?,
+        convergence: match field(pose, "convergence")?.as_str() {
+            Some("off-axis") => Convergence::OffAxis,
+            Some("toe-in") => Convergence::ToeIn,
+            _ => return Err(format!("pose: convergence is {}; it must be off-axis or toe-in", pose["convergence"])),
+        },
+        subject_distance: positive(pose, "subject_distance", finite)?,
+        frustum: Frustum {
+            distance: positive(fields, "distance", Value::as_f64)?,
+            size: list(fields, "size", Value::as_f64, "numbers")?,
+            center: list(fields, "center", Value::as_f64, "numbers")?,
+            shift: number(fields, "shift", Value::as_f64)?,
+        },
     };
     Ok(read)
 }
@@ -105,31 +132,46 @@ fn finite(value: &Value) -> Option<f32> {
     value.as_f64().map(|number| number as f32).filter(|number| number.is_finite())
 }
 
-fn number(pose: &Map<String, Value>, name: &str) -> Result<f32, String> {
-    let value = field(pose, name)?;
-    finite(value).ok_or_else(|| format!("pose: {name} is {value}; it must be a number that fits f32"))
+/// The same, or infinity as [`length`] writes it.
+fn extent(value: &Value) -> Option<f32> {
+    if value.as_str() == Some("inf") { Some(f32::INFINITY) } else { finite(value) }
 }
 
-fn positive(pose: &Map<String, Value>, name: &str) -> Result<f32, String> {
-    number(pose, name).and_then(|found| match found {
-        found if found > 0.0 => Ok(found),
-        found => Err(format!("pose: {name} is {found}; it must be above 0")),
+fn number<T>(pose: &Map<String, Value>, name: &str, read: fn(&Value) -> Option<T>) -> Result<T, String> {
+    let value = field(pose, name)?;
+    read(value).ok_or_else(|| format!("pose: {name} is {value}; it must be a number that fits f32"))
+}
+
+fn positive<T: Copy + Display + PartialOrd + Default>(
+    pose: &Map<String, Value>,
+    name: &str,
+    read: fn(&Value) -> Option<T>,
+) -> Result<T, String> {
+    number(pose, name, read).and_then(|found| match found > T::default() {
+        true => Ok(found),
+        false => Err(format!("pose: {name} is {found}; it must be above 0")),
     })
 }
 
-fn numbers<const N: usize>(pose: &Map<String, Value>, name: &str) -> Result<[f32; N], String> {
+fn numbers(pose: &Map<String, Value>, name: &str) -> Result<[f32; 3], String> {
+    list(pose, name, finite, "numbers that fit f32")
+}
+
+fn list<T, const N: usize>(
+    pose: &Map<String, Value>,
+    name: &str,
+    read: fn(&Value) -> Option<T>,
+    what: &str,
+) -> Result<[T; N], String> {
     let value = field(pose, name)?;
-    let found: Option<Vec<f32>> = value.as_array().and_then(|list| list.iter().map(finite).collect());
+    let found: Option<Vec<T>> = value.as_array().and_then(|list| list.iter().map(read).collect());
     let found = found.and_then(|list| list.try_into().ok());
-    found.ok_or_else(|| format!("pose: {name} is {value}; it must be {N} numbers that fit f32"))
+    found.ok_or_else(|| format!("pose: {name} is {value}; it must be {N} {what}"))
 }
 
 fn size(pose: &Map<String, Value>) -> Result<[u32; 2], String> {
-    let value = field(pose, "size")?;
     let side = |value: &Value| value.as_u64().and_then(|side| u32::try_from(side).ok()).filter(|side| *side > 0);
-    let sides: Option<Vec<u32>> = value.as_array().and_then(|list| list.iter().map(side).collect());
-    let sides = sides.and_then(|sides| sides.try_into().ok());
-    sides.ok_or_else(|| format!("pose: size is {value}; it must be width and height in pixels"))
+    list(pose, "size", side, "sides of a picture in pixels")
 }
 
 #[cfg(test)]
@@ -147,7 +189,12 @@ mod tests {
             for round in 0..100 {
                 let (eye, target) = (random.point(scale), random.point(scale));
                 let camera = StereoCamera::look_at(eye, target).up(random.point(1.0)).size(2 + round, 1 + 3 * round);
-                let Ok(pose) = camera.screen_width(scale * 0.37).screen_distance(scale / 3.0).pose() else { continue };
+                let camera = match round % 3 {
+                    0 => camera.screen_width(scale * 0.37).screen_distance(scale / 3.0),
+                    1 => camera.screen_distance(f32::INFINITY),
+                    _ => camera.convergence(Convergence::ToeIn),
+                };
+                let Ok(pose) = camera.pose() else { continue };
                 let mut batch = Batch::new();
                 batch.add_camera_json(&path, &pose).unwrap();
                 batch.commit().unwrap();
@@ -183,8 +230,8 @@ mod tests {
             ("\"forward\"", "\"backward\"", "pose: forward is missing"),
             ("\"screen_distance\": 1.0", "\"screen_distance\": -1", "pose: screen_distance is -1; it must be above 0"),
             ("\"screen_distance\": 1.0", "\"screen_distance\": 1e99", "must be a number that fits f32"),
-            ("640,\n      480", "640", "size is [640]; it must be width and height"),
-            ("640,\n      480", "640, 0", "size is [640,0]; it must be width and height"),
+            ("640,\n      480", "640", "size is [640]; it must be 2 sides"),
+            ("640,\n      480", "640, 0", "size is [640,0]; it must be 2 sides"),
             ("{", "{,", "json:1: no JSON"),
         ]
         .into_iter()

@@ -5,7 +5,7 @@
 //! right and lower border. So a cell of level 0 is a pixel with a sample in each corner, and its neighbours share them. A cell whose
 //! corners differ is divided into four of the next level.
 
-use crate::{View, frame::wanted::Mask};
+use crate::{View, camera::Parallax, frame::wanted::Mask};
 
 /// Of one view, in some rows of pixels.
 pub(crate) struct Cells {
@@ -23,14 +23,6 @@ struct Level {
     cost: Vec<u32>,
     /// Of each of its cells: it is divided.
     divided: Vec<bool>,
-}
-
-/// What two views see of each other's samples.
-#[derive(Clone, Copy)]
-pub(crate) struct Between {
-    /// Pixels by which what is infinitely far away stands farther to the right in the other view.
-    pub(crate) parallax_px: f32,
-    pub(crate) screen_distance: f32,
 }
 
 /// A surface seen by both has the same depth in both, but between samples: so much of it less is another one, in front.
@@ -102,7 +94,14 @@ impl Cells {
     }
 
     /// The cells of another view that show what differing ones of this show, and so may differ as well: added to what is divided there.
-    pub(crate) fn seen_by(&self, other: &Self, level: u32, differing: &[bool], between: Between, divided: &mut [bool]) {
+    pub(crate) fn seen_by(
+        &self,
+        other: &Self,
+        level: u32,
+        differing: &[bool],
+        parallax: Parallax,
+        divided: &mut [bool],
+    ) {
         let across = self.cells(level)[0];
         let scale = (1u32 << level) as f32;
         for (place, _) in differing.iter().enumerate().filter(|(_, differs)| **differs) {
@@ -113,7 +112,7 @@ impl Cells {
             };
             // What is in front has its edge in both views.
             let depth = nearest(self, [x, y]);
-            let landed = x as f32 + scale * between.parallax_px * (1.0 - between.screen_distance / depth);
+            let landed = x as f32 + parallax.times(scale).px(depth);
             for column in [landed.floor(), landed.ceil()] {
                 if column < 0.0 || column >= across as f32 {
                     continue;
@@ -276,7 +275,7 @@ mod tests {
     fn an_edge_is_divided_where_the_other_view_shows_it() {
         let left = divided([8, 2], |[x, _]| f64::from(u8::from(x > 2.4)), 0.0);
         let mut right = divided([8, 2], |_| 0.0, 0.0);
-        let between = Between { parallax_px: 6.0, screen_distance: 1.0 }; // 3 pixels at a depth of 2
+        let between = Parallax { scale_px: 6.0, at_infinity: 1.0, distance: 1.0 }; // 3 pixels at a depth of 2
         let mut found = vec![false; 16];
         left.seen_by(&right, 0, &left.differing(0, 0.0), between, &mut found);
         assert_eq!(

@@ -15,7 +15,8 @@ const BEFORE_OBSTACLE: f32 = 0.9;
 impl Scene {
     /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k` stands
     /// beside and above the eyes, at
-    /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`; where the eyes are
+    /// `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle, `ρ = d (0.25 + 0.5 (k + 0.5) / count)`, `d` being the screen's distance
+    /// or, where that is infinite, the target's; where the eyes are
     /// inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does not end up
     /// behind a wall. `ambient` becomes 0.15 where it is `None`, and stays what it is where it was given. The lights add up
     /// to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
@@ -33,7 +34,7 @@ impl Scene {
         let mut near = None;
         let place = |k: usize| {
             let (sin, cos) = (k as f32 * GOLDEN_ANGLE).sin_cos();
-            let reach = pose.screen_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
+            let reach = pose.subject_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
             let wanted = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
             let position = match walls {
                 Walls::None => Some(wanted),
@@ -68,7 +69,7 @@ impl Scene {
 
     /// The primitives that may stand between the eyes and a light.
     fn within_reach(&self, pose: &Pose) -> Self {
-        let (low, high) = (pose.eye - pose.screen_distance, pose.eye + pose.screen_distance);
+        let (low, high) = (pose.eye - pose.subject_distance, pose.eye + pose.subject_distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
         // Holes don't count: what is cut out is as good as whole.
@@ -104,7 +105,7 @@ impl Walls {
         match bounds {
             Some((low, high)) if pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all() => {
                 let inset = (high - low) * 0.05;
-                match (high - low).max_element() > FAR_REACHING * pose.screen_distance {
+                match (high - low).max_element() > FAR_REACHING * pose.subject_distance {
                     true => Self::BeyondSight,
                     false => Self::Box(low + inset, high - inset),
                 }

@@ -35,7 +35,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             source_eye,
             parallax_px,
             target_eye,
-            screen_distance,
+            parallax_distance,
             source_corner,
             shift,
             target_corner,
@@ -71,6 +71,8 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             jitter_seed,
             zero_b,
             zero,
+            at_infinity,
+            pixel_side,
         }
     );
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
