@@ -1,6 +1,7 @@
 //! The stereo camera: pose, off-axis frusta and parallax. Geometry as DESIGN, section 2.
 
 mod comfort;
+mod display;
 mod fitting;
 mod frustum;
 mod intrinsics;
@@ -9,6 +10,7 @@ mod ranges;
 mod toe_in;
 
 pub use comfort::Comfort;
+pub use display::{ComfortRule, Comfortable, Display};
 pub use intrinsics::Intrinsics;
 pub use path::CameraPath;
 pub use ranges::{MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES};

@@ -4,7 +4,8 @@ use super::{HUMAN_INTERAXIAL, Pose};
 
 impl Pose {
     /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where
-    /// there is sky), on a display `display_width` metres wide.
+    /// there is sky), on a display `display_width` metres wide. [`StereoCamera::comfortable`](super::StereoCamera::comfortable) chooses a
+    /// camera that is.
     pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
         let width = self.size[0] as f32;
         let positive_px = self.parallax_px(farthest).max(0.0);
