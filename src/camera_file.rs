@@ -1,16 +1,29 @@
-//! Reads cameras and lights from JSON files.
+//! Reads cameras and lights from JSON files, and calibrated pairs (camera_file/calib.rs).
+
+mod calib;
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Map, Value};
 
-use crate::{CameraPath, Error, Light, Limits, Scene, StereoCamera, input};
+use crate::{CameraPath, Convergence, Error, Light, Limits, Scene, StereoCamera, camera::Intrinsics, input};
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
-    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` and
-    /// `eye_separation` (world units). Other fields are ignored. The picture is `width` x `height` pixels.
+    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` (world units, or `"inf"` for parallel cameras) and
+    /// `eye_separation` (world units). The picture is `width` x `height` pixels.
+    ///
+    /// In their place there may be
+    ///
+    /// - for `vfov_deg`: `fx`, `fy` (else `fx` again), `cy`, and `cx` or `cx0` and `cx1`, as [`Intrinsics`] has them, with **pixel centres at halves**; of a
+    ///   picture of `width` x `height`, where the entry has these, and scaled from there to the size that is asked for. With `cx0` and `cx1` there is no
+    ///   `screen_distance`; with `cx` alone, where there is none the cameras are parallel;
+    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x to the right, y down and z ahead;
+    /// - for `eye_separation`: `baseline`, which is the same.
+    ///
+    /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other than 0 are refused, and so is what both eyes must
+    /// share and don't (`fx1`, `fy1`, `cy1`). Other fields are ignored.
     ///
     /// ```no_run
     /// let camera = stereotrace::StereoCamera::from_json("cameras.json", "sponza", 1280, 720)?;
@@ -76,19 +89,16 @@ fn camera(
     [width, height]: [u32; 2],
 ) -> Result<StereoCamera, Error> {
     let fault = |reason: String| fault(path, label, reason);
-    let camera = StereoCamera::look_at(vector(entry, "eye").map_err(fault)?, vector(entry, "target").map_err(fault)?)
-        .up(vector(entry, "up").map_err(fault)?)
-        .vertical_fov_degrees(number(entry, "vfov_deg").map_err(fault)?)
-        .screen_distance(number(entry, "screen_distance").map_err(fault)?)
-        .interaxial(number(entry, "eye_separation").map_err(fault)?)
-        .size(width, height);
+    let camera = camera_of(entry, [width, height]).map_err(fault)?;
     match camera.pose() {
         Ok(_) => Ok(camera),
         // The file is not to blame for the size; for the rest, the message takes the file's word for the field.
         Err(Error::Camera { field, value, reason }) if field != "size" => {
             let named = match field {
                 "vertical_fov" => "vfov_deg",
+                "interaxial" if entry.contains_key("baseline") => "baseline",
                 "interaxial" => "eye_separation",
+                "doffs" => "cx1 - cx0",
                 other => other,
             };
             let text = format!("{label}: {named} is {value}; {reason}");
@@ -159,6 +169,116 @@ fn fault(path: &Path, label: &str, reason: String) -> Error {
     Error::parse(path, None, format!("{label}: {reason}"))
 }
 
+/// The camera of an entry, of a picture of this size.
+fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<StereoCamera, String> {
+    let has = |name: &str| entry.contains_key(name);
+    let zero = calib::DISTORTION.into_iter().chain(["skew"]).filter(|name| has(name));
+    for name in zero {
+        let is_zero = match &entry[name] {
+            Value::Array(list) => list.iter().all(|item| item.as_f64() == Some(0.0)),
+            value => value.as_f64() == Some(0.0),
+        };
+        if !is_zero {
+            return Err(format!(
+                "{name} is {}; skew and lens distortion can't be rendered: rectify the pair",
+                entry[name]
+            ));
+        }
+    }
+    let separation = if has("baseline") { "baseline" } else { "eye_separation" };
+    alone(entry, separation, &["eye_separation"])?;
+    let interaxial = number(entry, separation)?;
+    let camera = if has("pose") {
+        alone(entry, "pose", &["eye", "target", "up"])?;
+        from_matrix(entry, interaxial)?
+    } else {
+        StereoCamera::look_at(vector(entry, "eye")?, vector(entry, "target")?).up(vector(entry, "up")?)
+    };
+    let camera = camera.size(width, height).interaxial(interaxial);
+    let camera = match entry.get("convergence").map(Value::as_str) {
+        None | Some(Some("off-axis")) => camera,
+        Some(Some("toe-in")) => camera.convergence(Convergence::ToeIn),
+        Some(_) => {
+            return Err(format!("convergence is {}; it must be \"off-axis\" or \"toe-in\"", entry["convergence"]));
+        }
+    };
+    if !has("fx") {
+        return Ok(camera.vertical_fov_degrees(number(entry, "vfov_deg")?).screen_distance(screen_distance(entry)?));
+    }
+    alone(entry, "fx", &["vfov_deg"])?;
+    let camera = camera.intrinsics(intrinsics(entry, [width, height])?);
+    if !has("screen_distance") {
+        return Ok(camera);
+    }
+    alone(entry, "cx0", &["screen_distance"])?;
+    Ok(camera.screen_distance(screen_distance(entry)?))
+}
+
+/// A field in whose place others are must be without them.
+fn alone(entry: &Map<String, Value>, name: &str, others: &[&str]) -> Result<(), String> {
+    let found = others.iter().find(|other| **other != name && entry.contains_key(name) && entry.contains_key(**other));
+    found.map_or(Ok(()), |other| Err(format!("{name} and {other} are both given; one says it all")))
+}
+
+/// A number, or infinity by name.
+fn screen_distance(entry: &Map<String, Value>) -> Result<f32, String> {
+    match field(entry, "screen_distance")?.as_str() {
+        Some("inf" | "infinity") => Ok(f32::INFINITY),
+        Some(text) => Err(format!("screen_distance is \"{text}\"; it must be a number or \"inf\"")),
+        None => number(entry, "screen_distance"),
+    }
+}
+
+/// Intrinsics, scaled from the picture that they are of to one of this size.
+fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, String> {
+    let has = |name: &str| entry.contains_key(name);
+    let fx = double(entry, "fx")?;
+    let fy = if has("fy") { double(entry, "fy")? } else { fx };
+    let cy = double(entry, if has("cy0") { "cy0" } else { "cy" })?;
+    for (name, shared) in [("fx1", fx), ("fy1", fy), ("cy1", cy)] {
+        if has(name) && double(entry, name)? != shared {
+            return Err(format!("{name} is {}, and {shared} for the other eye; both must share one", entry[name]));
+        }
+    }
+    let found = if has("cx0") || has("cx1") {
+        alone(entry, "cx", &["cx0", "cx1"])?;
+        Intrinsics::new([fx, fy], [double(entry, "cx0")?, cy]).right_cx(double(entry, "cx1")?)
+    } else {
+        Intrinsics::new([fx, fy], [double(entry, "cx")?, cy])
+    };
+    if !has("width") && !has("height") {
+        return Ok(found);
+    }
+    let of = [double(entry, "width")?, double(entry, "height")?];
+    if let Some(side) = of.into_iter().find(|side| *side < 1.0 || side.fract() != 0.0) {
+        return Err(format!("width or height is {side}; they must be whole numbers above 0"));
+    }
+    Ok(found.scaled([0, 1].map(|axis| f64::from(size[axis]) / of[axis])))
+}
+
+/// A camera where a matrix puts the left eye. (Far enough off, the target's rounding does not turn it.)
+fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCamera, String> {
+    let value = field(entry, "pose")?;
+    let row = |row: &Value| -> Option<[f64; 4]> {
+        let numbers: Option<Vec<f64>> = row.as_array()?.iter().map(Value::as_f64).collect();
+        numbers?.try_into().ok()
+    };
+    let rows: Option<Vec<[f64; 4]>> = value.as_array().and_then(|rows| rows.iter().map(row).collect());
+    let rows = rows.and_then(|rows| <[[f64; 4]; 4]>::try_from(rows).ok());
+    let rows = rows.ok_or_else(|| format!("pose is {value}; it must be four rows of four numbers"))?;
+    let matrix = DMat4::from_cols_array_2d(&rows).transpose();
+    let [right, down, ahead, at] =
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis].map(|axis| axis.truncate());
+    let off = [right.dot(down), down.dot(ahead), ahead.dot(right), right.cross(down).dot(ahead) - 1.0];
+    let off = off.into_iter().chain([right, down, ahead].map(|axis| axis.length() - 1.0)).map(f64::abs);
+    if rows[3] != [0.0, 0.0, 0.0, 1.0] || !off.fold(0.0, f64::max).le(&1e-4) {
+        return Err("pose is no turn and shift: its columns must be at right angles, of length 1 and right-handed, its last row 0 0 0 1".into());
+    }
+    let eye: DVec3 = at + right * (0.5 * f64::from(interaxial));
+    let far = (30.0 * f64::from(interaxial)).max(eye.abs().max_element()).max(1e-3);
+    Ok(StereoCamera::look_at(eye.as_vec3(), (eye + ahead * far).as_vec3()).up((-down).as_vec3()))
+}
+
 /// The fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
     let mut cameras: Map<String, Value> = read(path, limits, "object of cameras")?;
@@ -201,6 +321,11 @@ fn field<'a>(entry: &'a Map<String, Value>, name: &str) -> Result<&'a Value, Str
 fn number(entry: &Map<String, Value>, name: &str) -> Result<f32, String> {
     let value = field(entry, name)?;
     value.as_f64().map(|number| number as f32).ok_or_else(|| format!("{name} is {value}; it must be a number"))
+}
+
+fn double(entry: &Map<String, Value>, name: &str) -> Result<f64, String> {
+    let value = field(entry, name)?;
+    value.as_f64().ok_or_else(|| format!("{name} is {value}; it must be a number"))
 }
 
 fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
@@ -246,6 +371,91 @@ mod tests {
         assert_eq!(read("mark", format!("\u{feff}{text}"), "hall").unwrap(), expected);
         let tilted = text.replace(r#""up": [0, 1, 0]"#, r#""up": [0, 1, 1]"#);
         assert_eq!(read("tilted", tilted, "hall").unwrap(), expected.up(Vec3::new(0.0, 1.0, 1.0)));
+    }
+
+    const CALIBRATED: &str = r#"{ "eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0], "fx": 500, "fy": 480.5, "cx": 330.25, "cy": 239,
+        "baseline": 0.125, "k1": 0, "p1": 0.0, "skew": 0 }"#;
+
+    #[test]
+    fn intrinsics_and_matrices_are_the_cameras_they_stand_for() {
+        let entry = |from: &str, to: &str| {
+            let text = CALIBRATED.replace(from, to);
+            assert!(from == to || text != CALIBRATED, "{from}");
+            read("calibrated", format!(r#"{{ "it": {text} }}"#), "it").unwrap()
+        };
+        let placed = StereoCamera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, -4.0)).size(640, 480);
+        let (placed, lenses) = (placed.interaxial(0.125), Intrinsics::new([500.0, 480.5], [330.25, 239.0]));
+        assert_eq!(entry("", ""), placed.intrinsics(lenses));
+        let two = entry(r#""cx": 330.25"#, r#""cx0": 330.25, "cx1": 341"#);
+        assert_eq!(two, placed.intrinsics(lenses.right_cx(341.0)));
+        let at = entry(r#""skew""#, r#""screen_distance": 4, "skew""#);
+        assert_eq!(at, placed.intrinsics(lenses).screen_distance(4.0));
+        assert_eq!(at.pose().unwrap().screen_distance, 4.0);
+        let at = entry(r#""skew""#, r#""screen_distance": "inf", "skew""#);
+        assert_eq!(at.pose().unwrap(), entry("", "").pose().unwrap());
+        let twice = entry(r#""skew""#, r#""width": 1280, "height": 960, "skew""#);
+        assert_eq!(twice, placed.intrinsics(lenses.scaled([0.5; 2])));
+        assert_eq!(entry(r#""fy": 480.5, "#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
+        let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
+        assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
+        // x to the right, y down, z ahead, of an eye that looks along -z; the left one stands half the baseline to the left.
+        let matrix = r#""pose": [[1, 0, 0, 0.9375], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]"#;
+        let posed = entry(r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#, matrix).pose().unwrap();
+        let expected = entry("", "").pose().unwrap();
+        assert_eq!(
+            (posed.eye, posed.forward, posed.right, posed.up),
+            (expected.eye, expected.forward, expected.right, expected.up)
+        );
+        assert_eq!(posed.intrinsics(), expected.intrinsics());
+        let parallel = HALL.replace(r#""screen_distance": 6"#, r#""screen_distance": "inf""#);
+        let parallel = read("parallel", format!(r#"{{ "hall": {parallel} }}"#), "hall").unwrap().pose().unwrap();
+        assert_eq!((parallel.screen_distance, parallel.interaxial), (f32::INFINITY, 0.065));
+    }
+
+    #[test]
+    fn a_bad_calibration_is_named_by_its_field() {
+        let turned = r#""pose": [[1, 0, 0, 0], [0, 1, 0.1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"#;
+        let left_handed = r#""pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]]"#;
+        let placed = r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#;
+        for (index, (from, to, expected)) in [
+            (r#""k1": 0"#, r#""k1": 0.1"#, "k1 is 0.1; skew and lens distortion"),
+            (r#""p1": 0.0"#, r#""distortion": [0, 0, 1]"#, "distortion is [0,0,1]; skew and lens"),
+            (r#""skew": 0"#, r#""skew": "a""#, "skew is \"a\"; skew and lens"),
+            (r#""skew": 0"#, r#""fx1": 501"#, "fx1 is 501, and 500 for the other eye; both must share one"),
+            (r#""skew": 0"#, r#""cy1": 0"#, "cy1 is 0, and 239 for the other eye"),
+            (r#""skew": 0"#, r#""cx1": 400"#, "cx and cx1 are both given; one says it all"),
+            (r#""skew": 0"#, r#""vfov_deg": 40"#, "fx and vfov_deg are both given"),
+            (r#""skew": 0"#, r#""eye_separation": 1"#, "baseline and eye_separation are both given"),
+            (r#""skew": 0"#, r#""width": 1280"#, "height is missing"),
+            (r#""skew": 0"#, r#""width": 0.5, "height": 1"#, "width or height is 0.5"),
+            (r#""skew": 0"#, r#""convergence": "parallel""#, "convergence is \"parallel\"; it must be \"off-axis\""),
+            (r#""skew": 0"#, r#""screen_distance": "far""#, "screen_distance is \"far\"; it must be a number"),
+            (
+                r#""cx": 330.25"#,
+                r#""cx0": 330, "cx1": 331, "screen_distance": 1"#,
+                "cx0 and screen_distance are both given",
+            ),
+            (r#""cx": 330.25"#, r#""cx0": 330, "cx1": 329"#, "cx1 - cx0 is -1; cx1 must be cx0 or more"),
+            (r#""cx": 330.25, "#, "", "cx is missing"),
+            (r#""cx": 330.25"#, r#""cx": null"#, "cx is null; it must be a number"),
+            (r#""fx": 500"#, r#""fx": 0"#, "fx is 0; a focal length must be"),
+            (r#""fy": 480.5"#, r#""fy": -1"#, "fy is -1; a focal length must be"),
+            (r#""fx": 500"#, r#""fx": 1e9"#, "intrinsics is fx 1000000000, fy 480.5"),
+            (r#""cx": 330.25"#, r#""cx": 1e9"#, "intrinsics is fx 500, fy 480.5, cx 1000000000"),
+            (r#""baseline": 0.125"#, r#""baseline": -1"#, "baseline is -1; it must be a number of at least 0"),
+            (r#""eye": [1, 2, 3]"#, turned, "pose and target are both given"),
+            (placed, turned, "pose is no turn and shift"),
+            (placed, left_handed, "pose is no turn and shift"),
+            (placed, r#""pose": [1, 2, 3]"#, "pose is [1,2,3]; it must be four rows of four numbers"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let text = CALIBRATED.replace(from, to);
+            assert_ne!(text, CALIBRATED);
+            let message = message(&format!("calibration{index}"), format!(r#"{{ "it": {text} }}"#), "it");
+            assert!(message.contains(&format!("camera 'it': {expected}")), "{message} should say {expected}");
+        }
     }
 
     #[test]
