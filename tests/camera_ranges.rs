@@ -4,8 +4,8 @@ mod common;
 
 use common::{RandomScene, ball, is_exact, random::Random, renderer};
 use stereotrace::{
-    Light, MISS, MaterialId, Mesh, Method, Options, Renderer, Scene, Sphere, StereoCamera, StereoPair,
-    camera::{MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
+    Convergence, Light, MISS, MaterialId, Mesh, Method, Options, Renderer, Scene, Sphere, StereoCamera, StereoPair,
+    camera::{Intrinsics, MIN_PIXEL_ANGLE, SCREEN_DISTANCES},
     glam::Vec3,
     scene::{MAX_COORDINATE, MIN_EXTENT},
 };
@@ -41,6 +41,48 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (camera().vertical_fov_degrees(179.99), "vertical_fov is 179.99, and pixels of 100x80 span"),
         (camera().screen_width(1e-3), "screen_width is 0.001, and pixels of 100x80 span 2.5e-6 radians"),
         (camera().size(1 << 18, 1), "size is 262144x1; width and height must be at most 131072"),
+        (
+            camera().screen_distance(f32::NEG_INFINITY),
+            "screen_distance is -inf; it must lie between 1e-6 and 1e9, or be infinite",
+        ),
+        (parallel().interaxial_pixels(4.0), "interaxial is 4.0 px; in pixels it is the parallax at infinity"),
+        (parallel().interaxial_pixels(0.0), "interaxial is 0.0 px; in pixels it is the parallax at infinity"),
+        (parallel().interaxial(f32::NAN), "interaxial is NaN; it must be a number of at least 0"),
+        (parallel().screen_width(2.0), "screen_width is 2; it takes a screen distance"),
+        (parallel().vertical_fov_degrees(0.01), "vertical_fov is 0.01, and pixels of 100x80 span 2.2e-6 radians"),
+        (
+            parallel().eye(Vec3::splat(1e7)).target(Vec3::ZERO).interaxial(0.3),
+            "interaxial is 0.3; so far from the world's origin",
+        ),
+        (parallel().interaxial(1e9), "interaxial is 1000000000.0; it moves an eye's coordinates beyond"),
+        (lenses(0.0, 90.0), "fx is 0; a focal length must be"),
+        (lenses(f64::NAN, 90.0), "fx is NaN; a focal length must be"),
+        (calibrated(Intrinsics::new([90.0, f64::INFINITY], [50.0, 40.0])), "fy is inf; a focal length must be"),
+        (calibrated(Intrinsics::new([90.0; 2], [50.0, f64::NAN])), "cy is NaN; a principal point must be"),
+        (calibrated(Intrinsics::new([90.0; 2], [f64::INFINITY, 40.0])), "cx is inf; a principal point must be"),
+        (
+            calibrated(Intrinsics::new([90.0; 2], [1e6, 40.0])),
+            "intrinsics is fx 90, fy 90, cx 1000000, cy 40, and pixels of 100x80 span",
+        ),
+        (
+            calibrated(Intrinsics::new([90.0; 2], [50.0, -1e6])),
+            "intrinsics is fx 90, fy 90, cx 50, cy -1000000, and pixels",
+        ),
+        (lenses(1e9, 1e9), "intrinsics is fx 1000000000"),
+        (lenses(1e-9, 1e-9), "intrinsics is fx 0.000000001"),
+        (lenses(1e300, 90.0), "intrinsics is fx 1"),
+        (lenses(90.0, 1e-300), "intrinsics is fx 90, fy 0.0"),
+        (doffs(-0.5), "doffs is -0.5; cx1 must be cx0 or more"),
+        (doffs(5.0).interaxial(0.0), "screen_distance is 0.0, by principal points 5 px apart"),
+        (doffs(1e-12), "screen_distance is 11977658000000.0, by principal points"),
+        (doffs(5.0).interaxial_pixels(5.0), "interaxial is 5.0 px; in pixels it is the parallax at infinity"),
+        (doffs(5.0).convergence(Convergence::ToeIn), "doffs is 5; eyes that are toed in have"),
+        (doffs(5.0).screen_width(3.0), "screen_width is 3; it takes a screen distance"),
+        (
+            calibrated(Intrinsics::new([90.0; 2], [-1e6, 40.0]).right_cx(1e6)).interaxial(1e4),
+            "interaxial is 10000.0, and pixels span",
+        ),
+        (camera().convergence(Convergence::ToeIn).interaxial(5e8), "interaxial is 500000000.0; it moves an eye"),
     ];
     for (camera, expected) in refused {
         let message = camera.pose().unwrap_err().to_string();
@@ -49,6 +91,29 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
     for distance in [*SCREEN_DISTANCES.start(), *SCREEN_DISTANCES.end()] {
         camera().screen_distance(distance).interaxial(0.0).pose().unwrap();
     }
+    parallel().interaxial(0.0).pose().unwrap();
+    // What contradicts a screen at infinity does not contradict one that is set later.
+    doffs(5.0).screen_distance(3.0).interaxial_pixels(5.0).pose().unwrap();
+    doffs(5.0).screen_distance(3.0).convergence(Convergence::ToeIn).pose().unwrap();
+    let later = doffs(5.0).vertical_fov_degrees(45.0).screen_distance(4.0).pose().unwrap();
+    let plain = camera().interaxial(0.13).vertical_fov_degrees(45.0).screen_distance(4.0).pose().unwrap();
+    assert_eq!(later, plain);
+}
+
+fn parallel() -> StereoCamera {
+    camera().screen_distance(f32::INFINITY).interaxial(0.13)
+}
+
+fn calibrated(intrinsics: Intrinsics) -> StereoCamera {
+    camera().interaxial(0.13).intrinsics(intrinsics)
+}
+
+fn lenses(fx: f64, fy: f64) -> StereoCamera {
+    calibrated(Intrinsics::new([fx, fy], [50.0, 40.0]))
+}
+
+fn doffs(doffs: f64) -> StereoCamera {
+    calibrated(Intrinsics::new([92.307_692_307_692_3; 2], [50.0, 40.0]).right_cx(50.0 + doffs))
 }
 
 /// Pixels of the right view that differ in depth, primitive or colour.
@@ -90,6 +155,65 @@ fn at_the_edge(
         0 => camera.interaxial_pixels(power(random, -2.0, 1.0)),
         _ => camera.interaxial(distance * 2.0 * (2.0 * slope / height / angle).sqrt()),
     }
+}
+
+/// The same eyes with a principal point so far aside that pixels in the corners span `angle` or so, or with eyes far or hardly apart,
+/// or in a picture of one pixel; as parallel cameras or before a screen.
+fn calibrated_at_the_edge(random: &mut Random, camera: StereoCamera, angle: f32) -> StereoCamera {
+    let Ok(pose) = camera.interaxial(0.0).pose() else { return camera };
+    let size = if random.below(6) == 0 { [1, 1] } else { pose.size };
+    let [w, h] = size.map(f64::from);
+    let focal = 10_f64.powf(random.between(-0.5, 3.0).into());
+    // s / (1 + c²) = angle, in focal lengths.
+    let aside = (1.0 / (focal * f64::from(angle)) - 1.0).max(0.0).sqrt() * focal;
+    let turn = f64::from(random.between(0.0, 6.3));
+    let off = if random.below(3) == 0 { [0.0; 2] } else { [aside * turn.cos(), aside * turn.sin()] };
+    let squash = if random.below(2) == 0 { 1.0 } else { f64::from(random.between(0.3, 3.0)) };
+    let intrinsics = Intrinsics::new([focal, squash * focal], [0.5 * w + off[0], 0.5 * h + off[1]]);
+    let distance = f64::from(pose.subject_distance);
+    let e = (distance * 10_f64.powf(random.between(-6.0, 2.0).into())) as f32;
+    let camera = camera.size(size[0], size[1]).interaxial(e);
+    match random.below(4) {
+        0 | 1 => camera.intrinsics(intrinsics),
+        2 => camera.intrinsics(intrinsics).screen_distance(pose.screen_distance),
+        _ => camera.intrinsics(intrinsics.right_cx(intrinsics.cx0 + focal * f64::from(e) / distance)),
+    }
+}
+
+#[test]
+fn at_the_edges_of_the_ranges_parallel_and_calibrated_eyes_see_what_naive_shows() {
+    let mut random = Random::new(16);
+    let mut renderer = renderer();
+    let (mut rendered, mut surfaces, mut moved, mut single) = (0, 0, 0, 0);
+    for number in 0..1000 {
+        let scale = if number % 2 == 0 { 1.0 } else { power(&mut random, -3.0, 4.0) };
+        let offset = if number % 3 == 0 { scale * power(&mut random, -1.0, 2.0) } else { 0.0 };
+        let seed = random.below(1000) as u32;
+        let scene = RandomScene { seed, triangles: 60, spheres: 10, scale, offset, ..RandomScene::default() }.build();
+        let place = |point: Vec3| point * scale + Vec3::splat(offset);
+        let angle = MIN_PIXEL_ANGLE * 2_f32.powf(random.between(-0.2, 2.0));
+        let camera = at_the_edge(&mut random, &scene, place, scale, angle);
+        let camera = calibrated_at_the_edge(&mut random, camera, angle);
+        let Ok(pose) = camera.pose() else { continue };
+        let uploaded = renderer.upload(&scene).unwrap();
+        let [naive, bracket, atomic] = [Method::Naive, Method::BRACKET_RAYS, Method::ATOMIC]
+            .map(|method| renderer.render(&uploaded, &camera, &Options::new(method).linear(true)).unwrap());
+        rendered += 1;
+        single += usize::from(pose.size == [1, 1]);
+        surfaces += naive.right.primitive.iter().filter(|&&primitive| primitive != MISS).count();
+        moved += usize::from(naive.left.depth != naive.right.depth);
+        assert!(atomic.left == naive.left || !is_exact(&renderer), "{number}: {camera:?}");
+        if is_exact(&renderer) {
+            assert_eq!(differing(&naive, &bracket), 0, "{number}: {camera:?}");
+        }
+        let finite = |values: &[f32]| values.iter().all(|value| !value.is_nan());
+        assert!(finite(&naive.disparity()) && finite(&naive.right_disparity()), "{number}: {camera:?}");
+    }
+    println!("{rendered} rendered, {single} of one pixel, {moved} with parallax, {surfaces} pixels show a surface");
+    assert!(
+        rendered > 300 && moved > 150 && single > 30 && surfaces > 20_000,
+        "{rendered} {moved} {single} {surfaces}"
+    );
 }
 
 #[test]
