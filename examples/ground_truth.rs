@@ -1,5 +1,5 @@
 //! Renders a pair of a built-in scene and writes all that it knows of it, in the formats of stereo stills and of stereo vision
-//! (docs/FORMATS-OUTPUTS.md).
+//! (docs/FORMATS.md).
 //!
 //! ```sh
 //! cargo run --release --features exr --example ground_truth -- hall 640x480 out

@@ -5,6 +5,8 @@ use std::ops::ControlFlow;
 
 use pollster::block_on;
 
+#[cfg(feature = "png")]
+use crate::dataset::{FreePoses, RandomPose};
 use crate::{
     BvhBuild, Cast, Encoded, Error, Gpu, GroundTruth, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene,
     Statistics, StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async,
@@ -257,6 +259,17 @@ impl Renderer {
         pair: &StereoPair,
     ) -> Result<GroundTruth, Error> {
         block_on(self.ground_truth_async(uploaded, scene, pair))
+    }
+}
+
+#[cfg(feature = "png")]
+impl FreePoses<'_> {
+    /// The camera of an item, blocking: see [`FreePoses::find_async`].
+    ///
+    /// # Errors
+    /// As [`FreePoses::find_async`].
+    pub fn find(&self, renderer: &Renderer, scene: &UploadedScene, item: u32) -> Result<RandomPose, Error> {
+        block_on(self.find_async(renderer, scene, item))
     }
 }
 

@@ -171,6 +171,11 @@ impl StereoCamera {
         self
     }
 
+    /// The direction of [`StereoCamera::up`], unit length.
+    pub(crate) fn up_axis(&self) -> Vec3 {
+        self.up.as_dvec3().normalize_or_zero().as_vec3()
+    }
+
     /// Picture size in pixels.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         (self.width, self.height) = (width, height);

@@ -84,6 +84,8 @@ mod camera_file;
 pub mod cast;
 pub mod cpu;
 mod cutouts;
+#[cfg(feature = "png")]
+pub mod dataset;
 mod disparity;
 mod error;
 #[cfg(test)]
@@ -94,6 +96,8 @@ mod frame;
 mod geometry;
 pub mod gpu;
 mod ground_truth;
+#[cfg(all(feature = "blocking", feature = "png", not(target_arch = "wasm32")))]
+pub mod guide;
 #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 mod input;
 mod kernels;

@@ -1,0 +1,188 @@
+//! How the files of a data set lie in its folder: as those of the data sets that loaders are written for.
+
+use std::{
+    fmt, fs,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+use crate::{Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
+
+/// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from 0 on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Layout {
+    /// Middlebury 2014 (Scharstein et al. 2014): a folder a pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`, `disp1.pfm`, `calib.txt`
+    /// and the evaluation's `mask0nocc.png`; and, which Middlebury has not, `mask1nocc.png` and `mask0sky.png`, `mask1sky.png`.
+    #[default]
+    Middlebury,
+    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`, `disp_noc_0`, and
+    /// `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or `obj_map`.
+    Kitti,
+    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), one sequence named `stereotrace`: `frames_finalpass/stereotrace/left/0000.png`, `right`, the same of
+    /// `disparity`, `object_index` and `material_index` as PFM, and `camera_data/stereotrace/0000.txt`, which are to be put together for a
+    /// `camera_data.txt`. Ids are as there: 0 is nothing. There is no flow, and no clean pass.
+    SceneFlow,
+}
+
+impl Layout {
+    /// Every layout, the default first.
+    pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
+
+    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Middlebury => "middlebury",
+            Self::Kitti => "kitti",
+            Self::SceneFlow => "sceneflow",
+        }
+    }
+
+    /// Whether its cameras are parallel: the screen at infinity, no disparity below 0.
+    pub fn is_parallel(self) -> bool {
+        self != Self::Middlebury
+    }
+
+    /// Disparities that its files can't hold are this large, in pixels.
+    pub fn disparity_limit(self) -> f32 {
+        if self == Self::Kitti { 256.0 } else { f32::INFINITY }
+    }
+
+    /// Adds all files of a pair to what is written, and makes their folders.
+    ///
+    /// # Errors
+    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be; [`Error::Io`], as [`Batch::add`], and as
+    /// [`Batch::add_kitti_disparity`] for a disparity that does not fit.
+    pub fn add(
+        self,
+        batch: &mut Batch,
+        folder: impl AsRef<Path>,
+        index: u32,
+        pair: &StereoPair,
+        truth: &GroundTruth,
+    ) -> Result<(), Error> {
+        if self.is_parallel() && pair.pose.screen_distance.is_finite() {
+            let reason = format!(
+                "its cameras are parallel, and these look through a screen at {}; put it at infinity",
+                pair.pose.screen_distance
+            );
+            return Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
+        }
+        let root = Root(folder.as_ref());
+        match self {
+            Self::Middlebury => middlebury(batch, &root, index, pair, truth),
+            Self::Kitti => kitti(batch, &root, index, pair, truth),
+            Self::SceneFlow => scene_flow(batch, &root, index, pair, truth),
+        }
+    }
+}
+
+impl fmt::Display for Layout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Layout {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().copied().find(|layout| layout.name() == name);
+        found.ok_or_else(|| Error::unknown_name("layout", name, Self::ALL))
+    }
+}
+
+/// The folder of a data set.
+struct Root<'a>(&'a Path);
+
+impl Root<'_> {
+    /// Where a file lies; its folder is there then.
+    fn file(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = self.0.join(name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        Ok(path)
+    }
+}
+
+fn middlebury(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    pair: &StereoPair,
+    truth: &GroundTruth,
+) -> Result<(), Error> {
+    let file = |name: &str| root.file(&format!("{index:06}/{name}"));
+    for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
+        batch.add_png(file(&format!("im{eye}.png"))?, &view.picture())?;
+        batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &truth.disparity)?;
+        batch.add_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
+        batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)?;
+    }
+    batch.add_calib(file("calib.txt")?, truth)
+}
+
+fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, truth: &GroundTruth) -> Result<(), Error> {
+    let file = |folder: &str| root.file(&format!("training/{folder}/{index:06}_10.png"));
+    batch.add_png(file("image_2")?, &pair.left.picture())?;
+    batch.add_png(file("image_3")?, &pair.right.picture())?;
+    let EyeTruth { width, height, disparity, .. } = &truth.left;
+    batch.add_kitti_disparity(file("disp_occ_0")?, *width, *height, disparity, &truth.left.surfaces())?;
+    batch.add_kitti_disparity(file("disp_noc_0")?, *width, *height, disparity, &truth.left.surfaces_of_both())?;
+    let calibration = kitti_calibration(truth);
+    batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
+}
+
+/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and 3 the right one; principal points count from the centre of
+/// the top left pixel.
+fn kitti_calibration(truth: &GroundTruth) -> String {
+    let pose = &truth.pose;
+    let [width, height] = pose.size;
+    let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
+    let cy = cy - 0.5;
+    let mut text = String::new();
+    for (name, cx, aside) in [("02", cx0 - 0.5, 0.0), ("03", cx1 - 0.5, f64::from(pose.interaxial))] {
+        let shift = -fx * aside;
+        text += &format!(
+            "S_{name}: {width} {height}\nK_{name}: {fx} 0 {cx} 0 {fy} {cy} 0 0 1\nD_{name}: 0 0 0 0 0\n\
+             R_{name}: 1 0 0 0 1 0 0 0 1\nT_{name}: {} 0 0\nS_rect_{name}: {width} {height}\n\
+             R_rect_{name}: 1 0 0 0 1 0 0 0 1\nP_rect_{name}: {fx} 0 {cx} {shift} 0 {fy} {cy} 0 0 0 1 0\n",
+            -aside
+        );
+    }
+    text
+}
+
+fn scene_flow(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    pair: &StereoPair,
+    truth: &GroundTruth,
+) -> Result<(), Error> {
+    for (eye, view, truth) in [("left", &pair.left, &truth.left), ("right", &pair.right, &truth.right)] {
+        let file = |kind: &str, ending: &str| root.file(&format!("{kind}/stereotrace/{eye}/{index:04}.{ending}"));
+        batch.add_png(file("frames_finalpass", "png")?, &view.picture())?;
+        batch.add_pfm(file("disparity", "pfm")?, truth.width, truth.height, &truth.disparity)?;
+        for (kind, ids) in [("object_index", &truth.object), ("material_index", &truth.material)] {
+            let indices: Vec<f32> = ids.iter().map(|id| id.wrapping_add(1) as f32).collect();
+            batch.add_pfm(file(kind, "pfm")?, truth.width, truth.height, &indices)?;
+        }
+    }
+    let path = root.file(&format!("camera_data/stereotrace/{index:04}.txt"))?;
+    batch.add(path, camera_data(index, truth).as_bytes())
+}
+
+/// An entry of `camera_data.txt`: the matrices that take points of an eye's frame to the world, row by row. The frame is that of computer
+/// graphics: x right, y up, the camera looks along -z.
+fn camera_data(index: u32, truth: &GroundTruth) -> String {
+    let pose = &truth.pose;
+    let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());
+    let matrix = |side: f64| {
+        let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+        let rows = [0, 1, 2].map(|axis| format!("{} {} {} {}", right[axis], up[axis], back[axis], eye[axis]));
+        format!("{} 0 0 0 1", rows.join(" "))
+    };
+    format!("Frame {index}\nL {}\nR {}\n\n", matrix(-1.0), matrix(1.0))
+}

@@ -1,0 +1,221 @@
+//! Random cameras in the free space of a scene.
+
+use std::f32::consts::TAU;
+
+use glam::{Quat, Vec3};
+
+use crate::{
+    Error, Pose, Ray, RayHit, Renderer, Scene, StereoCamera, UploadedScene,
+    occlusion::Pixels,
+    random::{Random, pcg},
+    scene::Primitive,
+};
+
+/// Cameras that are tried for an item before it is given up.
+const TRIES: u32 = 2000;
+/// Directions in which it is asked how near surfaces are.
+const DIRECTIONS: usize = 128;
+/// Rays of each eye that ask what its picture shows, across and down.
+const GRID: [u32; 2] = [24, 16];
+/// A camera in the scene looks up or down by at most this angle, in radians.
+const STEEPEST: f32 = 0.4;
+/// A place from which so much more of what surrounds it is seen from behind than from the camera that was given is inside of something.
+const MORE_FROM_BEHIND: f32 = 0.25;
+
+/// Random cameras in the free space of a scene: like a given one, but elsewhere. A camera within the scene's bounding box becomes one
+/// anywhere in that box, looking anywhere, at most 23 degrees up or down; one outside of it stays as far from the middle, and looks at what is there.
+///
+/// A camera is rejected that stands within a wall or too near to one, from which most surfaces show their back sides (it is inside of
+/// something), whose eyes don't see each other, and whose picture shows too little or disparities that are too large.
+#[derive(Clone, Debug)]
+pub struct FreePoses<'a> {
+    scene: &'a Scene,
+    camera: StereoCamera,
+    seed: u32,
+    clearance: f32,
+    disparity: f32,
+    surfaces: f32,
+}
+
+/// A camera that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RandomPose {
+    /// Where it stands.
+    pub camera: StereoCamera,
+    /// How many were tried, with this one.
+    pub tries: u32,
+}
+
+/// Why cameras were rejected, counted.
+#[derive(Default)]
+struct Rejected {
+    near: u32,
+    behind: u32,
+    blocked: u32,
+    disparity: u32,
+    empty: u32,
+}
+
+impl<'a> FreePoses<'a> {
+    /// Cameras like this one, by a seed.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] for a camera that has no picture, [`Error::Scene`] for a scene in which nothing is, or only infinite planes.
+    pub fn new(scene: &'a Scene, camera: StereoCamera, seed: u32) -> Result<Self, Error> {
+        let pose = camera.pose()?;
+        if scene.bounds().is_none() {
+            let reason = "it has nothing of a size, so there is no place to put cameras at".into();
+            return Err(Error::Scene { element: "the scene".into(), reason });
+        }
+        let clearance = 2.0 * pose.interaxial;
+        Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces: 0.5 })
+    }
+
+    /// How far every surface is from the middle between the eyes, in world units; twice the interaxial where nothing is said.
+    pub fn clearance(mut self, distance: f32) -> Self {
+        self.clearance = distance;
+        self
+    }
+
+    /// How large disparities may be, in pixels, before or behind the screen; any where nothing is said.
+    pub fn disparity(mut self, pixels: f32) -> Self {
+        self.disparity = pixels;
+        self
+    }
+
+    /// How much of the left picture shows surfaces at least, 0 to 1; a half where nothing is said.
+    pub fn surfaces(mut self, share: f32) -> Self {
+        self.surfaces = share;
+        self
+    }
+
+    /// The camera of an item, which follows from the scene, the camera, the seed and the item's number alone.
+    ///
+    /// # Errors
+    /// [`Error::Options`] where 2000 cameras were all rejected, with the reasons; and those of [`Renderer::closest_hits_async`].
+    pub async fn find_async(
+        &self,
+        renderer: &Renderer,
+        uploaded: &UploadedScene,
+        item: u32,
+    ) -> Result<RandomPose, Error> {
+        let given = self.camera.pose()?;
+        let around = self.around(renderer, uploaded, given.eye).await?;
+        let usual = self.share_from_behind(given.eye, &around);
+        let mut random = Random(pcg(pcg(self.seed).wrapping_add(item)));
+        let mut rejected = Rejected::default();
+        for tries in 1..=TRIES {
+            let camera = self.candidate(&given, &mut random);
+            let Ok(pose) = camera.pose() else { continue };
+            let around = self.around(renderer, uploaded, pose.eye).await?;
+            if around.iter().any(|hit| hit.t < self.clearance) {
+                rejected.near += 1;
+            } else if self.share_from_behind(pose.eye, &around) > usual + MORE_FROM_BEHIND {
+                rejected.behind += 1;
+            } else if self.shows_enough(renderer, uploaded, &pose, &mut rejected).await? {
+                return Ok(RandomPose { camera, tries });
+            }
+        }
+        let Rejected { near, behind, blocked, disparity, empty } = rejected;
+        let reason = format!(
+            "no free place for item {item} among {TRIES}: {near} too near a surface, {behind} inside of something, {blocked} with a surface \
+             between the eyes, {disparity} with too large disparities, {empty} that show too little"
+        );
+        Err(Error::Options { option: "poses", reason })
+    }
+
+    /// Somewhere else, by random numbers alone.
+    fn candidate(&self, given: &Pose, random: &mut Random) -> StereoCamera {
+        let (low, high) = self.scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
+        let up = self.camera.up_axis();
+        let yaw = Quat::from_axis_angle(up, random.between(0.0, TAU));
+        let mut within =
+            |low: Vec3, high: Vec3| Vec3::from_array([0, 1, 2].map(|axis| random.between(low[axis], high[axis])));
+        if given.eye.cmpge(low).all() && given.eye.cmple(high).all() {
+            let eye = within(low, high);
+            let level = yaw * up.any_orthonormal_vector();
+            let pitch = random.between(-STEEPEST, STEEPEST);
+            return self.camera.eye(eye).target(eye + level * pitch.cos() + up * pitch.sin());
+        }
+        let middle = low.midpoint(high);
+        // A point of the box's inner half.
+        let target = within(low.midpoint(middle), high.midpoint(middle));
+        let eye = middle + yaw * (given.eye - middle);
+        self.camera.eye(eye).target(target)
+    }
+
+    /// What is in all directions from a place.
+    async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: Vec3) -> Result<Vec<RayHit>, Error> {
+        let rays: Vec<Ray> = (0..DIRECTIONS).map(|index| Ray::new(place, direction(index))).collect();
+        Ok(renderer.closest_hits_async(uploaded, &rays).await?.hits)
+    }
+
+    /// The share of all directions in which a surface shows its back side: triangles by the order of their corners.
+    fn share_from_behind(&self, place: Vec3, around: &[RayHit]) -> f32 {
+        let behind = around.iter().enumerate().filter(|(index, hit)| {
+            hit.t.is_finite()
+                && match self.scene.primitive(hit.primitive) {
+                    Primitive::Triangle(triangle) => {
+                        let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+                        (b - a).cross(c - a).dot(direction(*index).as_dvec3()) > 0.0
+                    }
+                    // A ball is met from behind where it is met from inside, which a nearest hit from outside never is.
+                    Primitive::Sphere(sphere) => place.distance(sphere.center) < sphere.radius,
+                    Primitive::Ellipsoid(ellipsoid) => ellipsoid.holds(place),
+                    Primitive::Plane(_) => false,
+                }
+        });
+        behind.count() as f32 / DIRECTIONS as f32
+    }
+
+    /// Whether the eyes see each other, and enough that is not too near.
+    async fn shows_enough(
+        &self,
+        renderer: &Renderer,
+        uploaded: &UploadedScene,
+        pose: &Pose,
+        rejected: &mut Rejected,
+    ) -> Result<bool, Error> {
+        let [across, down] = GRID.map(|count| count as usize);
+        let [width, height] = pose.size.map(|side| side as usize);
+        let eyes = [-0.5, 0.5].map(|side| Pixels::of(pose, side));
+        let mut rays: Vec<Ray> = eyes
+            .iter()
+            .flat_map(|eye| {
+                (0..across * down).map(|cell| {
+                    let (column, row) = (cell % across, cell / across);
+                    let pixel = [(2 * column + 1) * width / (2 * across), (2 * row + 1) * height / (2 * down)];
+                    Ray::new(eye.eye().as_vec3(), eye.direction(pixel[0], pixel[1]).as_vec3())
+                })
+            })
+            .collect();
+        let between = eyes[1].eye() - eyes[0].eye();
+        if between != glam::DVec3::ZERO {
+            rays.push(Ray::new(eyes[0].eye().as_vec3(), between.as_vec3()).t_max(1.0));
+        }
+        let hits = renderer.closest_hits_async(uploaded, &rays).await?.hits;
+        let (seen, between) = hits.split_at(2 * across * down);
+        let too_far_aside = |hit: &RayHit| pose.disparity_px(hit.t).abs() >= f64::from(self.disparity);
+        let surfaces = seen[..across * down].iter().filter(|hit| hit.t.is_finite()).count();
+        if between.iter().any(|hit| hit.t.is_finite()) {
+            rejected.blocked += 1;
+        } else if seen.iter().any(too_far_aside) {
+            rejected.disparity += 1;
+        } else if (surfaces as f32) < self.surfaces * (across * down) as f32 {
+            rejected.empty += 1;
+        } else {
+            return Ok(true);
+        }
+        Ok(false)
+    }
+}
+
+/// The directions of a spiral around a sphere, evenly spread.
+fn direction(index: usize) -> Vec3 {
+    const GOLDEN_ANGLE: f32 = 2.399_963_2;
+    let z = 1.0 - (2 * index + 1) as f32 / DIRECTIONS as f32;
+    let (sin, cos) = (index as f32 * GOLDEN_ANGLE).sin_cos();
+    let across = (1.0 - z * z).sqrt();
+    Vec3::new(across * cos, across * sin, z)
+}
