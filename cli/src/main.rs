@@ -8,6 +8,7 @@
 mod arguments;
 mod commands;
 mod progress;
+mod record;
 mod studio;
 mod summary;
 mod target;
@@ -24,7 +25,7 @@ use stereotrace::message;
 
 use crate::{
     arguments::{Cli, Command},
-    commands::{compare, info, render, sequence, views},
+    commands::{compare, dataset, info, render, sequence, views},
     summary::Summary,
 };
 
@@ -57,6 +58,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
     match &cli.command {
         Command::Render(arguments) => render::run(arguments, global),
         Command::Sequence(arguments) => sequence::run(arguments, global),
+        Command::Dataset(arguments) => dataset::run(arguments, global),
         Command::Views(arguments) => views::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Info(arguments) => info::run(arguments, global),

@@ -48,7 +48,7 @@ fn out_is_a_picture_or_a_folder() {
         "{message}"
     );
     assert!(error_of(&render(&text("file/pictures"))).contains("pictures: the folder can't be made: "));
-    assert!(error_of(&render(&text("a.gif"))).ends_with("a.gif: pictures are written as .png"));
+    assert!(error_of(&render(&text("a.gif"))).contains("a.gif: pictures are written as .png, .jpg"));
     let one_file = error_of(&[&render(&text("a.png"))[..], &["--dump"]].concat());
     assert!(one_file.contains("--dump writes many files"), "{one_file}");
     assert_eq!(fs::read(folder.file("file")).unwrap(), b"old");

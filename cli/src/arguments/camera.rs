@@ -1,12 +1,12 @@
 //! Where scenes are seen from.
 
-use std::path::PathBuf;
+use std::{error::Error, fs, path::PathBuf};
 
 use clap::Args;
-use stereotrace::{Limits, Scene, StereoCamera, glam::Vec3};
+use stereotrace::{Convergence, Limits, Scene, StereoCamera, camera::Display, glam::Vec3};
 
-use super::values::point;
-use crate::studio;
+use super::values::{above_zero, display, point};
+use crate::{shown, studio};
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera")]
@@ -14,8 +14,8 @@ pub(crate) struct CameraArguments {
     /// JSON file of cameras by name; the options below replace parts of its camera
     #[arg(long, value_name = "FILE")]
     pub(super) cameras: Option<PathBuf>,
-    /// Name in that file [default: the scene's name]
-    #[arg(long, value_name = "NAME", requires = "cameras")]
+    /// Name in that file [default: the scene's name], or of one of the scene file's own cameras [default: its first]
+    #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
     /// Midpoint between the eyes
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
@@ -29,15 +29,27 @@ pub(crate) struct CameraArguments {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     fov: Option<f32>,
-    /// Distance of the screen, where parallax is zero, in world units
-    #[arg(long, value_name = "D", allow_hyphen_values = true)]
-    screen: Option<f32>,
+    /// Distance of the screen, where parallax is zero, in world units; inf for parallel cameras
+    #[arg(long, value_name = "D|inf", allow_hyphen_values = true)]
+    pub(super) screen: Option<f32>,
     /// Distance between the eyes in world units
     #[arg(long, value_name = "E", allow_hyphen_values = true)]
     interaxial: Option<f32>,
     /// Distance between the eyes in pixels: the parallax at infinity
     #[arg(long, value_name = "E", allow_hyphen_values = true, conflicts_with = "interaxial")]
     interaxial_px: Option<f32>,
+    /// Turn the eyes towards each other: both are traced, and points stand higher in one picture than in the other
+    #[arg(long)]
+    toe_in: bool,
+    /// Calibration of a rectified pair, Middlebury's calib.txt or KITTI's: focal lengths, principal points, baseline and size are the file's
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
+    calib: Option<PathBuf>,
+    /// World units of one of that file's units of length, millimetres or metres
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
+    calib_scale: f32,
+    /// Choose interaxial and screen for a display WIDTH metres wide that is seen from DISTANCE metres, so that depth is as strong as it may be
+    #[arg(long, value_name = "WIDTH:DISTANCE", value_parser = display, conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"])]
+    pub(super) comfort: Option<Display>,
 }
 
 impl CameraArguments {
@@ -50,6 +62,22 @@ impl CameraArguments {
     ) -> Result<Option<StereoCamera>, stereotrace::Error> {
         let named = |file| StereoCamera::from_json_within(file, self.name(scene_name), width, height, limits);
         self.cameras.as_ref().map(named).transpose()
+    }
+
+    /// The camera of that name among a scene file's own, or the first; none where it is said where the eyes are.
+    pub(super) fn of_scene_file(&self, cameras: &[(String, StereoCamera)]) -> Result<Option<StereoCamera>, String> {
+        let Some(name) = &self.camera else {
+            let is_said = self.eye.is_some() || self.target.is_some();
+            return Ok(cameras.first().filter(|_| !is_said).map(|(_, camera)| *camera));
+        };
+        if let Some((_, camera)) = cameras.iter().find(|(own, _)| own == name) {
+            return Ok(Some(*camera));
+        }
+        let names: Vec<&str> = cameras.iter().map(|(name, _)| name.as_str()).collect();
+        match &*names {
+            [] => Err(format!("--camera {name}: the scene has no cameras of its own; --cameras gives a file of some")),
+            names => Err(format!("--camera {name}: the scene file has {}", names.join(", "))),
+        }
     }
 
     /// The camera's name in the file of cameras.
@@ -98,6 +126,33 @@ impl CameraArguments {
         if let Some(pixels) = self.interaxial_px {
             camera = camera.interaxial_pixels(pixels);
         }
+        if self.toe_in {
+            camera = camera.convergence(Convergence::ToeIn);
+        }
         camera
+    }
+
+    /// A calibrated pair where one is given, which stands where the camera does.
+    pub(super) fn calibrated(
+        &self,
+        camera: StereoCamera,
+        size: Option<[u32; 2]>,
+        limits: &Limits,
+    ) -> Result<StereoCamera, Box<dyn Error>> {
+        let Some(file) = &self.calib else { return Ok(camera) };
+        let text = fs::read_to_string(file).unwrap_or_default(); // what is wrong with it is said below
+        let is_middlebury = text.lines().any(|line| line.trim_start().starts_with("cam0"));
+        let calibrated = match (is_middlebury, size) {
+            (true, Some(_)) => {
+                return Err(format!("{}: it says how large pictures are; leave --size out", shown(file)).into());
+            }
+            (true, None) => StereoCamera::from_middlebury_within(file, self.calib_scale, limits)?,
+            (false, size) => {
+                let size = size.unwrap_or(super::picture::SIZE);
+                StereoCamera::from_kitti_within(file, [2, 3], size, self.calib_scale, limits)?
+            }
+        };
+        let pose = camera.pose()?;
+        Ok(calibrated.eye(pose.eye).target(pose.eye + pose.forward * pose.subject_distance).up(pose.up))
     }
 }

@@ -12,7 +12,7 @@ pub(crate) use self::{
     light::LightArguments,
     picture::PictureArguments,
     reading::ReadingArguments,
-    subject::{Stage, Subject},
+    subject::{Stage, Subject, depths},
     values::{above_zero, frames, size},
 };
 
@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use stereotrace::Gpu;
 
-use crate::commands::{compare, info, render, sequence, views};
+use crate::commands::{compare, dataset, info, render, sequence, views};
 
 const AFTER: &str = "\
 Examples:
@@ -29,6 +29,7 @@ Examples:
   stereotrace render room.obj --eye 0,1.6,3 --target 0,1,0 --packing side-by-side --out room.jpg
   stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, a picture a file
   stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2
+  stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
   stereotrace compare sponza.obj --methods bracket,atomic how exact each is, and what it costs
   stereotrace info bunny.obj                              what is in it, and what this machine renders with
 
@@ -78,6 +79,8 @@ pub(crate) enum Command {
     Sequence(Box<sequence::Arguments>),
     /// Render any number of views from left to right, as files or as a quilt for a light-field display
     Views(Box<views::Arguments>),
+    /// Render pairs with ground truth for stereo vision: disparities, occlusion, calibration, as loaders expect them
+    Dataset(Box<dataset::Arguments>),
     /// Say what each method costs and gets wrong on a scene, against tracing both eyes
     Compare(Box<compare::Arguments>),
     /// Say what is in a scene file, how comfortable its picture is, and what this machine renders with

@@ -8,12 +8,15 @@ use stereotrace::{
 use super::values::{OcclusionArgument, adaptive, occlusion, shadow_buffer, size, tone};
 use crate::studio;
 
+/// Of an eye's picture, in pixels, where nothing is said.
+pub(super) const SIZE: [u32; 2] = [1280, 720];
+
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureArguments {
-    /// Size of an eye's picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
-    pub(crate) size: [u32; 2],
+    /// Size of an eye's picture in pixels [default: 1280x720, or what --calib says]
+    #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
+    pub(super) size_said: Option<[u32; 2]>,
     /// How the second eye is made: auto (bracket or naive, whichever is likely cheaper), naive, ideal, atomic, buffer, buffer-2e, buffer-N (slots),
     /// es-isler, adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
     #[arg(long, default_value_t)]
@@ -64,6 +67,11 @@ pub(crate) struct PictureArguments {
 }
 
 impl PictureArguments {
+    /// Of an eye's picture, in pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size_said.unwrap_or(SIZE)
+    }
+
     /// The same where a scene is flattered of which little is said: with what flatters it, as far as nothing else is asked for.
     pub(crate) fn flattered(&self, lights_are_said: bool) -> Self {
         let mut settled = self.clone();

@@ -1,7 +1,7 @@
 //! How files are read.
 
 use clap::Args;
-use stereotrace::{Limits, MissingTextures, ObjOptions};
+use stereotrace::{Limits, MissingTextures, SceneOptions};
 
 use super::values::{CreaseAngle, crease_angle, missing_textures};
 
@@ -23,11 +23,15 @@ pub(crate) struct ReadingArguments {
     /// Largest texture, and largest sum of a file's, in millions of pixels [default: 67.1, which is 8192x8192]
     #[arg(long, value_name = "MILLIONS")]
     max_texture: Option<u32>,
+    /// Most triangles, instances counted as often as they are shown, in millions [default: the library's]
+    #[arg(long, value_name = "MILLIONS")]
+    max_triangles: Option<u32>,
 }
 
 impl ReadingArguments {
     pub(crate) fn limits(&self) -> Limits {
         let mut limits = Limits::default().option_names("--max-file", "--max-sky").texture_option_name("--max-texture");
+        limits = limits.triangle_option_name("--max-triangles");
         if let Some(mebibytes) = self.max_file {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);
@@ -38,11 +42,14 @@ impl ReadingArguments {
         if let Some(millions) = self.max_texture {
             limits = limits.texture_pixels(1_000_000 * u64::from(millions));
         }
+        if let Some(millions) = self.max_triangles {
+            limits = limits.triangles(1_000_000 * u64::from(millions));
+        }
         limits
     }
 
-    pub(crate) fn options(&self) -> ObjOptions {
-        ObjOptions::default()
+    pub(crate) fn options(&self) -> SceneOptions {
+        SceneOptions::default()
             .limits(self.limits())
             .missing_textures(self.missing_textures)
             .crease_angle(self.crease_angle.0)

@@ -7,7 +7,9 @@ use std::{
 };
 
 use clap::Args;
-use stereotrace::{Builtin, Options, Renderer, Scene, StereoCamera};
+use stereotrace::{
+    Builtin, Convergence, GBuffer, Method, Options, Renderer, Scene, SceneFile, StereoCamera, UploadedScene,
+};
 
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
 use crate::{shown, studio};
@@ -19,7 +21,7 @@ const REACH: f32 = 0.1;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Subject {
-    /// An OBJ file, or builtin:NAME with one of the built-in scenes, which `stereotrace info` lists
+    /// An OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME with one of the built-in scenes, which `stereotrace info` lists
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
     /// Show a file without what flatters it: seen from the front in the light of points before black, a sample a pixel
@@ -43,16 +45,41 @@ pub(crate) struct Stage {
     pub(crate) camera: StereoCamera,
     pub(crate) options: Options,
     pub(crate) renderer: Renderer,
+    pub(crate) uploaded: UploadedScene,
     /// Time to read or make the scene.
     pub(crate) read: Duration,
+    /// Time to build the BVH and to upload it.
+    pub(crate) build: Duration,
+}
+
+/// Width in pixels of the picture by which depths are found.
+const PREVIEW: u32 = 320;
+
+/// Depths of the nearest and the farthest that either eye sees; the latter is infinite where there is sky.
+pub(crate) fn depths(
+    renderer: &mut Renderer,
+    uploaded: &UploadedScene,
+    camera: &StereoCamera,
+) -> Result<(f32, f32), stereotrace::Error> {
+    let pose = camera.pose()?;
+    let [width, height] = pose.size;
+    let rows = (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 16 * u64::from(PREVIEW)) as u32;
+    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
+    // By focal lengths and principal points, whatever the camera was given by.
+    let scales = [f64::from(PREVIEW) / f64::from(width), f64::from(rows) / f64::from(height)];
+    let camera = camera.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(PREVIEW, rows);
+    let camera = camera.intrinsics(pose.intrinsics().scaled(scales));
+    let pair = renderer.render(uploaded, &camera, &options)?;
+    let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
+    Ok((ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1)))
 }
 
 impl Subject {
     /// Reads all that is named, then opens the device.
     pub(crate) fn open(&self, global: &Global) -> Result<Stage, Box<dyn Error>> {
         let begin = Instant::now();
-        let mut scene = self.scene()?;
-        let camera = self.stereo_camera(&scene)?;
+        let (mut scene, cameras) = self.scene()?;
+        let camera = self.stereo_camera(&scene, &cameras)?;
         self.place_lights(&mut scene, &camera)?;
         let (picture, reach) = match self.is_flattered() {
             true => (self.picture.flattered(self.light.are_said()), studio::REACH),
@@ -69,7 +96,21 @@ impl Subject {
             None => {}
         }
         let read = read + begin.elapsed();
-        Ok(Stage { name: self.name(), scene, camera, options, renderer: Renderer::new(gpu), read })
+
+        let mut renderer = Renderer::new(gpu);
+        let begin = Instant::now();
+        let uploaded = renderer.upload(&scene)?;
+        let build = begin.elapsed();
+        let camera = match &self.camera.comfort {
+            None => camera,
+            Some(display) => {
+                let depths = depths(&mut renderer, &uploaded, &camera)?;
+                let chosen = camera.comfortable(depths, display)?;
+                log::info!("interaxial {}, screen at {}", chosen.interaxial, chosen.screen_distance);
+                chosen.camera
+            }
+        };
+        Ok(Stage { name: self.name(), scene, camera, options, renderer, uploaded, read, build })
     }
 
     /// The scene's name.
@@ -78,6 +119,11 @@ impl Subject {
             Some(name) => name.to_owned(),
             None => self.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         }
+    }
+
+    /// Whether it is said where the screen is.
+    pub(crate) fn screen_is_said(&self) -> bool {
+        self.camera.screen.is_some() || self.camera.cameras.is_some()
     }
 
     /// The files that are read.
@@ -99,32 +145,35 @@ impl Subject {
         self.builtin_name().is_none() && !self.plain && self.camera.cameras.is_none()
     }
 
-    /// Reads or builds the scene, without its sky.
-    fn scene(&self) -> Result<Scene, Box<dyn Error>> {
+    /// Reads or builds the scene, without its sky, and the cameras that a file has.
+    fn scene(&self) -> Result<(Scene, Vec<(String, StereoCamera)>), Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
-            return Ok(builtin.scene());
+            return Ok((builtin.scene(), Vec::new()));
         }
         if self.scene.is_dir() || !self.scene.exists() {
             let fault = if self.scene.is_dir() { "is a folder" } else { "no such file" };
             let names = Builtin::ALL.iter().map(|builtin| format!("builtin:{builtin}"));
             let names = Vec::from_iter(names).join(", ");
-            return Err(format!("{}: {fault}; give an OBJ file, or one of {names}", shown(&self.scene)).into());
+            return Err(format!("{}: {fault}; give a scene file, or one of {names}", shown(&self.scene)).into());
         }
-        Ok(Scene::from_obj_with(&self.scene, &self.reading.options())?)
+        let SceneFile { scene, cameras, .. } = SceneFile::open(&self.scene, &self.reading.options())?;
+        Ok((scene, cameras))
     }
 
-    /// The camera of the file of cameras, of the built-in scene, or one that fits the object, with those parts
+    /// The camera of the file of cameras, of the scene file, of the built-in scene, or one that fits the object, with those parts
     /// replaced that have an option of their own.
-    fn stereo_camera(&self, scene: &Scene) -> Result<StereoCamera, Box<dyn Error>> {
-        let [width, height] = self.picture.size;
-        let camera = match self.camera.read(&self.name(), self.picture.size, &self.reading.limits())? {
+    fn stereo_camera(&self, scene: &Scene, cameras: &[(String, StereoCamera)]) -> Result<StereoCamera, Box<dyn Error>> {
+        let [width, height] = self.picture.size();
+        let camera = match self.camera.read(&self.name(), self.picture.size(), &self.reading.limits())? {
             Some(camera) => camera,
-            None => match self.builtin()? {
-                Some(builtin) => builtin.camera(width, height),
-                None => self.camera.fitting(scene, self.picture.size, self.is_flattered())?,
+            None => match (self.builtin()?, self.camera.of_scene_file(cameras)?) {
+                (Some(builtin), _) => builtin.camera(width, height),
+                (None, Some(camera)) => camera.size(width, height),
+                (None, None) => self.camera.fitting(scene, self.picture.size(), self.is_flattered())?,
             },
         };
         let camera = self.camera.replace_parts(camera);
+        let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
         camera.pose()?; // faults now, not after the scene is on the device
         Ok(camera)
     }
@@ -140,6 +189,7 @@ impl Subject {
             }
             match builtin {
                 Some(_) => Ok(()),
+                None if !scene.lights.is_empty() => Ok(()),
                 None if self.is_flattered() => studio::light(scene, camera),
                 None => scene.place_lights(DEFAULT_LIGHTS, camera),
             }

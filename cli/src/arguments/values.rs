@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use stereotrace::{Adaptive, Light, MissingTextures, ShadowBuffer, ShadowRule, Tone, glam::Vec3};
+use stereotrace::{Adaptive, Light, MissingTextures, ShadowBuffer, ShadowRule, Tone, camera::Display, glam::Vec3};
 
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,11 @@ pub(crate) fn ambient(text: &str) -> Result<Vec3, String> {
     let light = text.parse().map(Vec3::splat).or_else(|_| point(text));
     let light = light.ok().filter(|light| light.is_finite() && light.min_element() >= 0.0);
     light.ok_or_else(|| "light must be a number like 0.3, or three like 1,0.9,0.8, of at least 0".into())
+}
+
+pub(crate) fn display(text: &str) -> Result<Display, String> {
+    let sides = text.split_once(':').ok_or("it must be width and distance in metres, like 1.2:2.5")?;
+    Ok(Display::new(above_zero(sides.0)?, above_zero(sides.1)?))
 }
 
 /// Frames from the first one up to, but without, the second.

@@ -58,7 +58,6 @@ impl Row {
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let mut stage = arguments.subject.open(global)?;
-    let uploaded = stage.renderer.upload(&stage.scene)?;
     let mut methods = vec![Method::Naive];
     methods.extend(arguments.methods.iter().filter(|&&method| method != Method::Naive));
     let pictures = methods.len() as u32 * (arguments.rounds + 1);
@@ -68,7 +67,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut rows = Vec::new();
     for &method in &methods {
         let options = stage.options.clone().method(method).count(true);
-        let pair = stage.renderer.render_with(&uploaded, &stage.camera, &options, &mut |now| progress.show(now))?;
+        let pair =
+            stage.renderer.render_with(&stage.uploaded, &stage.camera, &options, &mut |now| progress.show(now))?;
         progress.next();
         let difference = compare(&pair.right, &naive.as_ref().unwrap_or(&pair).right, &pair.pose)?;
         let (cost, retraced) = (pair.statistics.second_eye(), pair.statistics.retraced_share());
@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         for row in &mut rows {
             let options = stage.options.clone().method(row.method).count(false);
             let begin = Instant::now();
-            stage.renderer.trace(&uploaded, &stage.camera, &options)?;
+            stage.renderer.trace(&stage.uploaded, &stage.camera, &options)?;
             // The first compiles what a frame that is not counted runs.
             if round > 0 {
                 row.times.push(begin.elapsed());

@@ -4,16 +4,13 @@ use std::{error::Error, fmt::Write};
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{Builtin, GBuffer, Method, Options, message::escaped, wgpu};
+use stereotrace::{Builtin, message::escaped, wgpu};
 
 use super::report::scene_line;
 use crate::{
-    arguments::{Global, Stage, Subject, above_zero},
+    arguments::{Global, Stage, Subject, above_zero, depths},
     summary::Summary,
 };
-
-/// Width in pixels of the picture by which depths are found.
-const PREVIEW: u32 = 320;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
@@ -79,8 +76,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
     if let Some((low, high)) = bounds {
         writeln!(text, "           from {low} to {high}")?;
     }
-    let uploaded = stage.renderer.upload(&stage.scene)?;
-    let info = uploaded.info();
+    let info = stage.uploaded.info();
     let bytes = info.node_bytes + info.primitive_bytes;
     let build = info.build.as_secs_f64();
     writeln!(
@@ -91,12 +87,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
 
     let pose = stage.camera.pose()?;
     let [width, height] = pose.size;
-    let preview = [PREVIEW, (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 4 * 320) as u32];
-    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
-    let camera = stage.camera.size(preview[0], preview[1]).interaxial(pose.interaxial);
-    let pair = stage.renderer.render(&uploaded, &camera, &options)?;
-    let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
-    let (near, far) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
+    let (near, far) = depths(&mut stage.renderer, &stage.uploaded, &stage.camera)?;
     let (e, px, d) = (pose.interaxial, pose.interaxial_px, pose.screen_distance);
     writeln!(
         text,

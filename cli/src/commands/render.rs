@@ -2,20 +2,20 @@
 
 use std::{
     error::Error,
-    path::PathBuf,
+    path::{Path, PathBuf},
     thread,
     time::{Duration, Instant, SystemTime},
 };
 
 use clap::Args;
-use stereotrace::{Method, StereoPair, metrics::compare, output::Batch};
+use stereotrace::{GroundTruth, Method, StereoPair, metrics::compare, output::Batch};
 
 use super::report::{Report, WallTimes};
 use crate::{
     arguments::{Global, Subject, above_zero},
     progress::Progress,
     summary::Summary,
-    target::{EyesArguments, Target, add_picture},
+    target::{EyesArguments, Target, add_pair, is_open_exr},
 };
 
 /// Between two looks at the files that are watched.
@@ -27,7 +27,8 @@ pub(crate) struct Arguments {
     pub(super) subject: Subject,
     #[command(flatten)]
     pub(super) eyes: EyesArguments,
-    /// File to write, as .png: the anaglyph, or the packing that is asked for. Or a folder, for left, right, anaglyph and what else is asked for
+    /// File to write: as .png or .jpg the anaglyph, or the packing that is asked for; as .jps, .mpo or .exr both eyes. Or a folder, for left, right,
+    /// anaglyph and what else is asked for
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
     /// Render by naive too, and say how exact the right eye is
@@ -37,6 +38,9 @@ pub(crate) struct Arguments {
     /// method made it, and both eyes' time views (PNG); into a folder
     #[arg(long)]
     dump: bool,
+    /// Write what stereo vision asks for: disparities, who sees what, depths, distances, normals, ids, calibration; into a folder
+    #[arg(long)]
+    ground_truth: bool,
     /// Render again whenever a file that is read changes, until you stop it
     #[arg(long)]
     watch: bool,
@@ -45,10 +49,18 @@ pub(crate) struct Arguments {
     pub(super) display_width: f32,
 }
 
+impl Arguments {
+    /// An option that is given and asks for many files.
+    fn folder_option(&self) -> Option<&'static str> {
+        let options = [(self.dump, "--dump"), (self.ground_truth, "--ground-truth")];
+        options.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let target = Target::of(&arguments.out)?;
-    if let (Target::File(_), true) = (&target, arguments.dump) {
-        return Err("--dump writes many files; give --out a folder".into());
+    if let (Target::File(_), Some(option)) = (&target, arguments.folder_option()) {
+        return Err(format!("{option} writes many files; give --out a folder").into());
     }
     if arguments.watch {
         return watch(arguments, &target, global);
@@ -80,21 +92,18 @@ fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summ
 fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let mut stage = arguments.subject.open(global)?;
     let begin = Instant::now();
-    let uploaded = stage.renderer.upload(&stage.scene)?;
-    let build = begin.elapsed();
-
-    let begin = Instant::now();
-    let options = stage.options.clone().cost_map(arguments.dump);
+    let is_open_exr = matches!(target, Target::File(file) if is_open_exr(file));
+    let options = stage.options.clone().cost_map(arguments.dump).linear(is_open_exr);
     let mut progress = Progress::new(global, 1);
-    let pair = stage.renderer.render_with(&uploaded, &stage.camera, &options, &mut |now| progress.show(now));
+    let pair = stage.renderer.render_with(&stage.uploaded, &stage.camera, &options, &mut |now| progress.show(now));
     progress.clear();
     let pair = pair?;
-    let wall = WallTimes { read: stage.read, build, render: begin.elapsed() };
+    let wall = WallTimes { read: stage.read, build: stage.build, render: begin.elapsed() };
 
     let difference = match arguments.compare {
         true => {
             let truth = stage.options.clone().method(Method::Naive).count(false).shadow_buffer(None);
-            let naive = stage.renderer.render(&uploaded, &stage.camera, &truth)?;
+            let naive = stage.renderer.render(&stage.uploaded, &stage.camera, &truth)?;
             Some(compare(&pair.right, &naive.right, &pair.pose)?)
         }
         false => None,
@@ -102,10 +111,17 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let mut batch = Batch::new();
     match target {
         Target::File(file) => {
-            add_picture(&mut batch, file, &arguments.eyes.picture(&pair.left, &pair.right))?;
+            // Ground truth is that of pixels' own surfaces, which not all methods show.
+            let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
+            let truth =
+                (is_open_exr && is_exact).then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair));
+            add_pair(&mut batch, file, &pair, truth.transpose()?.as_ref(), &arguments.eyes)?;
         }
         Target::Folder(folder) => {
             add_pictures(&mut batch, arguments, &pair, folder)?;
+            if arguments.ground_truth {
+                add_truth(&mut batch, &stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair)?, folder)?;
+            }
         }
     }
     let files = batch.commit()?;
@@ -118,7 +134,7 @@ fn add_pictures(
     batch: &mut Batch,
     arguments: &Arguments,
     pair: &StereoPair,
-    folder: &std::path::Path,
+    folder: &Path,
 ) -> Result<(), Box<dyn Error>> {
     let eyes = &arguments.eyes;
     let (left, right) = eyes.ordered(&pair.left, &pair.right);
@@ -135,12 +151,37 @@ fn add_pictures(
     Ok(())
 }
 
+/// Adds all that is known of both views. KITTI's disparities only of parallel cameras: off-axis they are below 0 behind the screen, which
+/// these files can't hold.
+fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
+    for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
+        let (width, height) = (eye.width, eye.height);
+        let file = |name: &str, ending: &str| folder.join(format!("{name}{n}.{ending}"));
+        batch.add_pfm(file("disp", "pfm"), width, height, &eye.disparity)?;
+        batch.add_nocc_mask(folder.join(format!("mask{n}nocc.png")), eye)?;
+        batch.add_occlusion(file("occlusion", "png"), eye)?;
+        batch.add_sky_mask(file("sky", "png"), eye)?;
+        batch.add_pfm(file("depth_z", "pfm"), width, height, &eye.depth)?;
+        batch.add_pfm(file("distance", "pfm"), width, height, &eye.distance)?;
+        batch.add_pfm_color(file("normals", "pfm"), width, height, &eye.shading_normal)?;
+        batch.add_ids_png(file("objects", "png"), width, height, &eye.object)?;
+        batch.add_ids_png(file("materials", "png"), width, height, &eye.material)?;
+        if truth.pose.screen_distance.is_infinite() {
+            let (all, of_both) = (eye.surfaces(), eye.surfaces_of_both());
+            batch.add_kitti_disparity(file("disp_occ_", "png"), width, height, &eye.disparity, &all)?;
+            batch.add_kitti_disparity(file("disp_noc_", "png"), width, height, &eye.disparity, &of_both)?;
+        }
+    }
+    batch.add_calib(folder.join("calib.txt"), truth)?;
+    Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
+}
+
 /// Adds what shows how the pair came about.
 fn add_maps(
     batch: &mut Batch,
     pair: &StereoPair,
     eyes: [(&str, &stereotrace::View); 2],
-    folder: &std::path::Path,
+    folder: &Path,
 ) -> Result<(), Box<dyn Error>> {
     batch.add_png(folder.join("retrace.png"), &pair.retrace_picture())?;
     if let Some(picture) = pair.shadow_picture() {

@@ -2,7 +2,6 @@
 
 use std::{
     error::Error,
-    f32::consts::TAU,
     fmt::Write as _,
     fs,
     io::{self, Write},
@@ -13,36 +12,29 @@ use std::{
 
 use clap::Args;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
-use stereotrace::{CameraPath, StereoCamera, StereoPair, message::counted, output::Batch, output::write_whole};
+use stereotrace::{StereoPair, message::counted, output::Batch, output::write_whole};
 
+use super::motion::{Motion, MotionArguments};
 use crate::{
     arguments::{Global, Subject, frames},
     progress::Progress,
-    shown,
+    record, shown,
     summary::Summary,
-    target::{EyesArguments, Target, add_picture},
+    target::{EyesArguments, Target, add_pair, is_open_exr},
 };
 
 /// What a folder's pictures were made with.
 const RECORD: &str = "sequence.json";
-/// Pictures of an orbit where nothing says how many.
+/// Pictures of an orbit, which is what there is where nothing is said.
 const ORBIT: u32 = 72;
-/// Pictures of a sequence at most: names have as many digits as numbers up to here.
-const MOST: u32 = 1_000_000;
-
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     subject: Subject,
     #[command(flatten)]
     eyes: EyesArguments,
-    /// Go once around the target in N pictures [default: 72, where no --path is given]
-    #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
-    orbit: Option<u32>,
-    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without, one a picture
-    #[arg(long, value_name = "FILE")]
-    path: Option<PathBuf>,
+    #[command(flatten)]
+    motion: MotionArguments,
     /// Render only these pictures of the sequence, as 0..24 for the first 24
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
@@ -58,7 +50,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let names = Names::of(&arguments.out)?;
     let mut stage = arguments.subject.open(global)?;
-    let motion = Motion::of(arguments, stage.camera)?;
+    let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
+    let motion = motion.unwrap_or(Motion::Orbit(stage.camera, ORBIT));
     let all = 0..motion.frames();
     let range = arguments.frames.clone().unwrap_or(all.clone());
     if range.end > all.end {
@@ -66,8 +59,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let pending = match names.folder() {
         Some(folder) => {
+            let record = record::of(&arguments.subject, &(&arguments.eyes, &motion))?;
             let there = |frame: &u32| names.files(*frame, &arguments.eyes).iter().any(|file| file.exists());
-            Record::of(arguments, &motion)?.keep(folder, arguments.overwrite, || {
+            keep(&record, folder, arguments.overwrite, || {
                 all.clone().filter(there).flat_map(|frame| names.files(frame, &arguments.eyes)).collect()
             })?;
             range.clone().filter(|frame| !names.are_there(*frame, &arguments.eyes)).collect::<Vec<_>>()
@@ -75,13 +69,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         None => range.clone().collect(),
     };
 
-    let uploaded = stage.renderer.upload(&stage.scene)?;
+    stage.options = stage.options.linear(is_open_exr(&arguments.out));
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut size = [0, 0];
     for &frame in &pending {
         let camera = motion.at(frame);
-        let pair = stage.renderer.render_with(&uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
+        let pair =
+            stage.renderer.render_with(&stage.uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
         size = names.write(&pair, frame, &arguments.eyes)?;
         progress.next();
     }
@@ -110,41 +105,6 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         "size": size,
     });
     Ok(Summary { text, json, to_stderr: names == Names::Stdout })
-}
-
-/// Where the eyes stand in each picture.
-#[derive(Clone, Debug)]
-enum Motion {
-    Orbit(StereoCamera, u32),
-    Path(CameraPath),
-}
-
-impl Motion {
-    fn of(arguments: &Arguments, camera: StereoCamera) -> Result<Self, Box<dyn Error>> {
-        let Some(file) = &arguments.path else {
-            return Ok(Self::Orbit(camera, arguments.orbit.unwrap_or(ORBIT)));
-        };
-        let [width, height] = arguments.subject.picture.size;
-        let path = CameraPath::from_json_within(file, width, height, &arguments.subject.reading.limits())?;
-        match path.frames() {
-            count if count > MOST => Err(format!("{}: {count} frames; there can be {MOST}", shown(file)).into()),
-            _ => Ok(Self::Path(path)),
-        }
-    }
-
-    fn frames(&self) -> u32 {
-        match self {
-            Self::Orbit(_, frames) => *frames,
-            Self::Path(path) => path.frames(),
-        }
-    }
-
-    fn at(&self, frame: u32) -> StereoCamera {
-        match self {
-            Self::Orbit(camera, frames) => camera.orbited(TAU * frame as f32 / *frames as f32),
-            Self::Path(path) => path.at(frame as f32),
-        }
-    }
 }
 
 /// What the pictures are called.
@@ -213,11 +173,11 @@ impl Names {
                 let rgb: Vec<u8> = both.rgba8.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
                 io::stdout().write_all(&rgb).map_err(|error| format!("standard output: {error}"))?;
             }
-            [one] => add_picture(&mut batch, one, &both)?,
+            [one] => add_pair(&mut batch, one, pair, None, eyes)?,
             files => {
                 let (left, right) = eyes.ordered(&pair.left, &pair.right);
                 for (file, picture) in files.iter().zip([left.picture(), right.picture(), both.clone()]) {
-                    add_picture(&mut batch, file, &picture)?;
+                    batch.add_png(file, &picture)?;
                 }
             }
         }
@@ -226,42 +186,26 @@ impl Names {
     }
 }
 
-/// What a folder's pictures were made with, so that nothing else is mixed with them.
-struct Record(Value);
-
-impl Record {
-    fn of(arguments: &Arguments, motion: &Motion) -> Result<Self, Box<dyn Error>> {
-        let files = arguments.subject.files().into_iter().map(|file| {
-            let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", shown(&file)))?;
-            let digest: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-            Ok(json!({ "file": file.to_string_lossy(), "sha256": digest }))
-        });
-        let files = files.collect::<Result<Vec<_>, String>>()?;
-        Ok(Self(json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "files": files,
-            "settings": format!("{:?}", (&arguments.subject, &arguments.eyes, motion)),
-        })))
+/// Writes what the pictures are made with, unless the folder has the same already: then the pictures that are there are this sequence's. No others may be there, unless they are to be
+/// overwritten; then they go first, so that an interrupted sequence has none of them.
+fn keep(
+    record: &Value,
+    folder: &Path,
+    overwrite: bool,
+    there: impl FnOnce() -> Vec<PathBuf>,
+) -> Result<(), Box<dyn Error>> {
+    let file = folder.join(RECORD);
+    let found = fs::read(&file).ok();
+    let same = found.as_ref().is_some_and(|bytes| serde_json::from_slice::<Value>(bytes).is_ok_and(|it| it == *record));
+    if same && !overwrite {
+        return Ok(());
     }
-
-    /// Writes it, unless the folder has the same already: then the pictures that are there are this sequence's. No others may be there, unless they are to be
-    /// overwritten; then they go first, so that an interrupted sequence has none of them.
-    fn keep(&self, folder: &Path, overwrite: bool, there: impl FnOnce() -> Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
-        let file = folder.join(RECORD);
-        let found = fs::read(&file).ok();
-        let same =
-            found.as_ref().is_some_and(|bytes| serde_json::from_slice::<Value>(bytes).is_ok_and(|it| it == self.0));
-        if same && !overwrite {
-            return Ok(());
+    for picture in there().into_iter().filter(|picture| picture.exists()) {
+        if !overwrite {
+            let advice = "was made with other files, settings or another version; take another folder, or --overwrite";
+            return Err(format!("{}: it {advice}", shown(&picture)).into());
         }
-        for picture in there().into_iter().filter(|picture| picture.exists()) {
-            if !overwrite {
-                let advice =
-                    "was made with other files, settings or another version; take another folder, or --overwrite";
-                return Err(format!("{}: it {advice}", shown(&picture)).into());
-            }
-            fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;
-        }
-        Ok(write_whole(&file, format!("{:#}\n", self.0).as_bytes())?)
+        fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;
     }
+    Ok(write_whole(&file, format!("{record:#}\n").as_bytes())?)
 }

@@ -32,6 +32,9 @@ pub(crate) struct Arguments {
     /// A folder, in which a quilt gets the name that displays expect (NAME_qsCxRaASPECT.png); or the quilt's file
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
+    /// Of JPEG files, 1 to 100
+    #[arg(long, value_name = "Q", default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: u8,
     /// Render by naive too, and say how exact the views are
     #[arg(long)]
     compare: bool,
@@ -45,11 +48,10 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let target = Target::of(&arguments.out)?;
     let mut stage = arguments.subject.open(global)?;
     let rig = Rig::row(stage.camera, count as usize);
-    let uploaded = stage.renderer.upload(&stage.scene)?;
     let begin = Instant::now();
     let mut progress = Progress::new(global, 1);
     let mut show = |now| progress.show(now);
-    let rendering = stage.renderer.render_views_async(&uploaded, &rig, &stage.options, &mut show);
+    let rendering = stage.renderer.render_views_async(&stage.uploaded, &rig, &stage.options, &mut show);
     let views = pollster::block_on(rendering);
     progress.clear();
     let views = views?;
@@ -61,14 +63,16 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             let name = quilt_name(&stage.name, &views, columns, rows);
             batch.add_png(folder.join(name), &quilt(&views, columns, rows)?)?;
         }
-        (Some([columns, rows]), Target::File(file)) => add_picture(&mut batch, file, &quilt(&views, columns, rows)?)?,
+        (Some([columns, rows]), Target::File(file)) => {
+            add_picture(&mut batch, file, &quilt(&views, columns, rows)?, arguments.quality)?
+        }
         (None, Target::Folder(folder)) => {
             for (index, view) in views.views.iter().enumerate() {
                 batch.add_png(folder.join(format!("view_{index:04}.png")), &view.view.picture())?;
             }
         }
         (None, Target::File(file)) => match &*views.views {
-            [only] => add_picture(&mut batch, file, &only.view.picture())?,
+            [only] => add_picture(&mut batch, file, &only.view.picture(), arguments.quality)?,
             _ => return Err(format!("{}: one file holds one view, or --quilt CxR", shown(file)).into()),
         },
     }
@@ -87,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut difference = None;
     if arguments.compare {
         let truth = stage.options.clone().method(Method::Naive).count(false);
-        let found = Compared::of(&views, &stage.renderer.render_views(&uploaded, &rig, &truth)?)?;
+        let found = Compared::of(&views, &stage.renderer.render_views(&stage.uploaded, &rig, &truth)?)?;
         let Compared { mean, least, wrong } = found;
         writeln!(
             text,

@@ -1,0 +1,262 @@
+//! `dataset`: pairs with ground truth for stereo vision, in the folders and formats that loaders expect.
+
+use std::{
+    collections::BTreeSet,
+    error::Error,
+    fs::{self, OpenOptions},
+    io::Write as _,
+    ops::Range,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::Args;
+use serde_json::{Value, json};
+use stereotrace::{
+    GroundTruth, Occlusion, StereoCamera, StereoPair,
+    dataset::{FreePoses, Layout},
+    message::counted,
+    output::{Batch, ExrColor},
+};
+
+use super::motion::{Motion, MotionArguments};
+use crate::{
+    arguments::{Global, Stage, Subject, above_zero, frames},
+    progress::Progress,
+    record, shown,
+    summary::Summary,
+    target::Target,
+};
+
+const MANIFEST: &str = "manifest.jsonl";
+/// Pairs where nothing says how many.
+const PAIRS: u32 = 20;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    subject: Subject,
+    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. The last two have parallel cameras
+    #[arg(long, default_value_t)]
+    layout: Layout,
+    /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
+    #[arg(long, value_name = "N", conflicts_with_all = ["orbit", "path"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pairs: Option<u32>,
+    #[command(flatten)]
+    motion: MotionArguments,
+    /// Reject places from which anything has so many pixels of disparity, to either side [default: 256 for kitti]
+    #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
+    max_disparity: Option<f32>,
+    /// Reject places that are nearer to a surface, in world units [default: twice the interaxial]
+    #[arg(long, value_name = "DISTANCE", value_parser = above_zero, allow_hyphen_values = true)]
+    clearance: Option<f32>,
+    /// Write each pair's linear colours, depths, disparities, normals and ids as OpenEXR too, into exr/
+    #[arg(long)]
+    exr: bool,
+    /// Render only these pairs of the data set, as 0..50 for the first 50: each is the same whoever else makes the others
+    #[arg(long, value_name = "FROM..TO", value_parser = frames)]
+    items: Option<Range<u32>>,
+    /// The folder
+    #[arg(long, short, value_name = "DIR", default_value = "dataset")]
+    out: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let Target::Folder(folder) = Target::of(&arguments.out)? else {
+        return Err(format!("{}: a data set is a folder", shown(&arguments.out)).into());
+    };
+    let mut stage = arguments.subject.open(global)?;
+    if arguments.layout.is_parallel() && !arguments.subject.screen_is_said() {
+        // By the interaxial in world units: in pixels it is the parallax at infinity, which is none then.
+        let interaxial = stage.camera.pose()?.interaxial;
+        stage.camera = stage.camera.interaxial(interaxial).screen_distance(f32::INFINITY);
+    }
+    stage.options = stage.options.linear(arguments.exr);
+    let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
+    let count = motion.as_ref().map_or(arguments.pairs.unwrap_or(PAIRS), Motion::frames);
+    let range = arguments.items.clone().unwrap_or(0..count);
+    if range.end > count {
+        return Err(format!("--items {}..{}: the data set has {count}", range.start, range.end).into());
+    }
+    let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
+    let mut manifest = Manifest::open(&folder, record::of(&arguments.subject, &settings)?)?;
+    let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
+
+    let begin = Instant::now();
+    let mut progress = Progress::new(global, pending.len() as u32);
+    let mut failed = Vec::new();
+    for &item in &pending {
+        match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
+            Ok(line) => manifest.add(&line)?,
+            Err(error) => {
+                // One pair that can't be made does not stop the others; it is tried again by the next run.
+                manifest.add(&json!({ "item": item, "error": error.to_string() }))?;
+                failed.push((item, error.to_string()));
+            }
+        }
+        progress.next();
+    }
+    progress.clear();
+    let seconds = begin.elapsed().as_secs_f64();
+
+    let made = pending.len() - failed.len();
+    if let Some((item, error)) = failed.first() {
+        let failures = counted(failed.len(), "pair", "pairs");
+        return Err(format!("{failures} of {} failed, the first is item {item}: {error}", pending.len()).into());
+    }
+    let kept = range.len() - pending.len();
+    let each = if made > 0 { format!(", {:.2} s each", seconds / made as f64) } else { String::new() };
+    let kept_too = if kept > 0 { format!("; {kept} were there already") } else { String::new() };
+    let text = format!(
+        "{} in {} as {}: {seconds:.1} s{each}{kept_too}\n",
+        counted(made, "pair", "pairs"),
+        shown(&folder),
+        arguments.layout
+    );
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "adapter": stage.renderer.gpu().adapter_name(),
+        "layout": arguments.layout.name(),
+        "rendered": made,
+        "kept": kept,
+        "seconds": seconds,
+        "manifest": folder.join(MANIFEST).to_string_lossy(),
+    });
+    Ok(Summary { text, json, to_stderr: false })
+}
+
+/// Makes one pair and writes its files; returns its line of the manifest.
+fn make(
+    arguments: &Arguments,
+    stage: &mut Stage,
+    motion: Option<&Motion>,
+    item: u32,
+    folder: &Path,
+    progress: &mut Progress,
+) -> Result<Value, Box<dyn Error>> {
+    let (camera, tries) = match motion {
+        Some(motion) => (motion.at(item), None),
+        None => {
+            let (camera, tries) = random_camera(arguments, stage, item)?;
+            (camera, Some(tries))
+        }
+    };
+    let pair = stage.renderer.render_with(&stage.uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
+    let truth = stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair)?;
+    let mut batch = Batch::new();
+    arguments.layout.add(&mut batch, folder, item, &pair, &truth)?;
+    let more = |kind: &str| -> Result<PathBuf, Box<dyn Error>> {
+        fs::create_dir_all(folder.join(kind)).map_err(|error| format!("{}: {error}", shown(&folder.join(kind))))?;
+        Ok(folder.join(kind).join(format!("{item:06}.{}", if kind == "exr" { "exr" } else { "json" })))
+    };
+    batch.add_camera_json(more("cameras")?, &pair.pose)?;
+    if arguments.exr {
+        batch.add_exr(more("exr")?, &pair, Some(&truth), ExrColor::Half)?;
+    }
+    let files = batch.commit()?;
+    let files = files.iter().map(|file| file.strip_prefix(folder).unwrap_or(file).to_string_lossy());
+    let files = Vec::from_iter(files);
+    Ok(json!({
+        "item": item,
+        "files": files,
+        "tries": tries,
+        "eye": pair.pose.eye.to_array(),
+        "forward": pair.pose.forward.to_array(),
+        "up": pair.pose.up.to_array(),
+        "interaxial": pair.pose.interaxial,
+        "method": pair.statistics.method.to_string(),
+        "retraced_share": pair.statistics.retraced_share(),
+        "left": figures(&truth, &pair),
+    }))
+}
+
+fn random_camera(arguments: &Arguments, stage: &Stage, item: u32) -> Result<(StereoCamera, u32), Box<dyn Error>> {
+    let limit = arguments.max_disparity.unwrap_or(arguments.layout.disparity_limit());
+    let mut poses = FreePoses::new(&stage.scene, stage.camera, stage.options.seed)?;
+    poses = poses.disparity(limit.min(arguments.layout.disparity_limit()));
+    if let Some(distance) = arguments.clearance {
+        poses = poses.clearance(distance);
+    }
+    let found = poses.find(&stage.renderer, &stage.uploaded, item)?;
+    Ok((found.camera, found.tries))
+}
+
+/// What is to be known of a left view without reading its files.
+fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
+    let left = &truth.left;
+    let percent = |count: usize| 100.0 * count as f64 / left.depth.len() as f64;
+    let of = |kind: Occlusion| percent(left.occlusion.iter().filter(|found| **found == kind).count());
+    let surfaces = left.disparity.iter().zip(left.surfaces()).filter(|(_, is_surface)| *is_surface);
+    let range = surfaces.fold(None, |range: Option<(f32, f32)>, (&disparity, _)| {
+        let (low, high) = range.unwrap_or((disparity, disparity));
+        Some((low.min(disparity), high.max(disparity)))
+    });
+    let nearest = pair.left.depth_range().0;
+    json!({
+        "hidden_percent": of(Occlusion::Hidden),
+        "out_of_frame_percent": of(Occlusion::OutOfFrame),
+        "sky_percent": percent(left.sky().iter().filter(|is_sky| **is_sky).count()),
+        "disparity": range.map(|(low, high)| [low, high]),
+        "nearest_depth": Some(nearest).filter(|depth| depth.is_finite()),
+    })
+}
+
+/// A line for what the data set is made with, and one for each pair.
+struct Manifest {
+    path: PathBuf,
+    /// Pairs that are there.
+    done: BTreeSet<u32>,
+}
+
+impl Manifest {
+    /// Begins a manifest, or goes on with one that was made with the same.
+    fn open(folder: &Path, record: Value) -> Result<Self, Box<dyn Error>> {
+        let path = folder.join(MANIFEST);
+        let mut manifest = Self { path, done: BTreeSet::new() };
+        let bytes = match fs::read(&manifest.path) {
+            Ok(bytes) if !bytes.is_empty() => bytes,
+            _ => {
+                manifest.add(&record)?;
+                return Ok(manifest);
+            }
+        };
+        // A line that a killed process did not finish has no end, and is cut off.
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        if whole < bytes.len() {
+            let cut = OpenOptions::new().write(true).open(&manifest.path).and_then(|file| file.set_len(whole as u64));
+            cut.map_err(|error| format!("{}: {error}", shown(&manifest.path)))?;
+        }
+        let mut lines = bytes[..whole].split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
+        let head: Option<Value> = lines.next().and_then(|line| serde_json::from_slice(line).ok());
+        match head {
+            None if whole == 0 => manifest.add(&record)?,
+            Some(head) if head == record => {}
+            _ => {
+                let advice = "was made with other files, settings or another version; take another folder";
+                return Err(format!("{}: the data set there {advice}", shown(&manifest.path)).into());
+            }
+        }
+        for (index, line) in lines.enumerate() {
+            let line: Value = serde_json::from_slice(line)
+                .map_err(|error| format!("{}:{}: {error}", shown(&manifest.path), index + 2))?;
+            let files = line["files"].as_array().map(Vec::as_slice).unwrap_or_default();
+            let is_there = |file: &Value| file.as_str().is_some_and(|name| folder.join(name).is_file());
+            if let Some(item) = line["item"].as_u64()
+                && !files.is_empty()
+                && files.iter().all(is_there)
+            {
+                manifest.done.insert(item as u32);
+            }
+        }
+        Ok(manifest)
+    }
+
+    /// Adds a line, which is on the disk then.
+    fn add(&mut self, line: &Value) -> Result<(), Box<dyn Error>> {
+        let written = OpenOptions::new().create(true).append(true).open(&self.path).and_then(|mut file| {
+            file.write_all(format!("{line}\n").as_bytes())?;
+            file.sync_all()
+        });
+        Ok(written.map_err(|error| format!("{}: {error}", shown(&self.path)))?)
+    }
+}

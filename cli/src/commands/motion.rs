@@ -1,0 +1,59 @@
+//! Where the eyes stand in each of many pictures.
+
+use std::{error::Error, f32::consts::TAU, path::PathBuf};
+
+use clap::Args;
+use stereotrace::{CameraPath, StereoCamera};
+
+use crate::{arguments::Subject, shown};
+
+/// Pictures at most: names have as many digits as numbers up to here.
+const MOST: u32 = 1_000_000;
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Motion")]
+pub(super) struct MotionArguments {
+    /// Go once around the target in N pictures
+    #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
+    pub(super) orbit: Option<u32>,
+    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without, one a picture
+    #[arg(long, value_name = "FILE")]
+    pub(super) path: Option<PathBuf>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Motion {
+    Orbit(StereoCamera, u32),
+    Path(CameraPath),
+}
+
+impl MotionArguments {
+    /// The motion that is asked for.
+    pub(super) fn motion(&self, subject: &Subject, camera: StereoCamera) -> Result<Option<Motion>, Box<dyn Error>> {
+        let Some(file) = &self.path else {
+            return Ok(self.orbit.map(|frames| Motion::Orbit(camera, frames)));
+        };
+        let [width, height] = subject.picture.size();
+        let path = CameraPath::from_json_within(file, width, height, &subject.reading.limits())?;
+        match path.frames() {
+            count if count > MOST => Err(format!("{}: {count} frames; there can be {MOST}", shown(file)).into()),
+            _ => Ok(Some(Motion::Path(path))),
+        }
+    }
+}
+
+impl Motion {
+    pub(super) fn frames(&self) -> u32 {
+        match self {
+            Self::Orbit(_, frames) => *frames,
+            Self::Path(path) => path.frames(),
+        }
+    }
+
+    pub(super) fn at(&self, frame: u32) -> StereoCamera {
+        match self {
+            Self::Orbit(camera, frames) => camera.orbited(TAU * frame as f32 / *frames as f32),
+            Self::Path(path) => path.at(frame as f32),
+        }
+    }
+}
