@@ -6,7 +6,7 @@ use common::{folder::Folder, renderer};
 use stereotrace::{
     Builtin, Ellipsoid, Error, EyeTruth, GBuffer, GroundTruth, Light, MISS, Material, MaterialId, Mesh, Method,
     Occlusion, Options, Plane, Pose, Scene, Sphere, StereoCamera, StereoPair, View,
-    glam::{DVec3, Mat3, Vec3},
+    glam::{DMat3, DVec3, Mat3, Vec3},
     output::{Batch, save_ids_pfm},
 };
 
@@ -164,6 +164,62 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
     // expected normal has the depth's rounding.
     let bounds = [1e-6, 1e-6, 1e-5, 3e-5];
     assert!(worst.iter().zip(bounds).all(|(off, bound)| *off < bound), "{worst:?}");
+}
+
+/// t of a ray's nearest hit in double precision, by a loop over all primitives; infinite where there is none.
+fn nearest(scene: &Scene, origin: DVec3, direction: DVec3) -> f64 {
+    let triangles = scene.triangles().iter().map(|triangle| {
+        let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - origin);
+        let weights = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
+        let normal = (b - a).cross(c - a);
+        let is_inside = weights.iter().all(|w| *w >= 0.0) || weights.iter().all(|w| *w <= 0.0);
+        if is_inside { normal.dot(a) / normal.dot(direction) } else { f64::NAN }
+    });
+    let ball = |center: Vec3, inverse: DMat3| {
+        let (o, d) = (inverse * (origin - center.as_dvec3()), inverse * direction);
+        let (middle, squared) = (-o.dot(d) / d.length_squared(), d.length_squared());
+        let half = (middle * middle - (o.length_squared() - 1.0) / squared).sqrt();
+        if middle > half { middle - half } else { middle + half }
+    };
+    let spheres = scene.spheres().iter().map(|sphere| ball(sphere.center, DMat3::IDENTITY / f64::from(sphere.radius)));
+    let ellipsoids = scene.ellipsoids().iter().map(|one| ball(one.center, one.axes.as_dmat3().inverse()));
+    let planes = scene.planes().iter().map(|plane| {
+        let normal = plane.normal.as_dvec3();
+        normal.dot(plane.point.as_dvec3() - origin) / normal.dot(direction)
+    });
+    let all = triangles.chain(spheres).chain(ellipsoids).chain(planes);
+    all.filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// A point is occluded iff the other eye's ray to it is blocked, or it leaves the other picture: by double precision, of every kind of primitive.
+#[test]
+fn occlusion_is_what_the_other_eyes_rays_meet() {
+    let scene = still_life();
+    let (pair, truth) = truth_of(&scene, &still_life_camera());
+    let pose = &pair.pose;
+    let width = pose.size[0] as usize;
+    let (mut found, mut other) = ([0; 3], 0);
+    for (side, _, eye) in eyes(&pair, &truth) {
+        let other_eye = ray(pose, -side, 0, 0).0;
+        for (index, &occlusion) in eye.occlusion.iter().enumerate() {
+            let (origin, direction) = ray(pose, side, index % width, index / width);
+            let z = nearest(&scene, origin, direction);
+            let towards = if z.is_finite() { origin + direction * z - other_eye } else { direction };
+            let limit = if z.is_finite() { 1.0 - 1e-6 } else { f64::INFINITY };
+            let disparity = pose.disparity_px(z as f32);
+            let x = (index % width) as f64 + 0.5 + side * disparity;
+            let expected = match nearest(&scene, other_eye, towards) < limit {
+                _ if !(0.0..width as f64).contains(&x) => Occlusion::OutOfFrame,
+                true => Occlusion::Hidden,
+                false => Occlusion::Visible,
+            };
+            found[expected as usize] += 1;
+            other += usize::from(expected != occlusion);
+        }
+    }
+    println!("{found:?} seen, hidden and out of the picture; {other} otherwise");
+    assert!(found.iter().all(|count| *count > 500), "{found:?}");
+    assert!(other <= 4, "{other}");
 }
 
 #[test]
