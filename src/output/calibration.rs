@@ -76,10 +76,10 @@ mod tests {
         glam::{DVec3, Vec3},
     };
 
-    /// f = 100 px, e = 0.25, `e_px` = 5: the screen, 5 units away and 10 wide, is 200 pixels wide.
+    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. No number of it rounds.
     pub(super) fn pose() -> Pose {
-        let camera = StereoCamera::look_at(5.0 * Vec3::Z, Vec3::ZERO).size(200, 100);
-        camera.screen_width(10.0).interaxial(0.25).pose().unwrap()
+        let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(256, 128);
+        camera.screen_width(8.0).interaxial(0.25).pose().unwrap()
     }
 
     fn truth(disparity: [f32; 3], primitive: [u32; 3]) -> GroundTruth {
@@ -101,12 +101,12 @@ mod tests {
 
     #[test]
     fn calib_txt_is_as_worked_out_by_hand() {
-        // Principal points: 100 -+ 2.5, counted from the first pixel's centre. Sky, of -5, is no surface.
-        let expected = "cam0=[100 0 97; 0 100 49.5; 0 0 1]\ncam1=[100 0 102; 0 100 49.5; 0 0 1]\ndoffs=5\nbaseline=0.25\n\
-                        width=200\nheight=100\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
-        assert_eq!(calib_txt(&truth([11.5, -1.25, -5.0], [0, 1, MISS])), expected);
+        // Principal points: 128 -+ 4, counted from the first pixel's centre. Sky, of -8, is no surface.
+        let expected = "cam0=[128 0 123.5; 0 128 63.5; 0 0 1]\ncam1=[128 0 131.5; 0 128 63.5; 0 0 1]\ndoffs=8\nbaseline=0.25\n\
+                        width=256\nheight=128\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
+        assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])), expected);
         // Sky alone; and what is in the plane of the eyes.
-        assert!(calib_txt(&truth([-5.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-5\nvmax=-5\n"));
+        assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
         assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
     }
 
