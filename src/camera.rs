@@ -33,8 +33,8 @@ pub const FAR: f32 = 3.4e38;
 /// Distance between human eyes in metres, on average (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
 
-/// What the picture holds: by angle, by the width of the rectangle on the screen plane, or by focal lengths and the principal point in
-/// the middle between the eyes', in pixels.
+/// What the picture holds: by angle, by the width of the rectangle on the screen plane, or by focal lengths and the
+/// principal point in the middle between the eyes', in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aperture {
     VerticalFov(f32),
@@ -53,13 +53,14 @@ enum Screen {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Convergence {
-    /// Not at all: both look along one direction, through one screen rectangle or, where the screen is at infinity, as parallel cameras.
-    /// Rows of the pictures are epipolar lines: no point stands higher in one than in the other.
+    /// Not at all: both look along one direction, through one screen rectangle or, where the screen is at infinity, as
+    /// parallel cameras. Rows of the pictures are epipolar lines: no point stands higher in one than in the other.
     #[default]
     OffAxis,
-    /// Towards each other, so that their axes meet at the screen's distance, as a pair of cameras on a toe-in rig. Points then stand higher in
-    /// one picture than in the other, by up to [`Comfort::vertical_parallax_px`], and nothing of a view can be carried over along rows:
-    /// a pair is rendered by [`Method::Naive`](crate::Method::Naive) whatever method is asked for, and a warning is logged.
+    /// Towards each other, so that their axes meet at the screen's distance, as a pair of cameras on a toe-in rig.
+    /// Points then stand higher in one picture than in the other, by up to [`Comfort::vertical_parallax_px`], and
+    /// nothing of a view can be carried over along rows: a pair is rendered by [`Method::Naive`](crate::Method::Naive)
+    /// whatever method is asked for, and a warning is logged.
     ToeIn,
 }
 
@@ -125,10 +126,11 @@ pub struct Pose {
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
     /// How the eyes are turned. Of a pair that is toed in, the axes here are those of the midpoint between the eyes
-    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera that has its numbers.
+    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera that
+    /// has its numbers.
     pub convergence: Convergence,
-    /// How far away what the camera looks at is, world units: the screen's distance; where that is infinite the target's. Rules that need
-    /// a length to go by take this one.
+    /// How far away what the camera looks at is, world units: the screen's distance; where that is infinite the
+    /// target's. Rules that need a length to go by take this one.
     pub subject_distance: f32,
     /// Where eyes look.
     pub(crate) frustum: Frustum,
@@ -194,17 +196,18 @@ impl StereoCamera {
         self
     }
 
-    /// What a calibration says of both eyes, in place of the field of view and of the screen's distance, which follows from how far apart
-    /// their principal points lie: `d = fx e / doffs`, infinite where they don't. A [`StereoCamera::screen_distance`] that is set after it
-    /// holds in turn; the principal points then stand around the same middle. It is of a picture of this [`StereoCamera::size`].
+    /// What a calibration says of both eyes, in place of the field of view and of the screen's distance, which follows
+    /// from how far apart their principal points lie: `d = fx e / doffs`, infinite where they don't. A
+    /// [`StereoCamera::screen_distance`] that is set after it holds in turn; the principal points then stand around the
+    /// same middle. It is of a picture of this [`StereoCamera::size`].
     pub fn intrinsics(mut self, intrinsics: Intrinsics) -> Self {
         let (lenses, offset) = intrinsics.split();
         (self.aperture, self.screen) = (Aperture::Lenses(lenses), Screen::Offset(offset));
         self
     }
 
-    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units. `f32::INFINITY` makes the eyes parallel
-    /// cameras.
+    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units. `f32::INFINITY` makes the
+    /// eyes parallel cameras.
     pub fn screen_distance(mut self, distance: f32) -> Self {
         self.screen = Screen::Distance(distance);
         self
@@ -222,8 +225,8 @@ impl StereoCamera {
         self
     }
 
-    /// Distance between the eyes in pixels of this picture: the parallax at infinity. It takes a screen that is not infinitely far, since
-    /// parallel cameras have none there, whatever their distance.
+    /// Distance between the eyes in pixels of this picture: the parallax at infinity. It takes a screen that is not
+    /// infinitely far, since parallel cameras have none there, whatever their distance.
     pub fn interaxial_pixels(mut self, pixels: f32) -> Self {
         self.interaxial = Interaxial::Pixels(pixels);
         self
@@ -244,8 +247,9 @@ impl StereoCamera {
     ///
     /// # Errors
     /// [`Error::Camera`], naming the field, for what lies outside of them, a field of view outside 0 to 180 degrees, a
-    /// target that is the eye, `up` parallel to the view, and what contradicts itself: a screen at infinity with a width of its own or an interaxial in
-    /// pixels, principal points with an interaxial in pixels, and principal points that differ where eyes are toed in.
+    /// target that is the eye, `up` parallel to the view, and what contradicts itself: a screen at infinity with a
+    /// width of its own or an interaxial in pixels, principal points with an interaxial in pixels, and principal points
+    /// that differ where eyes are toed in.
     pub fn pose(&self) -> Result<Pose, Error> {
         check_fields(self)?;
         // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
@@ -316,7 +320,8 @@ impl StereoCamera {
         self.sight(distance, screen_size, interaxial, interaxial_px, frustum)
     }
 
-    /// What is seen by focal lengths and principal points, which say where the screen is or are put where the screen asks for it.
+    /// What is seen by focal lengths and principal points, which say where the screen is or are put where the screen
+    /// asks for it.
     fn through_lenses(&self) -> Result<Sight, Error> {
         let [w, h] = [self.width, self.height].map(f64::from);
         let lenses = match self.aperture {
@@ -339,7 +344,8 @@ impl StereoCamera {
         self.sight(distance as f32, screen_size, interaxial as f32, offset as f32, frustum)
     }
 
-    /// The distance between the eyes, how far their principal points lie apart, in pixels, and the distance of the screen; at a focal length.
+    /// The distance between the eyes, how far their principal points lie apart, in pixels, and the distance of the
+    /// screen; at a focal length.
     fn offset_and_distance(&self, fx: f64) -> Result<(f64, f64, f64), Error> {
         match (self.screen, self.interaxial) {
             (Screen::Distance(d), Interaxial::World(e)) => {

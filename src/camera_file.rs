@@ -1,4 +1,4 @@
-//! Reads cameras and lights from JSON files, and calibrated pairs (camera_file/calib.rs).
+//! Reads cameras and lights from JSON files, and calibrated pairs (`camera_file/calib.rs`).
 
 mod calib;
 
@@ -11,19 +11,22 @@ use crate::{CameraPath, Convergence, Error, Light, Limits, Scene, StereoCamera, 
 
 impl StereoCamera {
     /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
-    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` (world units, or `"inf"` for parallel cameras) and
-    /// `eye_separation` (world units). The picture is `width` x `height` pixels.
+    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` (world units, or
+    /// `"inf"` for parallel cameras) and `eye_separation` (world units). The picture is `width` x `height` pixels.
     ///
     /// In their place there may be
     ///
-    /// - for `vfov_deg`: `fx`, `fy` (else `fx` again), `cy`, and `cx` or `cx0` and `cx1`, as [`Intrinsics`] has them, with **pixel centres at halves**; of a
-    ///   picture of `width` x `height`, where the entry has these, and scaled from there to the size that is asked for. With `cx0` and `cx1` there is no
-    ///   `screen_distance`; with `cx` alone, where there is none the cameras are parallel;
-    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x to the right, y down and z ahead;
+    /// - for `vfov_deg`: `fx`, `fy` (else `fx` again), `cy`, and `cx` or `cx0` and `cx1`, as [`Intrinsics`] has them,
+    ///   with **pixel centres at halves**; of a picture of `width` x `height`, where the entry has these, and scaled from
+    ///   there to the size that is asked for. With `cx0` and `cx1` there is no `screen_distance`; with `cx` alone, where
+    ///   there is none the cameras are parallel;
+    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x to
+    ///   the right, y down and z ahead;
     /// - for `eye_separation`: `baseline`, which is the same.
     ///
-    /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other than 0 are refused, and so is what both eyes must
-    /// share and don't (`fx1`, `fy1`, `cy1`). Other fields are ignored.
+    /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
+    /// than 0 are refused, and so is what both eyes must share and don't (`fx1`, `fy1`, `cy1`). Other fields are
+    /// ignored.
     ///
     /// ```no_run
     /// let camera = stereotrace::StereoCamera::from_json("cameras.json", "sponza", 1280, 720)?;
@@ -398,7 +401,8 @@ mod tests {
         assert_eq!(entry(r#""fy": 480.5, "#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
         let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
         assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
-        // x to the right, y down, z ahead, of an eye that looks along -z; the left one stands half the baseline to the left.
+        // x to the right, y down, z ahead, of an eye that looks along -z; the left one stands half the baseline to the
+        // left.
         let matrix = r#""pose": [[1, 0, 0, 0.9375], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]"#;
         let posed = entry(r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#, matrix).pose().unwrap();
         let expected = entry("", "").pose().unwrap();

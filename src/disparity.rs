@@ -21,9 +21,9 @@ pub enum Occlusion {
 
 impl Pose {
     /// Disparity `x_l - x_r` in pixels of a point at depth `z`, with the sign of stereo vision: the opposite of
-    /// [`Pose::parallax_px`], in f64. `e_px (d/Z - 1)`: above 0 before the screen, 0 on it, below 0 behind it, `-e_px` at
-    /// infinity. Of parallel cameras it is `f_px e / Z`: 0 at infinity, and above 0 before it. Of eyes that are toed in, that of points on the axis
-    /// between them ([`Pose::parallax_px`]).
+    /// [`Pose::parallax_px`], in f64. `e_px (d/Z - 1)`: above 0 before the screen, 0 on it, below 0 behind it, `-e_px`
+    /// at infinity. Of parallel cameras it is `f_px e / Z`: 0 at infinity, and above 0 before it. Of eyes that are toed
+    /// in, that of points on the axis between them ([`Pose::parallax_px`]).
     ///
     /// Since both eyes look through one screen rectangle, disparities of this camera are those of two parallel
     /// cameras of baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`: `f B / Z - e_px`.
@@ -42,12 +42,13 @@ impl StereoPair {
     /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i + 0.5`
     /// stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not ([`StereoPair::occlusion`]).
     ///
-    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`] by [`Pose::disparity_px`]. d is above
-    /// 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
-    /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add
-    /// [`Pose::interaxial_px`] to get disparities of parallel cameras, which are 0 at infinity; those of a pair whose screen is at infinity are. A point in the plane of the eyes
-    /// has `f32::INFINITY`. Empty where depth was not kept ([`GBuffer::None`](crate::GBuffer)), and where eyes are toed in
-    /// ([`Convergence::ToeIn`](crate::Convergence)): points then don't stay in their rows.
+    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`] by [`Pose::disparity_px`]. d
+    /// is above 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
+    /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add [`Pose::interaxial_px`]
+    /// to get disparities of parallel cameras, which are 0 at infinity; where the screen is at infinity, these are such.
+    /// A point in the plane of the eyes has `f32::INFINITY`. Empty where depth was not kept
+    /// ([`GBuffer::None`](crate::GBuffer)), and where eyes are toed in ([`Convergence::ToeIn`](crate::Convergence)):
+    /// points then don't stay in their rows.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};

@@ -47,7 +47,8 @@ pub enum Check {
 pub enum BufferDepth {
     /// As many as said.
     Fixed(NonZeroU32),
-    /// `2 e_px`, rounded up: the thesis's choice; of parallel cameras twice the disparity at the target. One slot short from nearest depth d/2 on (DESIGN, section 2).
+    /// `2 e_px`, rounded up: the thesis's choice; of parallel cameras twice the disparity at the target. One slot short
+    /// from nearest depth d/2 on (DESIGN, section 2).
     TwiceInteraxial,
     /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
     Adaptive,
@@ -183,8 +184,9 @@ impl BufferDepth {
     }
 }
 
-/// `B = e_px d (1/Z_near - 1/Z_far)`, of parallel cameras with `f_px e` for `e_px d`: two left samples in one right column are fewer than `B + 1` columns apart
-/// (thesis, Lemma 1, with rounding as in DESIGN, section 2). A farthest depth of infinity counts as 1/Z = 0.
+/// `B = e_px d (1/Z_near - 1/Z_far)`, of parallel cameras with `f_px e` for `e_px d`: two left samples in one right
+/// column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN, section 2). A farthest
+/// depth of infinity counts as 1/Z = 0.
 pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
     pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
 }

@@ -27,7 +27,8 @@ impl Renderer {
     /// ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) right depths are those of points up to half a pixel aside.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for one whose eyes are toed in, and those of [`Renderer::closest_hits_async`].
+    /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for one whose eyes are toed in, and those of
+    /// [`Renderer::closest_hits_async`].
     pub async fn occlusions_async(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
         if pair.pose.convergence == Convergence::ToeIn {
             let reason = "its eyes are toed in: where points leave the other picture goes by rows, which are no epipolar lines there";

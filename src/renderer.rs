@@ -96,8 +96,8 @@ impl Renderer {
     }
 
     /// Renders a pair; `progress` is called after every band of rows, and may stop the frame. Eyes that are toed in
-    /// ([`Convergence::ToeIn`]) are traced one after the other, by [`Method::Naive`] whatever method is asked for; a warning says so once a
-    /// renderer.
+    /// ([`Convergence::ToeIn`]) are traced one after the other, by [`Method::Naive`] whatever method is asked for; a
+    /// warning says so once a renderer.
     ///
     /// # Errors
     /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't, [`Error::Limit`] for a picture that the adapter can't bind,
@@ -111,12 +111,9 @@ impl Renderer {
         progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
         let pose = camera.pose()?;
-        let [first, second] = match self.frames_of(&pose, options) {
-            Frames::One(eyes) => {
-                let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
-                return Ok(StereoPair::of(done, views));
-            }
-            Frames::Two(eyes) => eyes,
+        let Some([first, second]) = self.toed_in(&pose, options) else {
+            let (done, views) = self.whole_frame(scene, &Eyes::pair(&pose), options, progress).await?;
+            return Ok(StereoPair::of(done, views));
         };
         let options = &Options { method: Method::Naive, ..options.clone() };
         let left = self.whole_frame(scene, &first, options, &mut half_of(progress, 0.0)).await?;
@@ -135,12 +132,11 @@ impl Renderer {
         options: &Options,
     ) -> Result<Statistics, Error> {
         let mut go_on = |_| ControlFlow::Continue(());
-        let [first, second] = match self.frames_of(&camera.pose()?, options) {
-            Frames::One(eyes) => {
-                let done = self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?;
-                return Ok(done.pair_statistics());
-            }
-            Frames::Two(eyes) => eyes,
+        let pose = camera.pose()?;
+        let Some([first, second]) = self.toed_in(&pose, options) else {
+            let eyes = Eyes::pair(&pose);
+            let done = self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?;
+            return Ok(done.pair_statistics());
         };
         let options = &Options { method: Method::Naive, ..options.clone() };
         let left = self.sampled(scene, &first, options, false, &mut go_on, &mut |_| Ok(())).await?;
@@ -148,12 +144,12 @@ impl Renderer {
         Ok(left.beside(right).pair_statistics())
     }
 
-    /// The eyes of a pair's frame, or of its frames where they are toed in.
-    fn frames_of(&self, pose: &Pose, options: &Options) -> Frames {
+    /// The eyes of a pair that is toed in, each of a frame of its own.
+    fn toed_in(&self, pose: &Pose, options: &Options) -> Option<[Eyes; 2]> {
         if pose.convergence == Convergence::OffAxis {
-            return Frames::One(Eyes::pair(pose));
+            return None;
         }
-        if !matches!(options.method, Method::Naive | Method::Auto) {
+        if options.method != Method::Naive {
             let method = options.method;
             self.toe_in_warned.call_once(|| {
                 log::warn!(
@@ -161,7 +157,7 @@ impl Renderer {
                 );
             });
         }
-        Frames::Two([-1.0, 1.0].map(|side| Eyes::mono(pose.of_eye(side))))
+        Some([-1.0, 1.0].map(|side| Eyes::mono(pose.of_eye(side))))
     }
 
     /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
@@ -216,12 +212,6 @@ impl Renderer {
         let done = self.sampled(scene, eyes, options, true, progress, &mut keep).await?;
         Ok((done, views))
     }
-}
-
-/// What a pair is rendered in.
-enum Frames {
-    One(Eyes),
-    Two([Eyes; 2]),
 }
 
 /// What shows a frame's progress as that of the half of two that begins there.

@@ -17,12 +17,14 @@ const FROM_END: f32 = 1.0 / 7.0;
 /// Views of a rig at most.
 pub const MAX_VIEWS: usize = 1024;
 
-/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two, and one eye is a rig too
-/// ([`Rig::mono`]).
+/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two, and one eye is
+/// a rig too ([`Rig::mono`]).
 ///
-/// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's offset. All look
-/// through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 - d/Z)`, of either sign; parallel cameras'
-/// is `(o_a - o_b) f_px e / Z`. Some views are traced, their sources; each other view is made from the source nearest to it.
+/// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's
+/// offset. All look through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 -
+/// d/Z)`, of either sign; parallel cameras' is `(o_a - o_b) f_px e / Z`. Some views are traced, their sources; each
+/// other view is made from the source nearest to it. Of eyes that are toed in, one at a time can be rendered: as a camera
+/// of its own, [`Pose::of_eye`], at offset 0.
 ///
 /// ```
 /// use stereotrace::{Rig, StereoCamera, glam::Vec3};
@@ -74,13 +76,13 @@ impl Rig {
         &self.offsets
     }
 
-    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity; of parallel cameras that at
-    /// the target's distance), unless [`Rig::traced`] says otherwise.
+    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity; of
+    /// parallel cameras that at the target's distance), unless [`Rig::traced`] says otherwise.
     pub const REACH: f32 = 1.0 / 8.0;
 
     /// # Errors
-    /// [`Error::Rig`] for no eyes, too many, two in one place, several that are toed in, and sources that are no eyes; [`Error::Camera`] for a camera whose
-    /// outermost or closest eyes f32 does not hold.
+    /// [`Error::Rig`] for no eyes, too many, two in one place, several that are toed in, and sources that are no eyes;
+    /// [`Error::Camera`] for a camera whose outermost or closest eyes f32 does not hold.
     pub(crate) fn eyes(&self) -> Result<Eyes, Error> {
         let fault = |reason| Err(Error::Rig { reason });
         let count = self.offsets.len();

@@ -157,8 +157,8 @@ fn at_the_edge(
     }
 }
 
-/// The same eyes with a principal point so far aside that pixels in the corners span `angle` or so, or with eyes far or hardly apart,
-/// or in a picture of one pixel; as parallel cameras or before a screen.
+/// The same eyes with a principal point so far aside that pixels in the corners span `angle` or so, or with eyes far or
+/// hardly apart, or in a picture of one pixel; as parallel cameras or before a screen.
 fn calibrated_at_the_edge(random: &mut Random, camera: StereoCamera, angle: f32) -> StereoCamera {
     let Ok(pose) = camera.interaxial(0.0).pose() else { return camera };
     let size = if random.below(6) == 0 { [1, 1] } else { pose.size };

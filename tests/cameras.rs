@@ -11,8 +11,8 @@ use stereotrace::{
     glam::{DMat3, DVec3, Vec3},
 };
 
-/// A built-in scene's camera as parallel cameras, and as calibrated ones: off-centre with flat pixels, before a screen, and with a principal
-/// point outside of the picture.
+/// A built-in scene's camera as parallel cameras, and as calibrated ones: off-centre with flat pixels, before a screen,
+/// and with a principal point outside of the picture.
 fn kinds(camera: StereoCamera) -> [(&'static str, StereoCamera); 4] {
     let pose = camera.pose().unwrap();
     let [w, h] = pose.size.map(f64::from);
@@ -101,7 +101,8 @@ fn points_are_projected_by_k_r_t_for_any_intrinsics() {
                 continue;
             }
             let found = pose.project(x, side).map(f64::from);
-            // The pose's axes are rounded to f32, which turns them by up to 1e-7, so a point f px from the centre moves by that share.
+            // The pose's axes are rounded to f32, which turns them by up to 1e-7, so a point f px from the centre moves
+            // by that share.
             for (axis, found) in found.into_iter().enumerate() {
                 let reach = focal[axis.min(1)] + (expected[axis] - centre[axis.min(1)]).abs() + expected[axis].abs();
                 worst = worst.max((found - expected[axis]).abs() / reach);

@@ -1,7 +1,7 @@
 // Where a sample of the source lands in the target's view (DESIGN, section 2).
 
-// x_t - x_s in pixels of a point at depth z: e_px (1 - d/z), thesis eq. 10; between parallel cameras f_px (0 - e/z). FAR gives that of
-// infinity.
+// x_t - x_s in pixels of a point at depth z: e_px (1 - d/z), thesis eq. 10; between parallel cameras f_px (0 - e/z).
+// FAR gives that of infinity.
 fn parallax(z: f32) -> f32 {
     return frame.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
 }

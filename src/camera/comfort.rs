@@ -3,9 +3,9 @@
 use super::{HUMAN_INTERAXIAL, Pose};
 
 impl Pose {
-    /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where
-    /// there is sky), on a display `display_width` metres wide. [`StereoCamera::comfortable`](super::StereoCamera::comfortable) chooses a
-    /// camera that is.
+    /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where there is
+    /// sky), on a display `display_width` metres wide. [`StereoCamera::comfortable`](super::StereoCamera::comfortable)
+    /// chooses a camera that is.
     pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
         let width = self.size[0] as f32;
         let positive_px = self.parallax_px(farthest).max(0.0);
@@ -32,13 +32,13 @@ const MOST_VERTICAL_PX: f32 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comfort {
-    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at infinity, 0 for parallel
-    /// cameras.
+    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at infinity,
+    /// 0 for parallel cameras.
     pub interaxial_ratio: f32,
     /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
     pub interaxial_limit: f32,
-    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2). 0 for parallel cameras, whose
-    /// pictures have all before the display.
+    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2). 0 for
+    /// parallel cameras, whose pictures have all before the display.
     pub nearest_ratio: f32,
     /// Largest parallax behind the screen, pixels, at least 0.
     pub positive_parallax_px: f32,
@@ -48,8 +48,8 @@ pub struct Comfort {
     pub positive_parallax_percent: f32,
     /// The same in percent of the picture's width.
     pub negative_parallax_percent: f32,
-    /// How much higher a point stands in one picture than in the other at most, pixels: of points in the corners of either picture at these
-    /// depths. 0 unless eyes are toed in.
+    /// How much higher a point stands in one picture than in the other at most, pixels: of points in the corners of
+    /// either picture at these depths. 0 unless eyes are toed in.
     pub vertical_parallax_px: f32,
     /// Width of the display in metres that this holds for.
     pub display_width: f32,

@@ -91,20 +91,23 @@ pub struct Comfortable {
 }
 
 impl StereoCamera {
-    /// Chooses the interaxial and the screen's distance for a display, and for a scene whose visible points lie between depths `nearest` and
-    /// `farthest` (`f32::INFINITY` where there is sky): as much depth as every [`ComfortRule`] leaves.
+    /// Chooses the interaxial and the screen's distance for a display, and for a scene whose visible points lie between
+    /// depths `nearest` and `farthest` (`f32::INFINITY` where there is sky): as much depth as every [`ComfortRule`]
+    /// leaves.
     ///
-    /// Of a point at depth Z the parallax is `p(Z) = e f (1/d - 1/Z)` widths of the display, `f` being the focal length in widths of the picture.
-    /// With `N` and `F` the depths given, `A` the share of the width that points may stand behind the display and `B` that before it,
-    /// `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)` and `B = min(1%, 2 v tan 0.5° / width)`, the interaxial is the least of
+    /// Of a point at depth Z the parallax is `p(Z) = e f (1/d - 1/Z)` widths of the display, `f` being the focal length
+    /// in widths of the picture. With `N` and `F` the depths given, `A` the share of the width that points may stand
+    /// behind the display and `B` that before it, `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)` and `B = min(1%, 2
+    /// v tan 0.5° / width)`, the interaxial is the least of
     ///
     /// - `(A + B) / (f (1/N - 1/F))`: the range of parallax,
     /// - `A / (f (1/2N - 1/F))`, where that is above 0: with the screen no farther than `2N`,
     /// - `N / 30`,
     ///
-    /// and the screen stands where A and B are used alike, `1/d = 1/F + (1/N - 1/F) A / (A + B)`, or as far off that as a rule asks. Depths are those that
-    /// a picture shows ([`View::depth_range`](crate::View::depth_range)), or those of a box
-    /// ([`Pose::depth_range_of`](crate::Pose::depth_range_of)). Of eyes that are toed in this holds on the axis between them.
+    /// and the screen stands where A and B are used alike, `1/d = 1/F + (1/N - 1/F) A / (A + B)`, or as far off that as
+    /// a rule asks. Depths are those that a picture shows ([`View::depth_range`](crate::View::depth_range)), or those
+    /// of a box ([`Pose::depth_range_of`](crate::Pose::depth_range_of)). Of eyes that are toed in this holds on the
+    /// axis between them.
     ///
     /// ```
     /// use stereotrace::{Builtin, camera::{ComfortRule, Display}};
@@ -118,8 +121,8 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for depths that are not above 0 in this order and for a display without width or distance, [`Error::Camera`] for an
-    /// invalid camera, the chosen one included.
+    /// [`Error::Options`] for depths that are not above 0 in this order and for a display without width or distance,
+    /// [`Error::Camera`] for an invalid camera, the chosen one included.
     pub fn comfortable(&self, (nearest, farthest): (f32, f32), display: &Display) -> Result<Comfortable, Error> {
         if !(nearest > 0.0 && nearest.is_finite() && farthest >= nearest) {
             let reason = format!(

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 
 use super::{Intrinsics, Pose};
 
-/// The picture's rectangle on a plane before the eyes: on the screen, where the camera was given by it, else at depth 1. In f64: kernels get
-/// what is rounded once.
+/// The picture's rectangle on a plane before the eyes: on the screen, where the camera was given by it, else at depth
+/// 1. In f64: kernels get what is rounded once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frustum {
     /// From the plane of the eyes to that plane.
@@ -14,8 +14,8 @@ pub(crate) struct Frustum {
     pub(crate) size: [f64; 2],
     /// The rectangle's middle, to the right of the axis of the midpoint between the eyes and above it.
     pub(crate) center: [f64; 2],
-    /// How much farther to the left the rectangle stands of an eye's own axis, for an eye that stands an interaxial to the right: the interaxial
-    /// itself on the screen, which is one for all eyes, and 0 for parallel cameras.
+    /// How much farther to the left the rectangle stands of an eye's own axis, for an eye that stands an interaxial to
+    /// the right: the interaxial itself on the screen, which is one for all eyes, and 0 for parallel cameras.
     pub(crate) shift: f64,
 }
 
@@ -29,8 +29,8 @@ impl Frustum {
         self.center[1] + 0.5 * self.size[1]
     }
 
-    /// From the axis of an eye that stands so far to either side to the farthest points of the rectangle's sides, in units of its
-    /// distance.
+    /// From the axis of an eye that stands so far to either side to the farthest points of the rectangle's sides, in
+    /// units of its distance.
     pub(crate) fn aside(&self, offset: f64) -> [f64; 2] {
         let [x, y] = [0, 1].map(|axis| 0.5 * self.size[axis] + self.center[axis].abs());
         [(x + offset * self.shift) / self.distance, y / self.distance]
@@ -42,8 +42,8 @@ impl Frustum {
     }
 }
 
-/// How far points move from one eye to another: `scale_px (at_infinity - distance / Z)` pixels. Through one screen that is
-/// `e_px (1 - d/Z)`, between parallel cameras `f_px (0 - e/Z)`.
+/// How far points move from one eye to another: `scale_px (at_infinity - distance / Z)` pixels. Through one screen that
+/// is `e_px (1 - d/Z)`, between parallel cameras `f_px (0 - e/Z)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Parallax {
     pub(crate) scale_px: f32,
@@ -79,17 +79,18 @@ impl Pose {
         Parallax { scale_px: self.focal_px()[0] as f32, at_infinity: 0.0, distance: self.interaxial }
     }
 
-    /// How far points about the camera's subject move from eye to eye, in pixels: `e_px`, or for parallel cameras the disparity at
-    /// the subject's distance. What rules of thumb go by.
+    /// How far points about the camera's subject move from eye to eye, in pixels: `e_px`, or for parallel cameras the
+    /// disparity at the subject's distance. What rules of thumb go by.
     pub(crate) fn typical_parallax_px(&self) -> f32 {
         if self.screen_distance.is_finite() { self.interaxial_px } else { -self.parallax().px(self.subject_distance) }
     }
 
-    /// Parallax `x_r - x_l = e_px (1 - d/Z)` in pixels of a point at depth `z` (thesis, eq. 10, in pixels):
-    /// `e_px` at infinity, 0 on the screen, `-e_px` at `d/2`. Between parallel cameras it is `-f_px e / Z`: 0 at infinity, and negative before it.
+    /// Parallax `x_r - x_l = e_px (1 - d/Z)` in pixels of a point at depth `z` (thesis, eq. 10, in pixels): `e_px` at
+    /// infinity, 0 on the screen, `-e_px` at `d/2`. Between parallel cameras it is `-f_px e / Z`: 0 at infinity, and
+    /// negative before it.
     ///
-    /// Of eyes that are toed in it is that of points on the axis between them, at a depth along it, `e_px (1 - d/Z) / (1 + e²/(4 d Z))`; elsewhere
-    /// [`Pose::project`] tells.
+    /// Of eyes that are toed in it is that of points on the axis between them, at a depth along it, `e_px (1 - d/Z) /
+    /// (1 + e²/(4 d Z))`; elsewhere [`Pose::project`] tells.
     pub fn parallax_px(&self, z: f32) -> f32 {
         self.parallax().px(z) / self.toe_in_divisor(z.into()) as f32
     }
@@ -119,8 +120,8 @@ impl Pose {
         [across / width * f64::from(self.size[0]), down / height * f64::from(self.size[1]), z]
     }
 
-    /// From an eye at an offset from the midpoint, in interaxials, through the picture's top left corner, of length 1 along the view
-    /// axis. Of eyes that are not turned.
+    /// From an eye at an offset from the midpoint, in interaxials, through the picture's top left corner, of length 1
+    /// along the view axis. Of eyes that are not turned.
     pub(crate) fn corner(&self, offset: f64) -> DVec3 {
         let [forward, right, up] = [self.forward, self.right, self.up].map(Vec3::as_dvec3);
         let distance = self.frustum.distance;
@@ -139,21 +140,22 @@ impl Pose {
         Intrinsics { cx1, ..Intrinsics::new(self.focal_px(), [cx0, cy]) }
     }
 
-    /// Focal lengths along x and y, pixels: what a point moves by that moves aside by its depth. Through a screen `d w / W`.
+    /// Focal lengths along x and y, pixels: what a point moves by that moves aside by its depth. Through a screen `d w
+    /// / W`.
     pub fn focal_px(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.frustum.distance * f64::from(self.size[axis]) / self.frustum.size[axis])
     }
 
-    /// The principal point of an eye, -1 left, +1 right, 0 the midpoint: where its axis meets the picture, in pixels from the top left corner, pixel
-    /// centres at halves. It may lie outside of the picture.
+    /// The principal point of an eye, -1 left, +1 right, 0 the midpoint: where its axis meets the picture, in pixels
+    /// from the top left corner, pixel centres at halves. It may lie outside of the picture.
     pub fn principal_px(&self, side: f32) -> [f64; 2] {
         let Frustum { size: [width, height], .. } = self.frustum;
         let [w, h] = self.size.map(f64::from);
         [-self.frustum.left(0.5 * f64::from(side)) / width * w, self.frustum.top() / height * h]
     }
 
-    /// Depths of the nearest and the farthest corner of a box (low and high corner), along the view direction: those of what
-    /// [`Scene::bounds`](crate::Scene::bounds) holds. Below 0 behind the eyes.
+    /// Depths of the nearest and the farthest corner of a box (low and high corner), along the view direction: those of
+    /// what [`Scene::bounds`](crate::Scene::bounds) holds. Below 0 behind the eyes.
     pub fn depth_range_of(&self, (low, high): (Vec3, Vec3)) -> (f32, f32) {
         let forward = self.forward.as_dvec3();
         let [a, b] = [low, high].map(|corner| (corner.as_dvec3() - self.eye.as_dvec3()) * forward);

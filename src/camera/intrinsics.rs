@@ -3,12 +3,14 @@
 use super::ranges::fault;
 use crate::Error;
 
-/// Focal lengths and principal points of a calibrated pair, in pixels: `x = fx X/Z + cx` and `y = fy Y/Z + cy` of a point `X` to the right of an
-/// eye's axis, `Y` below it and `Z` along it, x and y from the picture's top left corner with **pixel centres at halves**. (`OpenCV`, Middlebury and KITTI
-/// count them at integers: add a half to their `cx` and `cy`.)
+/// Focal lengths and principal points of a calibrated pair, in pixels: `x = fx X/Z + cx` and `y = fy Y/Z + cy` of a
+/// point `X` to the right of an eye's axis, `Y` below it and `Z` along it, x and y from the picture's top left corner
+/// with **pixel centres at halves**. (`OpenCV`, Middlebury and KITTI count them at integers: add a half to their `cx`
+/// and `cy`.)
 ///
-/// Both eyes have the same `fx`, `fy` and `cy`, and no lens distortion: rows are epipolar lines. Where `cx1` is above `cx0` the eyes look through one
-/// screen at `d = fx e / (cx1 - cx0)`; where both are equal they are parallel cameras. f64, so that calibrations go round unchanged.
+/// Both eyes have the same `fx`, `fy` and `cy`, and no lens distortion: rows are epipolar lines. Where `cx1` is above
+/// `cx0` the eyes look through one screen at `d = fx e / (cx1 - cx0)`; where both are equal they are parallel cameras.
+/// f64, so that calibrations go round unchanged.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, camera::Intrinsics, glam::Vec3};

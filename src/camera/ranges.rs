@@ -15,17 +15,17 @@ pub const MAX_SIDE: u32 = 1 << 17;
 /// from outside. Farther off, the box tests of the traversal overflow f32.
 pub const MAX_EYE_COORDINATE: f32 = 2e8;
 
-/// Distances to the screen in world units, but for infinity. Primitives that a pixel tells apart there are so small below it that the
-/// products of an intersection vanish in f32.
+/// Distances to the screen in world units, but for infinity. Primitives that a pixel tells apart there are so small
+/// below it that the products of an intersection vanish in f32.
 pub const SCREEN_DISTANCES: RangeInclusive<f32> = 1e-6..=1e9;
 
 /// The least angle in radians that a pixel must span as seen from its eye, 2⁻¹⁸: 0.8 seconds of arc. A direction in f32
 /// is good to about a tenth of it.
 ///
-/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the shorter side `s` of a
-/// pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye. (Where the screen is at infinity, of
-/// any plane before the eyes.) Too narrow and too wide a field of view fall below it, too many pixels, eyes too far apart, and principal
-/// points too far outside of the picture.
+/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the shorter side
+/// `s` of a pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye.
+/// (Where the screen is at infinity, of any plane before the eyes.) Too narrow and too wide a field of view fall below
+/// it, too many pixels, eyes too far apart, and principal points too far outside of the picture.
 pub const MIN_PIXEL_ANGLE: f32 = 1.0 / 262_144.0;
 
 /// The share of the interaxial by which f32 may move the eyes apart or together when their positions are rounded.
@@ -99,7 +99,8 @@ pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), 
     Ok(())
 }
 
-/// The angle in radians that a pixel of the picture's corners spans, as seen from eyes so many interaxials to either side of the midpoint.
+/// The angle in radians that a pixel of the picture's corners spans, as seen from eyes so many interaxials to either
+/// side of the midpoint.
 pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
     let [x, y] = pose.frustum.aside(offset);
     let [across, down] = pose.frustum.steps(pose.size);

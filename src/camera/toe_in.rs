@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::{Convergence, Frustum, Pose};
 
 impl Pose {
-    /// By how much an eye, -1 the left one, +1 the right one, is turned to the right, in radians: 0 unless eyes are toed in.
+    /// By how much an eye, -1 the left one, +1 the right one, is turned to the right, in radians: 0 unless eyes are
+    /// toed in.
     pub(super) fn turn(&self, side: f32) -> f64 {
         match self.convergence {
             Convergence::OffAxis => 0.0,
@@ -32,7 +33,8 @@ impl Pose {
         }
     }
 
-    /// An eye's own camera, -1 the left one, +1 the right one: one eye alone, at its place, with its own axes and principal point.
+    /// An eye's own camera, -1 the left one, +1 the right one: one eye alone, at its place, with its own axes and
+    /// principal point.
     pub fn of_eye(&self, side: f32) -> Self {
         let (forward, right) = self.axes(side);
         let [x, y] = self.frustum.center;
@@ -52,8 +54,8 @@ impl Pose {
         }
     }
 
-    /// The largest distance in rows, in pixels, between the places that a point has in the two pictures: of points in the corners of
-    /// either, at depths `nearest` and `farthest`. 0 unless eyes are toed in.
+    /// The largest distance in rows, in pixels, between the places that a point has in the two pictures: of points in
+    /// the corners of either, at depths `nearest` and `farthest`. 0 unless eyes are toed in.
     pub(super) fn vertical_parallax_px(&self, nearest: f32, farthest: f32) -> f32 {
         if self.convergence == Convergence::OffAxis {
             return 0.0;

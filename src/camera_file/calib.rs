@@ -14,12 +14,14 @@ pub(super) const DISTORTION: [&str; 11] =
     ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "distortion", "dist0", "dist1"];
 
 impl StereoCamera {
-    /// Reads a pair from a Middlebury `calib.txt` (2014, 2021; ETH3D's two-view files are alike): `cam0` and `cam1` as `[f 0 cx; 0 f cy; 0 0 1]`, `baseline`
-    /// in millimetres, `width` and `height`; `doffs`, where it is there, must be `cx1 - cx0` within a hundredth. Other lines are passed over.
+    /// Reads a pair from a Middlebury `calib.txt` (2014, 2021; ETH3D's two-view files are alike): `cam0` and `cam1` as
+    /// `[f 0 cx; 0 f cy; 0 0 1]`, `baseline` in millimetres, `width` and `height`; `doffs`, where it is there, must be
+    /// `cx1 - cx0` within a hundredth. Other lines are passed over.
     ///
-    /// World units are millimetres times `scale`: 1 keeps them, 0.001 makes them metres. The left eye stands at the origin and looks along -z with y up, so that a
-    /// point (x, y, z) of the left camera (x right, y down, z ahead) is (x, -y, -z) times `scale` here; [`StereoCamera::eye`], `target` and `up` move the
-    /// pair. Pixel centres are at integers in the file and at halves here: a half is added to `cx` and `cy`. With `doffs` 0 the eyes are parallel
+    /// World units are millimetres times `scale`: 1 keeps them, 0.001 makes them metres. The left eye stands at the
+    /// origin and looks along -z with y up, so that a point (x, y, z) of the left camera (x right, y down, z ahead) is
+    /// (x, -y, -z) times `scale` here; [`StereoCamera::eye`], `target` and `up` move the pair. Pixel centres are at
+    /// integers in the file and at halves here: a half is added to `cx` and `cy`. With `doffs` 0 the eyes are parallel
     /// cameras, else their screen is at `f baseline / doffs`.
     ///
     /// ```no_run
@@ -28,8 +30,9 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::TooLarge`] as [`StereoCamera::from_json`]; [`Error::Parse`], naming line and field, for what is missing, given twice or no
-    /// number, for cameras whose `fx`, `fy` or `cy` differ, for skew, lens distortion, a negative `doffs` and a baseline that is not above 0.
+    /// [`Error::Io`] and [`Error::TooLarge`] as [`StereoCamera::from_json`]; [`Error::Parse`], naming line and field,
+    /// for what is missing, given twice or no number, for cameras whose `fx`, `fy` or `cy` differ, for skew, lens
+    /// distortion, a negative `doffs` and a baseline that is not above 0.
     pub fn from_middlebury(path: impl AsRef<Path>, scale: f32) -> Result<Self, Error> {
         Self::from_middlebury_within(path, scale, &Limits::default())
     }
@@ -67,13 +70,15 @@ impl StereoCamera {
         file.camera(cam0, cam1[2], baseline, [width?, height?], scale)
     }
 
-    /// Reads a pair from a calibration of KITTI: the projection matrices `P0` to `P3` of its object, odometry and scene flow files, or `P_rect_00` to
-    /// `P_rect_03` of `calib_cam_to_cam.txt`, 12 numbers each. `cameras` are the left one and the right one: `[2, 3]` are the colour cameras. The picture
-    /// is `width` x `height` pixels, as `S_rect` says where it is there.
+    /// Reads a pair from a calibration of KITTI: the projection matrices `P0` to `P3` of its object, odometry and scene
+    /// flow files, or `P_rect_00` to `P_rect_03` of `calib_cam_to_cam.txt`, 12 numbers each. `cameras` are the left one
+    /// and the right one: `[2, 3]` are the colour cameras. `size` is the picture's, `[width, height]`, as `S_rect` says
+    /// where it is there.
     ///
-    /// World units are metres times `scale`. Eyes stand and pixels are counted as [`StereoCamera::from_middlebury`] says. `P = K [I | t]` puts a camera at
-    /// `-t`: the baseline is their distance along x. The colour cameras stand up to 0.5% of it askew besides, which one row for both eyes can't say: up to
-    /// 1% is left out and logged as a warning.
+    /// World units are metres times `scale`. Eyes stand and pixels are counted as [`StereoCamera::from_middlebury`]
+    /// says. `P = K [I | t]` puts a camera at `-t`: the baseline is their distance along x. The colour cameras stand up
+    /// to 0.5% of it askew besides, which one row for both eyes can't say: up to 1% is left out and logged as a
+    /// warning.
     ///
     /// # Errors
     /// As [`StereoCamera::from_middlebury`].

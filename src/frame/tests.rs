@@ -9,7 +9,8 @@ use super::{
     *,
 };
 use crate::{
-    BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, layout, random::Random,
+    BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, camera::Intrinsics,
+    layout, random::Random,
 };
 
 #[test]
@@ -143,17 +144,29 @@ fn eyes(size: [u32; 2], interaxial_px: f32) -> Eyes {
     Eyes::pair(&camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap())
 }
 
+/// Parallel cameras with a focal length of 32 px.
+fn parallel(size: [u32; 2], interaxial: f32) -> Eyes {
+    let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(size[0], size[1]);
+    let centre = size.map(|side| 0.5 * f64::from(side));
+    Eyes::pair(&camera.intrinsics(Intrinsics::new([32.0; 2], centre)).interaxial(interaxial).pose().unwrap())
+}
+
 #[test]
 fn the_index_buffer_equals_a_sequential_computation() {
     let size = [131, 37];
     let mut random = Random::new(9);
-    for (interaxial_px, offsets) in [0.5, 7.0, 40.0].into_iter().flat_map(|e| [(e, [-0.5, 0.5]), (e, [1.5, 0.0])]) {
-        let eyes = Eyes { offsets: offsets.to_vec(), ..eyes(size, interaxial_px) };
+    let through_screens = [0.5, 7.0, 40.0].map(|e_px| (e_px, eyes(size, e_px)));
+    let parallel = [0.5, 7.0, 40.0].map(|e_px| (-e_px, parallel(size, e_px / 8.0)));
+    let sides = [[-0.5, 0.5], [1.5, 0.0]];
+    for ((e_px, eyes), offsets) in
+        through_screens.iter().chain(&parallel).flat_map(|eyes| sides.map(|offsets| (eyes, offsets)))
+    {
+        let eyes = Eyes { offsets: offsets.to_vec(), ..eyes.clone() };
         let depths: Vec<f32> = (0..size[0] * size[1])
             .map(|index| match index % 7 {
                 0 => crate::FAR,
-                1 => eyes.pose.screen_distance,
-                2 => 0.5 * eyes.pose.screen_distance,
+                1 => eyes.pose.subject_distance,
+                2 => 0.5 * eyes.pose.subject_distance,
                 3 => 1e-6 * random.unit(),
                 _ => random.between(1.0, 10.0),
             })
@@ -161,7 +174,7 @@ fn the_index_buffer_equals_a_sequential_computation() {
         let expected = crate::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
         for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
-            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {interaxial_px} {offsets:?}");
+            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {e_px} {offsets:?}");
         }
     }
 }
@@ -188,6 +201,32 @@ fn samples_land_where_the_closed_form_says_ties_included() {
     assert_eq!(land(7, 2.0), None, "past the left edge");
     assert_eq!(land(8, 2.0), Some(0), "X = 0.5");
     assert_eq!(land(8, 32.0 / 16.5), Some(0), "X = 0 exactly is inside");
+}
+
+#[test]
+fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
+    // f = 32 and e = 1: parallax -32/z.
+    let eyes = parallel([40, 1], 1.0);
+    let land = |column: usize, z: f32| {
+        let mut depths = vec![1e-9; 40];
+        depths[column] = z;
+        let source = reproject(&eyes, &depths, TRUSTING).0;
+        source.iter().position(|&source| source == column as u32 + 1)
+    };
+    assert_eq!(land(20, 4.0), Some(12));
+    assert_eq!(land(20, 32.0), Some(19));
+    assert_eq!(land(20, 64.0), Some(20), "X = 20.0");
+    assert_eq!(land(20, crate::FAR), Some(20), "sky stays where it is");
+    assert_eq!(land(39, crate::FAR), Some(39));
+    assert_eq!(land(7, 4.0), None, "past the left edge");
+    assert_eq!(land(8, 4.0), Some(0));
+    // Lemma 1: columns between depths of 2 and infinity meet over up to 16; twice the disparity at the target, 4 away,
+    // are 16 slots.
+    let mut depths = vec![1e-9; 40];
+    (depths[10], depths[26]) = (crate::FAR, 2.0);
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
+    assert_eq!((source[10], lost), (27, 1), "as through a screen at the target");
+    assert_eq!(crate::method::lemma1(&eyes.pose, 2.0, f32::INFINITY), 16.0);
 }
 
 #[test]

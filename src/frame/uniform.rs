@@ -49,15 +49,15 @@ fn pixel_side(pose: &Pose) -> f32 {
 const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 
-/// The same as a difference of parallaxes in pixels, where the camera's subject is. It does not depend on the picture's size: with twice as many pixels neighbours lie
-/// half as far apart, and a pixel of parallax is half as much depth. With eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75,
-/// and never more.
+/// The same as a difference of parallaxes in pixels, where the camera's subject is. It does not depend on the picture's
+/// size: with twice as many pixels neighbours lie half as far apart, and a pixel of parallax is half as much depth.
+/// With eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75, and never more.
 pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
     MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
 }
 
-/// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's corners
-/// may be rounded by, and never less than in an ordinary picture. Of eyes so many interaxials to either side.
+/// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's
+/// corners may be rounded by, and never less than in an ordinary picture. Of eyes so many interaxials to either side.
 fn wider(pose: &Pose, far: f64) -> f32 {
     WIDER.max((f64::from(f32::EPSILON) * 8.0 / least_pixel_angle(pose, far)) as f32)
 }
