@@ -243,7 +243,7 @@ impl Scene {
     /// logged once. [`SceneFile::open`] has its cameras too.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is larger than [`Limits`](crate::Limits) says, or
+    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is larger than [`Limits`] says, or
     /// has more triangles; [`Error::Parse`], naming the item, if its content is wrong: JSON that is none, indices and lengths out of range, numbers that are not
     /// finite, nodes with two parents, extensions that it requires and that are not known, no triangles at all, textures that can't be read.
     #[cfg(feature = "gltf")]
@@ -265,7 +265,7 @@ impl Scene {
     /// `docs/FORMATS.md` has all that is read; what is not is logged once. The scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`](crate::Limits) says;
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
     /// [`Error::Parse`], naming element and line where they are known, if its content is wrong: a header that is none, numbers that are
     /// missing or not finite, corners out of range, no faces at all, as in clouds of points.
     #[cfg(feature = "ply")]
