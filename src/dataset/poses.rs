@@ -1,6 +1,6 @@
 //! Random cameras in the free space of a scene.
 
-use std::f32::consts::TAU;
+use std::{collections::HashMap, f32::consts::TAU};
 
 use glam::{Quat, Vec3};
 
@@ -19,14 +19,16 @@ const DIRECTIONS: usize = 128;
 const GRID: [u32; 2] = [24, 16];
 /// A camera in the scene looks up or down by at most this angle, in radians.
 const STEEPEST: f32 = 0.4;
-/// A place from which so much more of what surrounds it is seen from behind than from the camera that was given is inside of something.
-const MORE_FROM_BEHIND: f32 = 0.25;
+/// A place from which so much of what surrounds it shows its other side is inside of something.
+const OTHER_SIDES: f32 = 0.25;
 
 /// Random cameras in the free space of a scene: like a given one, but elsewhere. A camera within the scene's bounding box becomes one
 /// anywhere in that box, looking anywhere, at most 23 degrees up or down; one outside of it stays as far from the middle, and looks at what is there.
 ///
-/// A camera is rejected that stands within a wall or too near to one, from which most surfaces show their back sides (it is inside of
-/// something), whose eyes don't see each other, and whose picture shows too little or disparities that are too large.
+/// A camera is rejected that stands too near to a surface, from which a quarter of what surrounds it shows its other side (it is inside of
+/// something, or behind a wall), whose eyes don't see each other, and whose picture shows too little or disparities that are too large. The
+/// other side of an object is its back, as the order of its triangles' corners says; of one that the given camera sees from the back, such as walls
+/// that were modelled as a block, it is the front.
 #[derive(Clone, Debug)]
 pub struct FreePoses<'a> {
     scene: &'a Scene,
@@ -68,8 +70,8 @@ impl<'a> FreePoses<'a> {
             let reason = "it has nothing of a size, so there is no place to put cameras at".into();
             return Err(Error::Scene { element: "the scene".into(), reason });
         }
-        let clearance = 2.0 * pose.interaxial;
-        Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces: 0.5 })
+        let (clearance, surfaces) = (2.0 * pose.interaxial, if is_inside(scene, pose.eye) { 0.5 } else { 0.1 });
+        Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces })
     }
 
     /// How far every surface is from the middle between the eyes, in world units; twice the interaxial where nothing is said.
@@ -84,7 +86,7 @@ impl<'a> FreePoses<'a> {
         self
     }
 
-    /// How much of the left picture shows surfaces at least, 0 to 1; a half where nothing is said.
+    /// How much of the left picture shows surfaces at least, 0 to 1; where nothing is said a half within a scene, and a tenth of what is seen from outside.
     pub fn surfaces(mut self, share: f32) -> Self {
         self.surfaces = share;
         self
@@ -101,8 +103,7 @@ impl<'a> FreePoses<'a> {
         item: u32,
     ) -> Result<RandomPose, Error> {
         let given = self.camera.pose()?;
-        let around = self.around(renderer, uploaded, given.eye).await?;
-        let usual = self.share_from_behind(given.eye, &around);
+        let sides = self.sides(given.eye, &self.around(renderer, uploaded, given.eye).await?);
         let mut random = Random(pcg(pcg(self.seed).wrapping_add(item)));
         let mut rejected = Rejected::default();
         for tries in 1..=TRIES {
@@ -111,7 +112,7 @@ impl<'a> FreePoses<'a> {
             let around = self.around(renderer, uploaded, pose.eye).await?;
             if around.iter().any(|hit| hit.t < self.clearance) {
                 rejected.near += 1;
-            } else if self.share_from_behind(pose.eye, &around) > usual + MORE_FROM_BEHIND {
+            } else if self.other_sides(pose.eye, &around, &sides) > OTHER_SIDES {
                 rejected.behind += 1;
             } else if self.shows_enough(renderer, uploaded, &pose, &mut rejected).await? {
                 return Ok(RandomPose { camera, tries });
@@ -132,7 +133,7 @@ impl<'a> FreePoses<'a> {
         let yaw = Quat::from_axis_angle(up, random.between(0.0, TAU));
         let mut within =
             |low: Vec3, high: Vec3| Vec3::from_array([0, 1, 2].map(|axis| random.between(low[axis], high[axis])));
-        if given.eye.cmpge(low).all() && given.eye.cmple(high).all() {
+        if is_inside(self.scene, given.eye) {
             let eye = within(low, high);
             let level = yaw * up.any_orthonormal_vector();
             let pitch = random.between(-STEEPEST, STEEPEST);
@@ -151,22 +152,35 @@ impl<'a> FreePoses<'a> {
         Ok(renderer.closest_hits_async(uploaded, &rays).await?.hits)
     }
 
-    /// The share of all directions in which a surface shows its back side: triangles by the order of their corners.
-    fn share_from_behind(&self, place: Vec3, around: &[RayHit]) -> f32 {
-        let behind = around.iter().enumerate().filter(|(index, hit)| {
-            hit.t.is_finite()
-                && match self.scene.primitive(hit.primitive) {
-                    Primitive::Triangle(triangle) => {
-                        let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
-                        (b - a).cross(c - a).dot(direction(*index).as_dvec3()) > 0.0
-                    }
-                    // A ball is met from behind where it is met from inside, which a nearest hit from outside never is.
-                    Primitive::Sphere(sphere) => place.distance(sphere.center) < sphere.radius,
-                    Primitive::Ellipsoid(ellipsoid) => ellipsoid.holds(place),
-                    Primitive::Plane(_) => false,
+    /// Of each object that is seen from a place, whether more of it is seen from behind.
+    fn sides(&self, place: Vec3, around: &[RayHit]) -> HashMap<u32, bool> {
+        let mut balance = HashMap::<u32, i32>::new();
+        for (object, behind) in self.faces(place, around) {
+            *balance.entry(object).or_default() += if behind { 1 } else { -1 };
+        }
+        balance.into_iter().map(|(object, balance)| (object, balance > 0)).collect()
+    }
+
+    /// The share of all directions in which an object shows the other side.
+    fn other_sides(&self, place: Vec3, around: &[RayHit], sides: &HashMap<u32, bool>) -> f32 {
+        let is_other = |(object, behind): &(u32, bool)| *behind != sides.get(object).copied().unwrap_or(false);
+        self.faces(place, around).filter(is_other).count() as f32 / DIRECTIONS as f32
+    }
+
+    /// What is met around a place: each time its object, and whether it is met from behind.
+    fn faces(&self, place: Vec3, around: &[RayHit]) -> impl Iterator<Item = (u32, bool)> {
+        around.iter().enumerate().filter(|(_, hit)| hit.t.is_finite()).map(move |(index, hit)| {
+            let behind = match self.scene.primitive(hit.primitive) {
+                Primitive::Triangle(triangle) => {
+                    let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+                    (b - a).cross(c - a).dot(direction(index).as_dvec3()) > 0.0
                 }
-        });
-        behind.count() as f32 / DIRECTIONS as f32
+                Primitive::Sphere(sphere) => place.distance(sphere.center) < sphere.radius,
+                Primitive::Ellipsoid(ellipsoid) => ellipsoid.holds(place),
+                Primitive::Plane(_) => false,
+            };
+            (self.scene.object_of(hit.primitive), behind)
+        })
     }
 
     /// Whether the eyes see each other, and enough that is not too near.
@@ -209,6 +223,10 @@ impl<'a> FreePoses<'a> {
         }
         Ok(false)
     }
+}
+
+fn is_inside(scene: &Scene, place: Vec3) -> bool {
+    scene.bounds().is_some_and(|(low, high)| place.cmpge(low).all() && place.cmple(high).all())
 }
 
 /// The directions of a spiral around a sphere, evenly spread.

@@ -1,0 +1,117 @@
+//! `stereotrace dataset`: pairs with ground truth, as loaders expect them.
+
+mod common;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use common::{error_of, folder::Folder, printed, run};
+use serde_json::Value;
+
+const SMALL: [&str; 6] = ["dataset", "builtin:hall", "--size", "48x36", "--lights", "1"];
+
+/// All files below a folder, by their names from there.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(path.strip_prefix(folder).unwrap().to_owned(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
+    let folder = Folder::new("dataset");
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.file(name).to_str().unwrap().to_owned());
+    let make = |more: &[&str]| printed(&[&SMALL[..], &["--pairs", "3"], more].concat());
+    assert!(make(&["--out", &whole]).starts_with("3 pairs in "));
+    let expected = files(folder.file("whole").as_ref());
+    assert_eq!(expected.len(), 3 * 10 + 1, "{:?}", expected.keys());
+
+    // The last one first, then what a killed process leaves: a line without its end, a pair without one of its files.
+    assert!(make(&["--out", &parts, "--items", "2..3"]).starts_with("1 pair in "));
+    assert!(make(&["--out", &parts, "--items", "0..1"]).starts_with("1 pair in "));
+    let manifest = folder.file("parts/manifest.jsonl");
+    let mut text = fs::read(&manifest).unwrap();
+    text.extend(b"{\"item\":1,\"fil");
+    fs::write(&manifest, text).unwrap();
+    fs::remove_file(folder.file("parts/000000/disp1.pfm")).unwrap();
+    assert!(make(&["--out", &parts]).contains("; 1 were there already"));
+    assert!(make(&["--out", &parts]).starts_with("0 pairs in "));
+    let mut found = files(folder.file("parts").as_ref());
+    for line in String::from_utf8(found.remove(Path::new("manifest.jsonl")).unwrap()).unwrap().lines() {
+        serde_json::from_str::<Value>(line).unwrap();
+    }
+    for (name, bytes) in &found {
+        assert!(expected[name] == *bytes, "{} is another", name.display());
+    }
+    assert_eq!(found.len() + 1, expected.len());
+
+    let other = [&SMALL[..], &["--pairs", "3", "--seed", "1", "--out", &parts]].concat();
+    assert!(error_of(&other).contains("was made with other files, settings"));
+    assert!(error_of(&[&SMALL[..], &["--pairs", "3", "--items", "1..4", "--out", &parts]].concat()).contains("has 3"));
+}
+
+#[test]
+fn kitti_and_scene_flow_have_parallel_cameras() {
+    let folder = Folder::new("layouts");
+    let names = [
+        ("kitti", "training/image_2/000001_10.png", "training/disp_occ_0/000001_10.png"),
+        ("sceneflow", "frames_finalpass/stereotrace/left/0001.png", "disparity/stereotrace/right/0001.pfm"),
+    ];
+    for (layout, picture, disparity) in names {
+        let out = folder.file(layout).to_str().unwrap().to_owned();
+        let said = printed(&[&SMALL[..], &["--pairs", "2", "--layout", layout, "--out", &out, "--json"]].concat());
+        let said: Value = serde_json::from_str(&said).unwrap();
+        assert_eq!((&said["rendered"], &said["layout"]), (&2.into(), &layout.into()));
+        for name in [picture, disparity, "cameras/000001.json"] {
+            assert!(folder.file(layout).join(name).is_file(), "{layout} has no {name}");
+        }
+        let camera: Value =
+            serde_json::from_slice(&fs::read(folder.file(layout).join("cameras/000001.json")).unwrap()).unwrap();
+        assert_eq!((camera["doffs"].as_f64(), &camera["pose"]["screen_distance"]), (Some(0.0), &"inf".into()));
+        let manifest = fs::read_to_string(folder.file(layout).join("manifest.jsonl")).unwrap();
+        let line: Value = serde_json::from_str(manifest.lines().nth(1).unwrap()).unwrap();
+        let range: Vec<f64> = serde_json::from_value(line["left"]["disparity"].clone()).unwrap();
+        assert!(range[0] > 0.0 && range[1] < 256.0, "{range:?}");
+    }
+    let out = folder.file("converged").to_str().unwrap().to_owned();
+    let converged = run(&[&SMALL[..], &["--pairs", "1", "--layout", "kitti", "--screen", "5", "--out", &out]].concat());
+    let said = String::from_utf8(converged.stderr).unwrap();
+    assert!(!converged.status.success() && said.contains("its cameras are parallel"), "{said}");
+}
+
+#[test]
+fn a_pair_that_can_not_be_made_is_said_and_stops_no_other() {
+    let folder = Folder::new("failed");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    // Nothing in the hall is so far from everything.
+    let command = [&SMALL[..], &["--pairs", "2", "--clearance", "1000", "--out", &out]].concat();
+    let message = error_of(&command);
+    assert!(
+        message.starts_with("2 pairs of 2 failed, the first is item 0: ") && message.contains("too near a surface"),
+        "{message}"
+    );
+    let manifest = fs::read_to_string(folder.file("out/manifest.jsonl")).unwrap();
+    assert_eq!(manifest.matches("\"error\":").count(), 2);
+}
+
+#[test]
+fn a_path_makes_a_data_set_too() {
+    let folder = Folder::new("orbit");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = ["dataset", "builtin:spheres", "--size", "24x18", "--orbit", "2", "--exr", "--out", &out];
+    assert!(printed(&command).starts_with("2 pairs in "));
+    assert!(folder.file("out/exr/000001.exr").is_file());
+}
