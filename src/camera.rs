@@ -173,9 +173,9 @@ impl StereoCamera {
         self
     }
 
-    /// The direction of [`StereoCamera::up`], unit length.
-    pub(crate) fn up_axis(&self) -> Vec3 {
-        self.up.as_dvec3().normalize_or_zero().as_vec3()
+    /// What [`StereoCamera::up`] was given: of any length, and mostly not at right angles to the view.
+    pub fn up_direction(&self) -> Vec3 {
+        self.up
     }
 
     /// Picture size in pixels.

@@ -1,17 +1,23 @@
 //! The command `stereotrace`: stereo pairs, films, quilts and ground truth for stereo vision from scene files.
 //!
 //! `arguments` reads the command line; `commands` has a file for each command, which begins with what it takes. What pictures are made
-//! of comes from `arguments::Subject`, where they go from `target`.
+//! of comes from `arguments::Subject`, where they go from `target`. `view` is the window, of builds with that feature.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
 mod arguments;
 mod commands;
+#[cfg(all(test, feature = "view"))]
+#[path = "../../tests/common/folder.rs"]
+#[allow(dead_code, reason = "unit tests use a part of it")]
+mod folder;
 mod progress;
 mod record;
 mod studio;
 mod summary;
 mod target;
+#[cfg_attr(not(feature = "view"), path = "no_view.rs")]
+mod view;
 
 use std::{
     error::Error,
@@ -60,6 +66,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
         Command::Sequence(arguments) => sequence::run(arguments, global),
         Command::Dataset(arguments) => dataset::run(arguments, global),
         Command::Views(arguments) => views::run(arguments, global),
+        Command::View(arguments) => view::run(arguments, global),
         Command::Compare(arguments) => compare::run(arguments, global),
         Command::Info(arguments) => info::run(arguments, global),
         Command::Completions { shell } => {

@@ -129,7 +129,7 @@ impl<'a> FreePoses<'a> {
     /// Somewhere else, by random numbers alone.
     fn candidate(&self, given: &Pose, random: &mut Random) -> StereoCamera {
         let (low, high) = self.scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
-        let up = self.camera.up_axis();
+        let up = self.camera.up_direction().normalize_or_zero();
         let yaw = Quat::from_axis_angle(up, random.between(0.0, TAU));
         let mut within =
             |low: Vec3, high: Vec3| Vec3::from_array([0, 1, 2].map(|axis| random.between(low[axis], high[axis])));

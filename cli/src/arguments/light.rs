@@ -33,6 +33,12 @@ impl LightArguments {
         self.lights.is_some() || !self.light.is_empty()
     }
 
+    /// Whether so many are to be placed around the camera.
+    #[cfg(feature = "view")]
+    pub(crate) fn are_counted(&self) -> bool {
+        self.lights.is_some()
+    }
+
     /// Puts the lights that are asked for in place of the scene's, by `otherwise` where none are, and gives all their size.
     pub(crate) fn place(
         &self,

@@ -20,7 +20,10 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use stereotrace::Gpu;
 
-use crate::commands::{compare, dataset, info, render, sequence, views};
+use crate::{
+    commands::{compare, dataset, info, render, sequence, views},
+    view,
+};
 
 const AFTER: &str = "\
 Examples:
@@ -29,6 +32,7 @@ Examples:
   stereotrace render room.obj --eye 0,1.6,3 --target 0,1,0 --packing side-by-side --out room.jpg
   stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, a picture a file
   stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2
+  stereotrace view bunny.obj                              a window with a live anaglyph
   stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
   stereotrace compare sponza.obj --methods bracket,atomic how exact each is, and what it costs
   stereotrace info bunny.obj                              what is in it, and what this machine renders with
@@ -79,6 +83,8 @@ pub(crate) enum Command {
     Sequence(Box<sequence::Arguments>),
     /// Render any number of views from left to right, as files or as a quilt for a light-field display
     Views(Box<views::Arguments>),
+    /// Show a live pair in a window, to be turned and flown through (in builds with the feature `view`)
+    View(Box<view::Arguments>),
     /// Render pairs with ground truth for stereo vision: disparities, occlusion, calibration, as loaders expect them
     Dataset(Box<dataset::Arguments>),
     /// Say what each method costs and gets wrong on a scene, against tracing both eyes

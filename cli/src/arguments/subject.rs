@@ -16,6 +16,9 @@ use crate::{shown, studio};
 
 /// Lights of a scene that brings none and is not flattered.
 const DEFAULT_LIGHTS: usize = 5;
+/// A scene file's own cameras, with their names.
+type Cameras = Vec<(String, StereoCamera)>;
+
 /// How far ambient occlusion reaches where nothing is said, as a share of the scene's diagonal.
 const REACH: f32 = 0.1;
 
@@ -132,6 +135,12 @@ impl Subject {
         scene.into_iter().chain(self.camera.cameras.clone()).chain(self.light.file()).collect()
     }
 
+    /// Whether lights are placed around the camera, as it is when the scene is read.
+    #[cfg(feature = "view")]
+    pub(crate) fn lights_stand_by_camera(&self) -> bool {
+        self.light.are_counted() || !self.light.are_said() && self.builtin_name().is_none()
+    }
+
     fn builtin_name(&self) -> Option<&str> {
         self.scene.to_str()?.strip_prefix("builtin:")
     }
@@ -146,7 +155,7 @@ impl Subject {
     }
 
     /// Reads or builds the scene, without its sky, and the cameras that a file has.
-    fn scene(&self) -> Result<(Scene, Vec<(String, StereoCamera)>), Box<dyn Error>> {
+    fn scene(&self) -> Result<(Scene, Cameras), Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
             return Ok((builtin.scene(), Vec::new()));
         }

@@ -29,6 +29,8 @@ use crate::{
 };
 
 const MANIFEST: &str = "manifest.jsonl";
+/// Disparities at most where nothing is said, as a share of the width: matchers hardly look farther.
+const MOST_DISPARITY: f32 = 0.2;
 /// Pairs where nothing says how many.
 const PAIRS: u32 = 20;
 
@@ -44,7 +46,7 @@ pub(crate) struct Arguments {
     pairs: Option<u32>,
     #[command(flatten)]
     motion: MotionArguments,
-    /// Reject places from which anything has so many pixels of disparity, to either side [default: 256 for kitti]
+    /// Reject places from which anything has so many pixels of disparity, to either side [default: a fifth of the width, at most 256 for kitti]
     #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
     max_disparity: Option<f32>,
     /// Reject places that are nearer to a surface, in world units [default: twice the interaxial]
@@ -171,7 +173,7 @@ fn make(
 }
 
 fn random_camera(arguments: &Arguments, stage: &Stage, item: u32) -> Result<(StereoCamera, u32), Box<dyn Error>> {
-    let limit = arguments.max_disparity.unwrap_or(arguments.layout.disparity_limit());
+    let limit = arguments.max_disparity.unwrap_or(MOST_DISPARITY * stage.camera.pose()?.size[0] as f32);
     let mut poses = FreePoses::new(&stage.scene, stage.camera, stage.options.seed)?;
     poses = poses.disparity(limit.min(arguments.layout.disparity_limit()));
     if let Some(distance) = arguments.clearance {

@@ -1,0 +1,18 @@
+//! `view` of a build without it: it says how to get it.
+
+use std::{error::Error, ffi::OsString};
+
+use clap::Args;
+
+use crate::{arguments::Global, summary::Summary};
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    /// Whatever would be shown
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    _all: Vec<OsString>,
+}
+
+pub(crate) fn run(_: &Arguments, _: &Global) -> Result<Summary, Box<dyn Error>> {
+    Err("view: this build has no window; get one with: cargo install stereotrace-cli --features view".into())
+}

@@ -1,0 +1,276 @@
+//! Where the eyes are, and how mouse and keys move them.
+
+use std::{error::Error, f64::consts::PI};
+
+use stereotrace::{
+    Pose, StereoCamera,
+    glam::{DQuat, DVec3, Vec3},
+};
+
+/// The least angle between the view and the direction that is up, radians: the horizon is lost where they meet.
+const LEAST_SLANT: f64 = 0.03;
+/// What a step of the wheel leaves of the distance to the screen.
+const ZOOM: f64 = 0.9;
+
+/// Where the eyes are and how they look, in f64, so that many small moves add up to what they are. The middle of the screen, where
+/// parallax is zero, is what they look at and turn around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    eye: DVec3,
+    /// Unit length.
+    forward: DVec3,
+    /// What is up in the world, unit length.
+    axis: DVec3,
+    /// To what the eyes look at and turn around: the middle of the screen, or of parallel cameras their target.
+    reach: f64,
+    /// Infinite where the cameras are parallel.
+    screen_distance: f64,
+    interaxial: f64,
+    /// Vertical, degrees.
+    fov: f32,
+}
+
+impl Place {
+    /// Where a camera is.
+    ///
+    /// # Errors
+    /// For a camera whose picture is not centred before it: what a calibration says of it would be lost where it moves.
+    pub(super) fn of(camera: &StereoCamera) -> Result<Self, Box<dyn Error>> {
+        let pose = camera.pose()?;
+        let Pose { eye, forward, screen_distance, subject_distance, interaxial, size, .. } = pose;
+        let ([fx, fy], middle) = (pose.focal_px(), size.map(|side| 0.5 * f64::from(side)));
+        let [x, y] = pose.principal_px(0.0);
+        let most = 1e-3 * middle[0].max(middle[1]);
+        if (x - middle[0]).abs().max((y - middle[1]).abs()) > most || (fx / fy - 1.0).abs() > 1e-3 {
+            return Err(
+                "a calibrated camera whose pixels are not square, or whose principal point is off the picture's \
+                        middle, can't be moved: `stereotrace render` shows what it sees"
+                    .into(),
+            );
+        }
+        Ok(Self {
+            eye: eye.as_dvec3(),
+            forward: forward.as_dvec3().normalize(),
+            axis: camera.up_direction().as_dvec3().normalize(),
+            reach: subject_distance.into(),
+            screen_distance: screen_distance.into(),
+            interaxial: interaxial.into(),
+            fov: (2.0 * (middle[1] / fy).atan()).to_degrees() as f32,
+        })
+    }
+
+    /// The camera here; its size and its direction up stay.
+    pub(super) fn camera(&self, camera: StereoCamera) -> StereoCamera {
+        let camera = camera.eye(self.eye()).target(self.target()).vertical_fov_degrees(self.fov);
+        camera.screen_distance(self.screen_distance()).interaxial(self.interaxial())
+    }
+
+    pub(super) fn eye(&self) -> Vec3 {
+        self.eye.as_vec3()
+    }
+
+    /// The middle of the screen.
+    pub(super) fn target(&self) -> Vec3 {
+        self.middle().as_vec3()
+    }
+
+    pub(super) fn screen_distance(&self) -> f32 {
+        self.screen_distance as f32
+    }
+
+    pub(super) fn interaxial(&self) -> f32 {
+        self.interaxial as f32
+    }
+
+    /// Vertical field of view in degrees.
+    pub(super) fn fov(&self) -> f32 {
+        self.fov
+    }
+
+    fn middle(&self) -> DVec3 {
+        self.eye + self.forward * self.reach
+    }
+
+    fn right(&self) -> DVec3 {
+        self.forward.cross(self.axis).normalize()
+    }
+
+    /// Turns the view, to the left and upwards, in radians; the eyes stay.
+    pub(super) fn look(&mut self, left: f64, up: f64) {
+        let slant = self.forward.angle_between(self.axis);
+        let (lowest, highest) = (slant + LEAST_SLANT - PI, slant - LEAST_SLANT);
+        let up = up.clamp(lowest.min(0.0), highest.max(0.0));
+        let raised = DQuat::from_axis_angle(self.right(), up) * self.forward;
+        self.forward = (DQuat::from_axis_angle(self.axis, left) * raised).normalize();
+    }
+
+    /// The same turn around the middle of the screen, which stays.
+    pub(super) fn orbit(&mut self, left: f64, up: f64) {
+        let middle = self.middle();
+        self.look(left, up);
+        self.eye = middle - self.forward * self.reach;
+    }
+
+    /// Moves the eyes so that what is on the screen goes to the right and downwards by so many pixels of a picture of this height.
+    pub(super) fn pan(&mut self, right: f64, down: f64, height: u32) {
+        let pixel = 2.0 * self.reach * (0.5 * f64::from(self.fov)).to_radians().tan() / f64::from(height.max(1));
+        let up = self.right().cross(self.forward);
+        self.eye += pixel * (up * down - self.right() * right);
+    }
+
+    /// Goes towards the middle of the screen by so many steps of the wheel. The interaxial shrinks with the distance, so that
+    /// what is seen there keeps its depth.
+    pub(super) fn zoom(&mut self, steps: f64) {
+        let (middle, factor) = (self.middle(), ZOOM.powf(steps));
+        self.reach *= factor;
+        self.screen_distance *= factor;
+        self.interaxial *= factor;
+        self.eye = middle - self.forward * self.reach;
+    }
+
+    /// Moves the eyes to the right, upwards and ahead, in distances to what is looked at.
+    pub(super) fn fly(&mut self, [right, up, ahead]: [f64; 3]) {
+        self.eye += self.reach * (self.right() * right + self.axis * up + self.forward * ahead);
+    }
+
+    /// Moves the eyes apart or together.
+    pub(super) fn spread(&mut self, factor: f64) {
+        self.interaxial *= factor;
+    }
+
+    /// Moves the screen away from the eyes or towards them; from infinity it comes to what is looked at.
+    pub(super) fn move_screen(&mut self, factor: f64) {
+        if self.screen_distance.is_finite() {
+            self.screen_distance *= factor;
+            self.reach = self.screen_distance;
+        } else if factor < 1.0 {
+            self.screen_distance = self.reach;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    use stereotrace::camera::Intrinsics;
+
+    use super::*;
+
+    fn camera() -> StereoCamera {
+        StereoCamera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).size(200, 100).vertical_fov_degrees(90.0)
+    }
+
+    fn place() -> Place {
+        Place::of(&camera()).unwrap()
+    }
+
+    fn near(a: Vec3, b: Vec3) -> bool {
+        a.distance(b) < 1e-5
+    }
+
+    #[test]
+    fn a_place_is_where_its_camera_is() {
+        let (before, after) = (camera().pose().unwrap(), place().camera(camera()).pose().unwrap());
+        assert_eq!((before.eye, before.forward, before.size), (after.eye, after.forward, after.size));
+        assert_eq!((before.screen_distance, before.interaxial), (after.screen_distance, after.interaxial));
+        assert!((before.screen_size[1] - after.screen_size[1]).abs() < 1e-5);
+    }
+
+    #[test]
+    fn an_orbit_keeps_the_middle_of_the_screen_and_comes_round() {
+        let mut place = place();
+        place.orbit(FRAC_PI_2, 0.0);
+        // The view turns left, from -z to -x, so the eyes go to +x.
+        assert!(near(place.eye(), Vec3::new(5.0, 0.0, 0.0)) && near(place.target(), Vec3::ZERO), "{place:?}");
+        for _ in 0..300 {
+            place.orbit(TAU / 400.0, 0.0);
+        }
+        assert!(near(place.eye(), Vec3::new(0.0, 0.0, 5.0)) && near(place.target(), Vec3::ZERO), "{place:?}");
+        assert_eq!((place.screen_distance(), place.interaxial()), (5.0, camera().pose().unwrap().interaxial));
+    }
+
+    #[test]
+    fn no_turn_goes_over_the_pole() {
+        for up in [9.0, -9.0] {
+            let mut place = place();
+            for _ in 0..3 {
+                place.orbit(0.0, up);
+                assert!(place.camera(camera()).pose().is_ok(), "{place:?}");
+            }
+            let slant = place.forward.angle_between(place.axis);
+            let pole = if up > 0.0 { 0.0 } else { PI };
+            assert!(((slant - pole).abs() - LEAST_SLANT).abs() < 1e-6, "{slant}");
+            assert!(place.eye().z > 0.0, "{place:?}");
+            place.orbit(0.0, -0.5 * up.signum());
+            assert!(((place.forward.angle_between(place.axis) - pole).abs() - LEAST_SLANT - 0.5).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_is_on_the_screen_follows_the_mouse() {
+        let (mut place, point) = (place(), Vec3::new(1.0, 0.5, 0.0));
+        let at = |place: &Place| place.camera(camera()).pose().unwrap().project(point, 0.0);
+        let before = at(&place);
+        place.pan(12.0, -7.0, 100);
+        let after = at(&place);
+        assert!((after[0] - before[0] - 12.0).abs() < 1e-3 && (after[1] - before[1] + 7.0).abs() < 1e-3);
+        assert_eq!(place.screen_distance(), 5.0);
+    }
+
+    #[test]
+    fn zoom_keeps_the_middle_and_the_parallax_there() {
+        let mut place = place();
+        let before = place.interaxial() / place.screen_distance();
+        place.zoom(3.0);
+        assert!(near(place.target(), Vec3::ZERO) && near(place.eye(), Vec3::Z * (5.0 * 0.729)), "{place:?}");
+        assert!((place.interaxial() / place.screen_distance() - before).abs() < 1e-6);
+        place.zoom(-3.0);
+        assert!(near(place.eye(), Vec3::Z * 5.0));
+    }
+
+    #[test]
+    fn flight_goes_where_the_eyes_look() {
+        let mut place = place();
+        place.look(FRAC_PI_2, 0.0);
+        assert!(near(place.eye(), Vec3::Z * 5.0) && near(place.target(), Vec3::new(-5.0, 0.0, 5.0)), "{place:?}");
+        place.fly([0.0, 0.0, 1.0]);
+        assert!(near(place.eye(), Vec3::new(-5.0, 0.0, 5.0)), "{place:?}");
+        place.fly([1.0, 0.2, 0.0]);
+        assert!(near(place.eye(), Vec3::new(-5.0, 1.0, 0.0)), "{place:?}");
+    }
+
+    #[test]
+    fn parallel_cameras_stay_parallel_until_their_screen_is_asked_for() {
+        let camera = camera().screen_distance(f32::INFINITY).interaxial(0.1);
+        let mut place = Place::of(&camera).unwrap();
+        place.orbit(FRAC_PI_2, 0.0);
+        place.zoom(1.0);
+        assert!(near(place.eye(), Vec3::X * 4.5) && near(place.target(), Vec3::ZERO), "{place:?}");
+        let pose = place.camera(camera).pose().unwrap();
+        assert!(pose.screen_distance == f32::INFINITY && (pose.interaxial - 0.09).abs() < 1e-6, "{pose:?}");
+        place.move_screen(1.1);
+        assert_eq!(place.screen_distance(), f32::INFINITY);
+        place.move_screen(0.9);
+        assert!((place.screen_distance() - 4.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn calibrated_cameras_are_refused_unless_they_are_centred() {
+        let centred = Intrinsics::new([90.0; 2], [100.0, 50.0]);
+        let place = Place::of(&camera().intrinsics(centred)).unwrap();
+        assert!((f64::from(place.fov()) - 2.0 * (50.0_f64 / 90.0).atan().to_degrees()).abs() < 1e-4, "{place:?}");
+        for other in [Intrinsics::new([90.0, 80.0], [100.0, 50.0]), Intrinsics::new([90.0; 2], [104.0, 50.0])] {
+            assert!(Place::of(&camera().intrinsics(other)).unwrap_err().to_string().contains("can't be moved"));
+        }
+    }
+
+    #[test]
+    fn eyes_and_screen_move_alone() {
+        let (mut place, before) = (place(), place());
+        place.spread(2.0);
+        place.move_screen(0.5);
+        assert_eq!((place.interaxial, place.screen_distance), (2.0 * before.interaxial, 2.5));
+        assert_eq!((place.eye, place.forward), (before.eye, before.forward));
+    }
+}

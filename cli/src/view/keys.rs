@@ -1,0 +1,159 @@
+//! What keys do.
+
+use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
+
+use super::settings::Mode;
+
+/// What a key asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Action {
+    Show(Mode),
+    NextMode,
+    NextAnaglyph,
+    Swap,
+    NextMethod {
+        back: bool,
+    },
+    Samples {
+        fewer: bool,
+    },
+    /// Multiplies the interaxial.
+    Spread(f64),
+    /// Multiplies the screen's distance.
+    MoveScreen(f64),
+    Reset,
+    Fullscreen,
+    Text,
+    Help,
+    Write,
+    Quit,
+}
+
+/// A step of interaxial or screen distance, and a fine one.
+const STEP: f64 = 1.1;
+const FINE: f64 = 1.01;
+
+/// Keys and what they do, as the window lists them.
+pub(super) const HELP: [(&str, &str); 19] = [
+    ("left drag", "turn around the middle of the screen"),
+    ("right drag", "look around"),
+    ("middle drag", "move sideways (or Shift and left drag)"),
+    ("wheel", "go nearer or away"),
+    ("W A S D Q E", "fly, by places on the keyboard; with Shift faster"),
+    ("arrows < >", "eyes together or apart; with Shift finer"),
+    ("arrows ^ v", "screen farther or nearer; with Shift finer"),
+    ("1 to 6", "anaglyph, side by side, cross-eyed, wiggle, left, right"),
+    ("V", "the next of these"),
+    ("G", "the next glasses"),
+    ("X", "exchange the eyes"),
+    ("M", "the next method; with Shift the one before"),
+    ("+ -", "more samples or fewer"),
+    ("R", "as it began"),
+    ("P, Ctrl+S", "write the picture, and print the command that makes it"),
+    ("F, F11", "fill the screen, or not"),
+    ("T", "text, or none"),
+    ("H, F1", "these lines, or not"),
+    ("Esc", "end"),
+];
+
+/// What a key asks for, by its name: a character, or one like `left`, `f1` or `ctrl+s`.
+pub(super) fn action(name: &str, shift: bool) -> Option<Action> {
+    let step = if shift { FINE } else { STEP };
+    Some(match name {
+        "v" | "tab" => Action::NextMode,
+        "g" => Action::NextAnaglyph,
+        "x" => Action::Swap,
+        "m" => Action::NextMethod { back: shift },
+        "+" | "=" => Action::Samples { fewer: false },
+        "-" | "_" => Action::Samples { fewer: true },
+        "left" => Action::Spread(1.0 / step),
+        "right" => Action::Spread(step),
+        "up" => Action::MoveScreen(step),
+        "down" => Action::MoveScreen(1.0 / step),
+        "r" => Action::Reset,
+        "f" | "f11" => Action::Fullscreen,
+        "t" => Action::Text,
+        "h" | "f1" => Action::Help,
+        "p" | "ctrl+s" => Action::Write,
+        "escape" => Action::Quit,
+        _ => {
+            let digit: usize = name.parse().ok()?;
+            Action::Show(*Mode::ALL.get(digit.checked_sub(1)?)?)
+        }
+    })
+}
+
+/// A key's name, as [`action`] reads it.
+pub(super) fn name(key: &Key, ctrl: bool) -> Option<String> {
+    let name = match key {
+        Key::Character(text) => text.to_lowercase(),
+        Key::Named(NamedKey::ArrowLeft) => "left".into(),
+        Key::Named(NamedKey::ArrowRight) => "right".into(),
+        Key::Named(NamedKey::ArrowUp) => "up".into(),
+        Key::Named(NamedKey::ArrowDown) => "down".into(),
+        Key::Named(NamedKey::Escape) => "escape".into(),
+        Key::Named(NamedKey::Tab) => "tab".into(),
+        Key::Named(NamedKey::F1) => "f1".into(),
+        Key::Named(NamedKey::F11) => "f11".into(),
+        _ => return None,
+    };
+    Some(if ctrl { format!("ctrl+{name}") } else { name })
+}
+
+/// Where a key flies to while it is held: right, up and ahead. By its place, so that other keyboards have the same cross.
+pub(super) fn flight(key: PhysicalKey) -> Option<[f64; 3]> {
+    let PhysicalKey::Code(code) = key else { return None };
+    let letter = match code {
+        KeyCode::KeyW => 'w',
+        KeyCode::KeyS => 's',
+        KeyCode::KeyA => 'a',
+        KeyCode::KeyD => 'd',
+        KeyCode::KeyE => 'e',
+        KeyCode::KeyQ => 'q',
+        _ => return None,
+    };
+    flight_of(letter)
+}
+
+/// The same by the letter on a keyboard that says QWERTY.
+pub(super) fn flight_of(letter: char) -> Option<[f64; 3]> {
+    Some(match letter {
+        'w' => [0.0, 0.0, 1.0],
+        's' => [0.0, 0.0, -1.0],
+        'a' => [-1.0, 0.0, 0.0],
+        'd' => [1.0, 0.0, 0.0],
+        'e' => [0.0, 1.0, 0.0],
+        'q' => [0.0, -1.0, 0.0],
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_keys_are_those_that_do_something() {
+        let named = [NamedKey::ArrowLeft, NamedKey::ArrowRight, NamedKey::ArrowUp, NamedKey::ArrowDown];
+        let more = [NamedKey::Escape, NamedKey::Tab, NamedKey::F1, NamedKey::F11];
+        for key in named.into_iter().chain(more) {
+            let name = name(&Key::Named(key), false).unwrap();
+            assert!(action(&name, false).is_some(), "{name}");
+        }
+        assert_eq!(name(&Key::Character("S".into()), true).as_deref(), Some("ctrl+s"));
+        assert_eq!(action("ctrl+s", false), Some(Action::Write));
+        for (digit, mode) in ["1", "2", "3", "4", "5", "6"].into_iter().zip(Mode::ALL) {
+            assert_eq!(action(digit, false), Some(Action::Show(mode)));
+        }
+        for nothing in ["0", "7", "", "s", "w", "ctrl+p", "-1"] {
+            assert_eq!(action(nothing, false), None, "{nothing}");
+        }
+    }
+
+    #[test]
+    fn keys_that_fly_do_nothing_else() {
+        for letter in "wasdqe".chars() {
+            assert!(flight_of(letter).is_some() && action(&letter.to_string(), false).is_none(), "{letter}");
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! `view`: a window with a live pair.
+//!
+//! Two threads with a device each: `work` renders and never draws, `window` draws and never renders, so the window answers however long a
+//! frame takes, and each device may be lost on its own. Frames go through the host, which is a copy of some megabytes and lets every option be
+//! shown, whatever adapter renders. `control` moves the eyes, `settings` says what is shown, `show` shows it, `screen` is the surface,
+//! `panel` the text and `status` what it says, `save` writes pictures, `replay` takes a person's place.
+//!
+//! The text is of a bitmap font: a library of panels and sliders would be twenty crates more, want a newer Rust, and bring fonts
+//! under licences of their own.
+
+mod control;
+mod keys;
+mod panel;
+mod replay;
+mod save;
+mod screen;
+mod settings;
+mod show;
+mod status;
+mod window;
+mod work;
+
+use std::{error::Error, path::PathBuf};
+
+use clap::Args;
+use serde_json::json;
+use winit::event_loop::EventLoop;
+
+use self::{
+    save::Origin,
+    settings::Settings,
+    window::{App, Output, Plan, Tally},
+    work::{Said, Worker},
+};
+use crate::{
+    arguments::{Global, Subject, above_zero},
+    summary::Summary,
+    target::EyesArguments,
+};
+
+/// The largest side of a window that is asked for.
+const MOST: u32 = 16_384;
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    eyes: EyesArguments,
+    /// Folder for the pictures that the key P writes
+    #[arg(long, short, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Width in metres of the display for which comfort is judged
+    #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
+    display_width: f32,
+    /// Begin without text over the picture
+    #[arg(long)]
+    no_text: bool,
+    /// Close the window after N whole pictures
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Write what the window then shows, as PNG
+    #[arg(long, value_name = "FILE", requires = "frames")]
+    screenshot: Option<PathBuf>,
+    /// Do what a file says in place of mouse and keys (docs/VIEW.md)
+    #[arg(long, value_name = "FILE")]
+    replay: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// What is shown and how.
+    #[cfg(test)]
+    fn parts(&self) -> (&Subject, &EyesArguments) {
+        (&self.subject, &self.eyes)
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
+    let steps = arguments.replay.as_deref().map(replay::read).transpose()?.unwrap_or_default();
+    let plan = Plan { steps, frames: arguments.frames, screenshot: arguments.screenshot.clone() };
+    let subject = &arguments.subject;
+    let size = subject.picture.size();
+    if size.iter().any(|side| *side > MOST) {
+        return Err(format!("--size {}x{}: a window has at most {MOST} pixels a side", size[0], size[1]).into());
+    }
+    let origin = Origin::new(std::env::args_os(), subject.lights_stand_by_camera())?;
+    // Before what takes long: where there is no display, that is known at once.
+    let events = EventLoop::with_user_event().build().map_err(|error| {
+        let hint = if cfg!(target_os = "linux") { "; is DISPLAY or WAYLAND_DISPLAY set?" } else { "" };
+        format!("no window can be opened: {error}{hint}")
+    })?;
+    let stage = subject.open(global)?;
+    let settings = Settings::new(&stage, &arguments.eyes, size)?;
+    let proxy = events.create_proxy();
+    let say = move |said: Said| drop(proxy.send_event(said)); // a window that is closed hears nothing
+    let worker = Worker::new((stage.renderer, stage.uploaded), stage.scene.clone(), global.clone(), say)?;
+    let name = if stage.name.is_empty() { "view".into() } else { stage.name };
+    let output = Output { folder: arguments.out.clone(), name, origin, scene: stage.scene, quiet: global.quiet };
+    let mut app = App::new(settings, plan, output, worker, (!arguments.no_text, arguments.display_width));
+    events.run_app(&mut app)?;
+    summary(app.tally, arguments.frames.is_some())
+}
+
+fn summary(tally: Tally, automatic: bool) -> Result<Summary, Box<dyn Error>> {
+    let Tally { drafts, whole, longest, files, fault } = tally;
+    if let Some(fault) = fault {
+        return Err(fault.into());
+    }
+    let ms = 1e3 * longest.as_secs_f64();
+    let text = match automatic {
+        true => format!("{whole} whole pictures, {drafts} drafts; the window was busy for {ms:.1} ms at most\n"),
+        false => String::new(),
+    };
+    let files = Vec::from_iter(files.iter().map(|file| file.to_string_lossy()));
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"), "whole": whole, "drafts": drafts, "longest_ms": ms, "files": files,
+    });
+    Ok(Summary { text, json, to_stderr: false })
+}

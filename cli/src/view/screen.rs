@@ -1,0 +1,151 @@
+//! The window's surface and the device that draws into it: another than the one that renders, so that neither waits for the other.
+
+use std::{
+    error::Error,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use stereotrace::wgpu::{self, CurrentSurfaceTexture, TextureFormat};
+use winit::{event_loop::OwnedDisplayHandle, window::Window};
+
+use super::show::{Look, Show};
+
+/// What windows may take, the best first.
+const FORMATS: [TextureFormat; 4] = [
+    TextureFormat::Bgra8UnormSrgb,
+    TextureFormat::Rgba8UnormSrgb,
+    TextureFormat::Bgra8Unorm,
+    TextureFormat::Rgba8Unorm,
+];
+
+/// After so many failures in a row a device counts as lost: not every driver says so.
+const PATIENCE: u32 = 8;
+
+/// What became of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Drawn {
+    Shown,
+    /// It is to be drawn again.
+    Again,
+    /// Nobody sees the window.
+    Hidden,
+    /// The device is gone: a new screen is needed.
+    Lost,
+}
+
+pub(super) struct Screen {
+    pub(super) window: Arc<Window>,
+    pub(super) show: Show,
+    instance: wgpu::Instance,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    surface: wgpu::Surface<'static>,
+    config: wgpu::SurfaceConfiguration,
+    lost: Arc<AtomicBool>,
+    /// How often in a row nothing could be drawn.
+    failures: u32,
+}
+
+impl Screen {
+    /// Opens a device that can draw into a window.
+    pub(super) fn new(window: Arc<Window>, display: OwnedDisplayHandle) -> Result<Self, Box<dyn Error>> {
+        let descriptor = wgpu::InstanceDescriptor::new_with_display_handle_from_env(Box::new(display));
+        let instance = wgpu::Instance::new(descriptor);
+        let surface = instance.create_surface(window.clone())?;
+        let options = wgpu::RequestAdapterOptions { compatible_surface: Some(&surface), ..Default::default() };
+        let adapter = pollster::block_on(instance.request_adapter(&options))
+            .map_err(|error| format!("no adapter can draw into this window: {error}"))?;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("window"),
+            required_limits: wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits()),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
+        let lost = Arc::new(AtomicBool::new(false));
+        let (flag, wake) = (lost.clone(), Arc::downgrade(&window));
+        device.set_device_lost_callback(move |reason, message| {
+            // Also where it is dropped: then nobody reads the flag.
+            log::info!("the window's device is gone ({reason:?}): {message}");
+            flag.store(true, Ordering::Relaxed);
+            if let Some(window) = wake.upgrade() {
+                window.request_redraw();
+            }
+        });
+        device.on_uncaptured_error(Arc::new(|error| log::error!("window: {error}")));
+
+        let offered = surface.get_capabilities(&adapter).formats;
+        let format = FORMATS.into_iter().find(|format| offered.contains(format));
+        let format = format.ok_or("the window takes no format of 8 bits a channel")?;
+        let mut config = surface.get_default_config(&adapter, 1, 1).ok_or("the adapter can't draw into this window")?;
+        (config.format, config.present_mode) = (format, wgpu::PresentMode::AutoVsync);
+        let show = Show::new(device.clone(), queue.clone(), format);
+        let mut screen = Self { window, show, instance, device, queue, surface, config, lost, failures: 0 };
+        screen.configure();
+        Ok(screen)
+    }
+
+    /// The window's size as far as pictures reach, pixels; a side is 0 where it is minimised.
+    pub(super) fn size(&self) -> [u32; 2] {
+        let (size, most) = (self.window.inner_size(), self.device.limits().max_texture_dimension_2d);
+        [size.width.min(most), size.height.min(most)]
+    }
+
+    /// Fits the surface to the window, unless that has no pixels.
+    pub(super) fn configure(&mut self) {
+        let [width, height] = self.size();
+        if width > 0 && height > 0 {
+            (self.config.width, self.config.height) = (width, height);
+            self.surface.configure(&self.device, &self.config);
+        }
+    }
+
+    /// Draws and shows it.
+    pub(super) fn draw(&mut self, look: Look) -> Drawn {
+        if self.lost.load(Ordering::Relaxed) || self.failures > PATIENCE {
+            return Drawn::Lost;
+        }
+        if self.size().contains(&0) {
+            return Drawn::Hidden;
+        }
+        let (texture, fits) = match self.surface.get_current_texture() {
+            CurrentSurfaceTexture::Success(texture) => (texture, true),
+            CurrentSurfaceTexture::Suboptimal(texture) => (texture, false),
+            CurrentSurfaceTexture::Timeout => return Drawn::Again,
+            CurrentSurfaceTexture::Occluded => return Drawn::Hidden,
+            CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Validation => return self.configure_again(),
+            CurrentSurfaceTexture::Lost => {
+                match self.instance.create_surface(self.window.clone()) {
+                    Ok(surface) => self.surface = surface,
+                    Err(_) => return Drawn::Lost,
+                }
+                return self.configure_again();
+            }
+        };
+        self.show.draw(look, &texture.texture);
+        self.window.pre_present_notify();
+        self.queue.present(texture);
+        self.failures = 0;
+        if !fits {
+            self.configure();
+        }
+        Drawn::Shown
+    }
+
+    fn configure_again(&mut self) -> Drawn {
+        let _ = self.device.poll(wgpu::PollType::Poll); // which tells of a loss
+        if self.lost.load(Ordering::Relaxed) {
+            return Drawn::Lost;
+        }
+        self.failures += 1;
+        self.configure();
+        Drawn::Again
+    }
+
+    /// Takes the device away, for tests.
+    pub(super) fn lose_device(&self) {
+        self.device.destroy();
+    }
+}

@@ -1,0 +1,393 @@
+//! Shows a pair and text over it: one pass of show.wgsl, into a window or into a picture.
+
+use bytemuck::{Pod, Zeroable};
+use stereotrace::{
+    StereoPair, View,
+    output::{Anaglyph, Picture},
+    wgpu,
+};
+
+const SHADER: &str = include_str!("show.wgsl");
+/// Of what is read, decoded by the shader.
+const TEXTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Of pictures that are drawn for files.
+const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// How both eyes are shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Look {
+    /// Mixed for coloured glasses.
+    Anaglyph(Anaglyph),
+    /// One beside the other, the left eye on the left unless they are crossed.
+    Beside { crossed: bool },
+    /// One of them.
+    One { right: bool },
+}
+
+/// As show.wgsl has it: a column of a matrix has four words.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Shown {
+    decoded: [f32; 256],
+    of_left: [[f32; 4]; 3],
+    of_right: [[f32; 4]; 3],
+    size: [u32; 2],
+    beside: u32,
+    encoded: u32,
+}
+
+/// The size of one eye's picture in a window of a size.
+pub(super) fn eye_size(look: Look, [width, height]: [u32; 2]) -> [u32; 2] {
+    match look {
+        Look::Beside { .. } => [(width / 2).max(1), height],
+        Look::Anaglyph(_) | Look::One { .. } => [width, height],
+    }
+}
+
+impl Shown {
+    fn new(look: Look, size: [u32; 2], encoded: bool) -> Self {
+        let one = |k: f32| [[k, 0.0, 0.0], [0.0, k, 0.0], [0.0, 0.0, k]];
+        let (left, right) = match look {
+            Look::Anaglyph(kind) => kind.matrices(),
+            Look::Beside { .. } | Look::One { right: false } => (one(1.0), one(0.0)),
+            Look::One { right: true } => (one(0.0), one(1.0)),
+        };
+        // The library has rows.
+        let columns =
+            |rows: [[f32; 3]; 3]| [0, 1, 2].map(|column| [rows[0][column], rows[1][column], rows[2][column], 0.0]);
+        let beside = u32::from(matches!(look, Look::Beside { .. }));
+        let size = eye_size(look, size);
+        Self {
+            decoded: decoded(),
+            of_left: columns(left),
+            of_right: columns(right),
+            size,
+            beside,
+            encoded: encoded.into(),
+        }
+    }
+}
+
+/// Linear light of each sRGB-encoded byte (IEC 61966-2-1).
+fn decoded() -> [f32; 256] {
+    std::array::from_fn(|byte| {
+        let encoded = byte as f64 / 255.0;
+        let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
+        linear as f32
+    })
+}
+
+/// What is shown, on a device.
+pub(super) struct Show {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    module: wgpu::ShaderModule,
+    /// For the window's format.
+    pipeline: wgpu::RenderPipeline,
+    format: wgpu::TextureFormat,
+    uniforms: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    eyes: [wgpu::Texture; 2],
+    panel: wgpu::Texture,
+}
+
+impl Show {
+    /// Nothing, black, to be shown in a format.
+    pub(super) fn new(device: wgpu::Device, queue: wgpu::Queue, format: wgpu::TextureFormat) -> Self {
+        let source = wgpu::ShaderSource::Wgsl(SHADER.into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("show"), source });
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("shown"),
+            size: size_of::<Shown>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("stretch"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let eyes = [0, 1].map(|_| texture(&device, "eye", [1, 1]));
+        let panel = texture(&device, "panel", [1, 1]);
+        let pipeline = pipeline(&device, &module, format);
+        Self { device, queue, module, pipeline, format, uniforms, sampler, eyes, panel }
+    }
+
+    /// Shows another pair, its eyes exchanged if that is asked for.
+    pub(super) fn set_pair(&mut self, pair: &StereoPair, swap: bool) {
+        let eyes = if swap { [&pair.right, &pair.left] } else { [&pair.left, &pair.right] };
+        for (to, View { width, height, rgba8, .. }) in self.eyes.iter_mut().zip(eyes) {
+            fill(&self.device, &self.queue, to, ("eye", [*width, *height]), rgba8);
+        }
+    }
+
+    /// Shows another text.
+    pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture) {
+        fill(&self.device, &self.queue, &mut self.panel, ("panel", [*width, *height]), rgba8);
+    }
+
+    /// Draws into a window's texture.
+    pub(super) fn draw(&self, look: Look, target: &wgpu::Texture) {
+        let commands = self.encode(look, target, &self.pipeline, self.format);
+        self.queue.submit([commands.finish()]);
+    }
+
+    /// What a window of a size shows, as a picture.
+    pub(super) fn picture(&self, look: Look, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
+        self.picture_in(look, size, PICTURE)
+    }
+
+    fn picture_in(
+        &self,
+        look: Look,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> Result<Picture, stereotrace::Error> {
+        let target = self.device.create_texture(&wgpu::TextureDescriptor {
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            format,
+            ..descriptor("picture", [width, height])
+        });
+        let pipeline = pipeline(&self.device, &self.module, format);
+        let mut commands = self.encode(look, &target, &pipeline, format);
+        // Rows of copies are multiples of 256 bytes.
+        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        commands.copy_texture_to_buffer(target.as_image_copy(), to, target.size());
+        self.queue.submit([commands.finish()]);
+        let fault = |error: &dyn std::fmt::Display| stereotrace::Error::Gpu(error.to_string());
+        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| fault(&error))?;
+        let bytes = buffer.get_mapped_range(..).map_err(|error| fault(&error))?;
+        let rows = bytes.chunks_exact(row as usize).flat_map(|row| row[..4 * width as usize].as_chunks::<4>().0);
+        Ok(Picture::new(width, height, rows.copied().collect()))
+    }
+
+    fn encode(
+        &self,
+        look: Look,
+        target: &wgpu::Texture,
+        pipeline: &wgpu::RenderPipeline,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::CommandEncoder {
+        let shown = Shown::new(look, [target.width(), target.height()], !format.is_srgb());
+        self.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&shown));
+        let crossed = look == Look::Beside { crossed: true };
+        let [left, right] = [0, 1].map(|eye| view(&self.eyes[if crossed { 1 - eye } else { eye }]));
+        let panel = view(&self.panel);
+        let resources = [
+            self.uniforms.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&left),
+            wgpu::BindingResource::TextureView(&right),
+            wgpu::BindingResource::TextureView(&panel),
+            wgpu::BindingResource::Sampler(&self.sampler),
+        ];
+        let entries = (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("show"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &Vec::from_iter(entries),
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("show") });
+        let target = view(target);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("show"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations::default(),
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        encoder
+    }
+}
+
+/// Puts pixels into a texture, a new one where they are more or fewer.
+fn fill(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    to: &mut wgpu::Texture,
+    (label, size): (&str, [u32; 2]),
+    pixels: &[[u8; 4]],
+) {
+    if [to.width(), to.height()] != size {
+        *to = texture(device, label, size);
+    }
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: None };
+    queue.write_texture(to.as_image_copy(), bytemuck::cast_slice(pixels), layout, to.size());
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+fn descriptor(label: &str, [width, height]: [u32; 2]) -> wgpu::TextureDescriptor<'_> {
+    wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TEXTURE,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    }
+}
+
+fn texture(device: &wgpu::Device, label: &str, size: [u32; 2]) -> wgpu::Texture {
+    device.create_texture(&descriptor(label, size))
+}
+
+fn pipeline(device: &wgpu::Device, module: &wgpu::ShaderModule, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("show"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::OnceLock;
+
+    use stereotrace::{
+        Builtin, Gpu, Method, Options, Renderer,
+        output::{Packing, anaglyph, packed},
+    };
+
+    use super::*;
+
+    const SIZE: [u32; 2] = [93, 40];
+
+    /// A pair whose pixels are anything, and a device to show it on.
+    fn setting() -> &'static (StereoPair, Gpu) {
+        static SETTING: OnceLock<(StereoPair, Gpu)> = OnceLock::new();
+        SETTING.get_or_init(|| {
+            let gpu = Gpu::open("software").unwrap();
+            let mut renderer = Renderer::new(gpu.clone());
+            let scene = renderer.upload(&Builtin::Spheres.scene()).unwrap();
+            let camera = Builtin::Spheres.camera(SIZE[0], SIZE[1]);
+            let mut pair = renderer.render(&scene, &camera, &Options::new(Method::Naive)).unwrap();
+            let mut state = 1_u32;
+            let mut byte = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 24) as u8
+            };
+            for pixel in pair.left.rgba8.iter_mut().chain(&mut pair.right.rgba8) {
+                *pixel = [byte(), byte(), byte(), 255];
+            }
+            (pair, gpu)
+        })
+    }
+
+    fn shown(swap: bool, look: Look, size: [u32; 2]) -> Picture {
+        let (pair, gpu) = setting();
+        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
+        show.set_pair(pair, swap);
+        show.picture(look, size).unwrap()
+    }
+
+    /// The largest difference of a channel.
+    fn difference(a: &Picture, b: &Picture) -> u8 {
+        assert_eq!((a.width, a.height), (b.width, b.height));
+        let channels = a.rgba8.iter().flatten().zip(b.rgba8.iter().flatten());
+        channels.map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+    }
+
+    #[test]
+    fn anaglyphs_are_the_library_s() {
+        let (pair, _) = setting();
+        for &kind in Anaglyph::ALL {
+            for swap in [false, true] {
+                let (left, right) = if swap { (&pair.right, &pair.left) } else { (&pair.left, &pair.right) };
+                let expected = anaglyph(left, right, kind);
+                let found = shown(swap, Look::Anaglyph(kind), SIZE);
+                assert!(difference(&found, &expected) <= 1, "{kind}: {}", difference(&found, &expected));
+            }
+        }
+        let other = shown(true, Look::Anaglyph(Anaglyph::Dubois), SIZE);
+        assert!(difference(&other, &anaglyph(&pair.left, &pair.right, Anaglyph::Dubois)) > 100);
+    }
+
+    #[test]
+    fn eyes_alone_and_beside_each_other_are_as_they_were_rendered() {
+        let (pair, _) = setting();
+        for (right, view) in [(false, &pair.left), (true, &pair.right)] {
+            assert_eq!(difference(&shown(false, Look::One { right }, SIZE), &view.picture()), 0);
+        }
+        for (crossed, packing) in [(false, Packing::SideBySide), (true, Packing::CrossEyed)] {
+            let found = shown(false, Look::Beside { crossed }, [2 * SIZE[0], SIZE[1]]);
+            assert_eq!(difference(&found, &packed(&pair.left, &pair.right, packing)), 0);
+        }
+        // The last column of an odd width belongs to no eye.
+        let odd = shown(false, Look::Beside { crossed: false }, [2 * SIZE[0] + 1, SIZE[1]]);
+        let row = &odd.rgba8[..odd.width as usize];
+        assert_eq!(row[..SIZE[0] as usize], pair.left.rgba8[..SIZE[0] as usize]);
+        assert_eq!(row[odd.width as usize - 1], [0, 0, 0, 255]);
+    }
+
+    #[test]
+    fn a_smaller_picture_fills_the_window() {
+        let (pair, _) = setting();
+        let mut flat = pair.clone();
+        flat.left.rgba8.fill([10, 200, 90, 255]);
+        let (_, gpu) = setting();
+        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
+        show.set_pair(&flat, false);
+        let found = show.picture(Look::One { right: false }, [200, 77]).unwrap();
+        assert!(found.rgba8.iter().all(|pixel| *pixel == [10, 200, 90, 255]));
+    }
+
+    #[test]
+    fn text_stands_over_the_picture_in_its_corner() {
+        let (pair, gpu) = setting();
+        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), PICTURE);
+        show.set_pair(pair, false);
+        show.set_panel(&Picture::new(2, 1, vec![[255, 255, 255, 255], [9, 9, 9, 0]]));
+        let found = show.picture(Look::One { right: false }, SIZE).unwrap();
+        assert_eq!(found.rgba8[0], [255; 4]);
+        assert_eq!(found.rgba8[1..], pair.left.rgba8[1..]);
+    }
+
+    #[test]
+    fn windows_that_take_encoded_values_show_the_same() {
+        let (pair, gpu) = setting();
+        let format = wgpu::TextureFormat::Rgba8Unorm;
+        let shown = Shown::new(Look::One { right: false }, SIZE, !format.is_srgb());
+        assert_eq!((shown.encoded, shown.size), (1, SIZE));
+        let mut show = Show::new(gpu.device().clone(), gpu.queue().clone(), format);
+        show.set_pair(pair, false);
+        let found = show.picture_in(Look::One { right: false }, SIZE, format).unwrap();
+        assert!(difference(&found, &pair.left.picture()) <= 1);
+    }
+}

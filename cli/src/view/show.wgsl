@@ -1,0 +1,71 @@
+// What a pixel of the window shows: both eyes mixed by two matrices, or beside each other, and text over them.
+//
+// reads   left, right   [height * width]  the views, sRGB-encoded; stretched where they have another size than the window
+// reads   panel         text with its alpha, sRGB-encoded, from the window's top left corner on
+
+struct Shown {
+    // What each encoded byte is in linear light, four to a vector. Drivers decode textures by approximations, and where matrices subtract
+    // one channel from another in the dark, these show.
+    decoded: array<vec4f, 64>,
+    of_left: mat3x3f,
+    of_right: mat3x3f,
+    // The window's pixels, or of views beside each other those of one eye.
+    size: vec2u,
+    beside: u32,
+    // The target takes encoded values, not light.
+    encoded: u32,
+}
+
+@group(0) @binding(0) var<uniform> shown: Shown;
+@group(0) @binding(1) var left: texture_2d<f32>;
+@group(0) @binding(2) var right: texture_2d<f32>;
+@group(0) @binding(3) var panel: texture_2d<f32>;
+@group(0) @binding(4) var stretch: sampler;
+
+@vertex
+fn whole_window(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(4.0 * f32(index & 1u) - 1.0, 4.0 * f32(index >> 1u) - 1.0, 0.0, 1.0);
+}
+
+fn decode(encoded: vec3f) -> vec3f {
+    let byte = vec3u(round(encoded * 255.0));
+    return vec3f(
+        shown.decoded[byte.r / 4u][byte.r % 4u],
+        shown.decoded[byte.g / 4u][byte.g % 4u],
+        shown.decoded[byte.b / 4u][byte.b % 4u],
+    );
+}
+
+fn light(eye: texture_2d<f32>, place: vec2u) -> vec3f {
+    // What has the same size is shown to the bit.
+    if all(textureDimensions(eye) == shown.size) { return decode(textureLoad(eye, place, 0).rgb); }
+    return decode(textureSampleLevel(eye, stretch, (vec2f(place) + 0.5) / vec2f(shown.size), 0.0).rgb);
+}
+
+fn encode(light: f32) -> f32 {
+    return select(1.055 * pow(light, 1.0 / 2.4) - 0.055, 12.92 * light, light <= 0.0031308);
+}
+
+@fragment
+fn show(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    var place = vec2u(position.xy);
+    let second = shown.beside != 0u && place.x >= shown.size.x;
+    if second { place.x -= shown.size.x; }
+    // Of a window of odd width, one column belongs to no eye.
+    if any(place >= shown.size) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+    var color: vec3f;
+    if shown.beside == 0u {
+        color = shown.of_left * light(left, place) + shown.of_right * light(right, place);
+    } else if second {
+        color = light(right, place);
+    } else {
+        color = light(left, place);
+    }
+    color = clamp(color, vec3f(0.0), vec3f(1.0));
+    if all(place < textureDimensions(panel)) {
+        let text = textureLoad(panel, place, 0);
+        color = mix(color, decode(text.rgb), text.a);
+    }
+    if shown.encoded != 0u { color = vec3f(encode(color.r), encode(color.g), encode(color.b)); }
+    return vec4f(color, 1.0);
+}

@@ -1,0 +1,88 @@
+//! What the text over the picture says.
+
+use stereotrace::{Method, StereoPair};
+
+use super::{
+    keys::HELP,
+    settings::{Mode, Settings},
+    work::Frame,
+};
+
+/// What it is about.
+pub(super) struct Status<'a> {
+    pub(super) settings: &'a Settings,
+    pub(super) frame: Option<&'a Frame>,
+    pub(super) adapter: Option<&'a str>,
+    /// The frame is of what is set now.
+    pub(super) is_current: bool,
+    pub(super) note: Option<&'a str>,
+    pub(super) display_width: f32,
+}
+
+/// Keys and what they do.
+pub(super) fn help() -> Vec<String> {
+    HELP.iter().map(|(key, does)| format!("{key:<13}{does}")).collect()
+}
+
+/// The lines over the picture.
+pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
+    let settings = status.settings;
+    let mut lines = vec![shown(settings)];
+    let Some(frame) = status.frame else {
+        lines.push("the scene goes to the device ...".into());
+        return lines;
+    };
+    let (pair, ms) = (&frame.pair, 1e3 * frame.time.as_secs_f64());
+    let state = match (frame.whole, status.is_current) {
+        (true, true) => "",
+        (_, false) => ", the next is under way",
+        (false, true) => ", a draft",
+    };
+    let (w, h) = (pair.left.width, pair.left.height);
+    lines.push(format!("{w}x{h}, {}, {ms:.0} ms{state}", samples(settings, frame)));
+    lines.push(method(settings.options.method, pair));
+    let pose = &pair.pose;
+    let px = pose.interaxial_px * settings.size()[0] as f32 / pose.size[0] as f32; // of a draft, the whole picture's
+    lines.push(format!("e {:.4} ({px:.1} px), d {:.4}", pose.interaxial, pose.screen_distance));
+    let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
+    let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));
+    let comfort = pose.comfort(nearest, farthest, status.display_width);
+    let (near, far) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
+    lines.push(format!("parallax {near:.2}% to {far:.2}% of the width"));
+    lines.extend(comfort.warnings().into_iter().map(|warning| format!("warning: {warning}")));
+    lines.extend(status.adapter.map(str::to_owned));
+    lines.extend(status.note.map(str::to_owned));
+    lines.push("H: keys".into());
+    lines
+}
+
+fn shown(settings: &Settings) -> String {
+    let swapped = if settings.eyes.swap { ", eyes exchanged" } else { "" };
+    match settings.mode {
+        Mode::Anaglyph => {
+            let kind = settings.eyes.anaglyph;
+            format!("anaglyph {kind}: {}{swapped}", kind.glasses())
+        }
+        mode => format!("{}{swapped}", mode.name()),
+    }
+}
+
+fn samples(settings: &Settings, frame: &Frame) -> String {
+    match (frame.whole, settings.options.adaptive) {
+        (true, Some(_)) => "adaptive samples".into(),
+        (true, None) => stereotrace::message::counted(settings.options.samples, "sample", "samples"),
+        (false, _) => "1 sample".into(),
+    }
+}
+
+fn method(asked: Method, pair: &StereoPair) -> String {
+    let statistics = &pair.statistics;
+    let used = match statistics.method {
+        used if used == asked => String::new(),
+        used => format!(" ({used})"),
+    };
+    match statistics.reused + statistics.bad + statistics.missed {
+        0 => format!("{asked}{used}: the second eye traced in full"),
+        _ => format!("{asked}{used}: {:.2}% of the second eye re-traced", 100.0 * statistics.retraced_share()),
+    }
+}

@@ -1,0 +1,386 @@
+//! The thread that renders, on a device of its own: however long a frame takes, the window answers.
+//!
+//! While things move it makes drafts: a sample a pixel, few rays of soft light, and as many pixels as fit [`DRAFT`]. When they have stood still
+//! for [`STILL`] comes the whole picture, which whatever moves next ends.
+
+use std::{
+    ops::ControlFlow,
+    panic::{self, AssertUnwindSafe},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use stereotrace::{
+    Error, GBuffer, LightShape, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, wgpu,
+};
+
+use crate::arguments::Global;
+
+/// How long a draft may take.
+const DRAFT: Duration = Duration::from_millis(80);
+/// What has not changed for so long stands still.
+const STILL: Duration = Duration::from_millis(150);
+/// By what sides of drafts are divided.
+const DIVISORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
+/// Rays to each soft light of a draft.
+const DRAFT_RAYS: u32 = 4;
+
+/// A frame that is wanted.
+#[derive(Clone, Debug)]
+pub(super) struct Wanted {
+    /// Higher for each change.
+    pub(super) version: u64,
+    /// Of the whole picture.
+    pub(super) camera: StereoCamera,
+    /// The same camera for a draft, whose size is set.
+    pub(super) draft: StereoCamera,
+    pub(super) size: [u32; 2],
+    pub(super) options: Options,
+}
+
+/// A frame that is there.
+pub(super) struct Frame {
+    pub(super) version: u64,
+    /// The picture that was asked for; else a draft of it.
+    pub(super) whole: bool,
+    pub(super) pair: StereoPair,
+    pub(super) time: Duration,
+}
+
+/// What the thread says.
+pub(super) enum Said {
+    /// The scene is on the device of this name.
+    Ready(String),
+    Frame(Box<Frame>),
+    /// This version can't be rendered.
+    Failed(u64, String),
+    /// Nothing can: the thread has ended.
+    Ended(String),
+}
+
+#[derive(Default)]
+struct State {
+    wanted: Option<Wanted>,
+    since: Option<Instant>,
+    quit: bool,
+    lose_device: bool,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether a version is not wanted any more.
+    fn is_over(&self, version: u64) -> bool {
+        let state = self.lock();
+        state.quit || state.wanted.as_ref().is_some_and(|wanted| wanted.version != version)
+    }
+}
+
+/// The thread. It ends with this.
+pub(super) struct Worker {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// A thread that renders a scene, at first by this renderer, which holds it.
+    pub(super) fn new(
+        (renderer, uploaded): (Renderer, UploadedScene),
+        scene: Scene,
+        global: Global,
+        say: impl Fn(Said) + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let soft = scene.lights.iter().any(|light| light.shape != LightShape::Point);
+        let work = Work { shared: shared.clone(), renderer, scene, global, soft, cost: None };
+        let run = move || {
+            // A window that waits for a thread that is gone would wait for ever.
+            if panic::catch_unwind(AssertUnwindSafe(|| work.run(uploaded, &say))).is_err() {
+                say(Said::Ended("the thread that renders has ended by a fault of its own".into()));
+            }
+        };
+        let thread = thread::Builder::new().name("render".into()).spawn(run)?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Asks for a frame in place of the one before.
+    pub(super) fn want(&self, wanted: Wanted) {
+        let mut state = self.shared.lock();
+        state.wanted = Some(wanted);
+        state.since = Some(Instant::now());
+        self.shared.changed.notify_all();
+    }
+
+    /// Takes the device away before the next frame, for tests.
+    pub(super) fn lose_device(&self) {
+        self.shared.lock().lose_device = true;
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.lock().quit = true;
+        self.shared.changed.notify_all();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join(); // what it had to say of its end is said
+        }
+    }
+}
+
+/// How well a frame is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    /// Nothing of it is there.
+    Nothing,
+    Draft,
+    /// A draft of all its pixels.
+    FullDraft,
+    Whole,
+}
+
+struct Work {
+    shared: Arc<Shared>,
+    renderer: Renderer,
+    scene: Scene,
+    global: Global,
+    /// Some light is no point.
+    soft: bool,
+    /// Seconds a pixel of a draft, once there was one.
+    cost: Option<f64>,
+}
+
+impl Work {
+    fn run(mut self, mut uploaded: UploadedScene, say: &impl Fn(Said)) {
+        say(Said::Ready(self.renderer.gpu().adapter_name()));
+        let (mut version, mut stage) = (0, Stage::Nothing);
+        while let Some((wanted, next)) = self.next(version, stage) {
+            if wanted.version != version {
+                (version, stage) = (wanted.version, Stage::Nothing);
+            }
+            match self.render(&mut uploaded, &wanted, next) {
+                Ok(frame) => {
+                    stage = if frame.whole { Stage::Whole } else { next };
+                    say(Said::Frame(Box::new(frame)));
+                }
+                Err(Error::Cancelled) => {}
+                Err(error) => {
+                    stage = Stage::Whole;
+                    say(Said::Failed(version, error.to_string()));
+                }
+            }
+        }
+    }
+
+    /// Waits for what is to be rendered next, given how far a version is; nothing where all is over.
+    fn next(&self, version: u64, stage: Stage) -> Option<(Wanted, Stage)> {
+        let mut state = self.shared.lock();
+        loop {
+            if state.quit {
+                return None;
+            }
+            let Some(wanted) = &state.wanted else {
+                state = self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            let stage = if wanted.version == version { stage } else { Stage::Nothing };
+            if let (Stage::Nothing, false) = (stage, self.is_quick(wanted)) {
+                return Some((wanted.clone(), Stage::Draft));
+            }
+            let still = state.since.map_or(Duration::ZERO, |since| STILL.saturating_sub(since.elapsed()));
+            let wait = match stage {
+                Stage::Whole => Duration::MAX,
+                Stage::Nothing => Duration::ZERO, // as quick as a draft
+                Stage::Draft | Stage::FullDraft => still,
+            };
+            if wait.is_zero() {
+                let next = match stage {
+                    Stage::Draft
+                        if self.divisor(wanted) > 1 && wanted.options != draft_options(&wanted.options, self.soft) =>
+                    {
+                        Stage::FullDraft
+                    }
+                    _ => Stage::Whole,
+                };
+                return Some((wanted.clone(), next));
+            }
+            state = match wait {
+                Duration::MAX => self.shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+                wait => self.shared.changed.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0,
+            };
+        }
+    }
+
+    /// Whether the whole picture is what a draft would be.
+    fn is_quick(&self, wanted: &Wanted) -> bool {
+        self.divisor(wanted) == 1 && wanted.options == draft_options(&wanted.options, self.soft)
+    }
+
+    /// By what the sides of a draft are divided.
+    fn divisor(&self, wanted: &Wanted) -> u32 {
+        let software = self.renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let Some(cost) = self.cost else { return if software { 4 } else { 1 } };
+        let pixels = f64::from(wanted.size[0]) * f64::from(wanted.size[1]);
+        let fits = |divisor: &&u32| cost * pixels / f64::from(**divisor).powi(2) <= DRAFT.as_secs_f64();
+        DIVISORS.iter().find(fits).copied().unwrap_or(DIVISORS[DIVISORS.len() - 1])
+    }
+
+    /// A frame, on a new device where the old one was lost.
+    fn render(&mut self, uploaded: &mut UploadedScene, wanted: &Wanted, stage: Stage) -> Result<Frame, Error> {
+        if std::mem::take(&mut self.shared.lock().lose_device) {
+            self.renderer.gpu().device().destroy();
+        }
+        match self.try_render(uploaded, wanted, stage) {
+            Err(Error::DeviceLost(reason)) => {
+                log::warn!("the device was lost ({reason}); another one is opened");
+                self.renderer = Renderer::new(self.global.gpu()?);
+                *uploaded = self.renderer.upload(&self.scene)?;
+                self.try_render(uploaded, wanted, stage)
+            }
+            done => done,
+        }
+    }
+
+    fn try_render(&mut self, uploaded: &UploadedScene, wanted: &Wanted, stage: Stage) -> Result<Frame, Error> {
+        let [width, height] = wanted.size;
+        let divisor = if stage == Stage::Draft { self.divisor(wanted) } else { 1 };
+        let [w, h] = [width, height].map(|side| side.div_ceil(divisor));
+        let drafted = draft_options(&wanted.options, self.soft);
+        let (camera, options) = match stage {
+            Stage::Whole => (wanted.camera, wanted.options.clone()),
+            _ => (wanted.draft.size(w, h), drafted.clone()),
+        };
+        let (version, shared) = (wanted.version, self.shared.clone());
+        let mut go_on = |_| {
+            // A draft that something moving ends would never be there.
+            let over = if stage == Stage::Draft { shared.lock().quit } else { shared.is_over(version) };
+            if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let begin = Instant::now();
+        let options = options.g_buffer(GBuffer::Depth);
+        let pair = self.renderer.render_with(uploaded, &camera, &options, &mut go_on)?;
+        let time = begin.elapsed();
+        if stage != Stage::Whole || wanted.options == drafted {
+            self.cost = Some(time.as_secs_f64() / (f64::from(w) * f64::from(h)));
+        }
+        Ok(Frame { version, whole: stage == Stage::Whole, pair, time })
+    }
+}
+
+/// What drafts are rendered with, of a scene with lights that are not points or without.
+fn draft_options(options: &Options, soft: bool) -> Options {
+    let few = |rays: u32| rays.min(DRAFT_RAYS);
+    let mut draft = options.clone().samples(1).adaptive(None).count(false);
+    if soft {
+        draft.shadow_rays = few(draft.shadow_rays);
+    }
+    if let Some(occlusion) = &mut draft.occlusion {
+        occlusion.rays = few(occlusion.rays);
+    }
+    draft.sky_rays = draft.sky_rays.map(few);
+    draft
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use clap::Parser;
+    use stereotrace::{Builtin, Method};
+
+    use super::*;
+    use crate::arguments::Cli;
+
+    const SIZE: [u32; 2] = [48, 32];
+
+    fn wanted(version: u64, options: Options) -> Wanted {
+        let camera = Builtin::Hall.camera(SIZE[0], SIZE[1]);
+        Wanted { version, camera, draft: camera, size: SIZE, options }
+    }
+
+    fn worker() -> (Worker, mpsc::Receiver<Said>) {
+        let global = Cli::parse_from(["stereotrace", "--adapter", "software", "info"]).global;
+        let renderer = Renderer::new(global.gpu().unwrap());
+        let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+        let (say, said) = mpsc::channel();
+        let worker =
+            Worker::new((renderer, uploaded), Builtin::Hall.scene(), global, move |what| drop(say.send(what))).unwrap();
+        (worker, said)
+    }
+
+    /// What is said from now on, up to the whole picture of a version.
+    fn until_whole(said: &mpsc::Receiver<Said>, version: u64) -> Vec<Frame> {
+        let mut frames = Vec::new();
+        loop {
+            match said.recv_timeout(Duration::from_secs(300)).expect("a frame") {
+                Said::Frame(frame) => frames.push(*frame),
+                Said::Ready(name) => assert!(!name.is_empty()),
+                Said::Failed(_, error) | Said::Ended(error) => panic!("{error}"),
+            }
+            if frames.last().is_some_and(|frame| frame.whole && frame.version == version) {
+                return frames;
+            }
+        }
+    }
+
+    #[test]
+    fn a_draft_comes_first_and_the_last_version_is_whole() {
+        let (worker, said) = worker();
+        let options = Options::new(Method::Naive).samples(4);
+        worker.want(wanted(1, options.clone()));
+        let frames = until_whole(&said, 1);
+        let first = frames.first().unwrap();
+        assert!(!first.whole && first.pair.left.width < SIZE[0], "{}", first.pair.left.width);
+        let whole = frames.last().unwrap();
+        assert_eq!([whole.pair.left.width, whole.pair.left.height], SIZE);
+        assert!(whole.pair.statistics.left.rays.primary >= 4 * u64::from(SIZE[0] * SIZE[1]));
+        for version in 2..9 {
+            worker.want(wanted(version, options.clone()));
+        }
+        let frames = until_whole(&said, 8);
+        assert!(frames.iter().all(|frame| !frame.whole || frame.version == 8));
+    }
+
+    #[test]
+    fn a_lost_device_is_replaced_and_the_picture_is_the_same() {
+        let (worker, said) = worker();
+        worker.want(wanted(1, Options::new(Method::Naive)));
+        let before = until_whole(&said, 1).pop().unwrap();
+        worker.lose_device();
+        worker.want(wanted(2, Options::new(Method::Naive)));
+        let after = until_whole(&said, 2).pop().unwrap();
+        assert_eq!(before.pair.left.rgba8, after.pair.left.rgba8);
+    }
+
+    #[test]
+    fn what_cant_be_rendered_is_said_and_the_next_frame_comes() {
+        let (worker, said) = worker();
+        worker.want(wanted(1, Options::new(Method::Naive).samples(5)));
+        let fault = loop {
+            match said.recv_timeout(Duration::from_secs(300)).unwrap() {
+                Said::Failed(1, error) => break error,
+                Said::Failed(..) | Said::Ended(_) => panic!("another fault"),
+                Said::Ready(_) | Said::Frame(_) => {}
+            }
+        };
+        assert!(fault.contains("samples: 5"), "{fault}");
+        worker.want(wanted(2, Options::new(Method::Naive)));
+        assert!(until_whole(&said, 2).pop().unwrap().whole);
+    }
+
+    #[test]
+    fn drafts_are_cheaper_and_of_sharp_light_the_same() {
+        let sharp = Options::new(Method::Naive);
+        assert_eq!(draft_options(&sharp, false), sharp);
+        let soft = draft_options(&sharp.clone().samples(9).sky_rays(16), true);
+        assert_eq!((soft.samples, soft.shadow_rays, soft.sky_rays), (1, DRAFT_RAYS, Some(DRAFT_RAYS)));
+    }
+}
