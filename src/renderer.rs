@@ -219,7 +219,7 @@ fn half_of(progress: &mut OnProgress<'_>, begin: f32) -> impl FnMut(Progress) ->
     move |Progress { pass, done }| progress(Progress { pass, done: begin + 0.5 * done })
 }
 
-/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`](crate::Method::Auto). For more than
+/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`]. For more than
 /// one frame keep a [`Renderer`].
 ///
 /// # Errors
@@ -231,7 +231,7 @@ pub async fn render_views_async(scene: &Scene, rig: &Rig) -> Result<Views, Error
     renderer.render_views_async(&uploaded, rig, &Options::default(), &mut go_on).await
 }
 
-/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`](crate::Method::Auto). For
+/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`]. For
 /// more than one picture keep a [`Renderer`].
 ///
 /// # Errors

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::Batch;
-use crate::{Error, EyeTruth, GroundTruth, Pose, camera::Intrinsics};
+#[cfg(any(test, feature = "exr", feature = "json"))]
+use crate::Pose;
+use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
 
 /// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
 /// world units.
