@@ -112,7 +112,7 @@ impl StereoCamera {
     /// ```
     /// use stereotrace::{Builtin, camera::{ComfortRule, Display}};
     ///
-    /// let camera = Builtin::Hall.camera(1920, 1080);
+    /// let camera = Builtin::Hall.camera(1920, 1080).vertical_fov_degrees(20.0);
     /// let chosen = camera.comfortable((2.5, 30.0), &Display::diagonal(55.0, [16.0, 9.0], 2.5))?;
     /// assert_eq!(chosen.binding, [ComfortRule::Percentage]);
     /// let pose = chosen.camera.pose()?;
