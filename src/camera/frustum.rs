@@ -100,7 +100,8 @@ impl Pose {
         self.exact_eye(side).as_vec3()
     }
 
-    pub(super) fn exact_eye(&self, side: f32) -> DVec3 {
+    /// The same in f64.
+    pub(crate) fn exact_eye(&self, side: f32) -> DVec3 {
         self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial)
     }
 

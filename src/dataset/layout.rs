@@ -179,8 +179,8 @@ fn scene_flow(
 fn camera_data(index: u32, truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());
-    let matrix = |side: f64| {
-        let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+    let matrix = |side: f32| {
+        let eye = pose.exact_eye(side);
         let rows = [0, 1, 2].map(|axis| format!("{} {} {} {}", right[axis], up[axis], back[axis], eye[axis]));
         format!("{} 0 0 0 1", rows.join(" "))
     };

@@ -11,7 +11,7 @@ use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
 /// world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
-    let eye = pose.eye.as_dvec3() + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
+    let eye = pose.exact_eye(side as f32);
     let Pose { right, up, forward, .. } = pose.of_eye(side as f32);
     let [right, up, forward] = [right, up, forward].map(|axis| axis.as_dvec3());
     let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];

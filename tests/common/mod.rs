@@ -3,6 +3,7 @@
 
 pub mod floor;
 pub mod folder;
+pub mod nearest;
 #[path = "../../src/random.rs"]
 pub mod random;
 mod random_scene;
