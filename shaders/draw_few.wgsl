@@ -30,17 +30,18 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
             primitive = primitive_at(slot);
             let over = drawn_over(primitive, canvas);
             let corner = vec2u(over.xy);
-            // By other rounding than before it may be nothing.
             let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
             loop {
+                // What touches a shadow-buffer's texels covers the middle of none, often; and by other rounding than before it may be nothing.
+                if any(block >= blocks) { break; }
                 pixels = pixels_from(corner + block * BLOCK);
                 later = draw(primitive, slot, pixels, over.zw);
                 block.x += 1u;
                 if block.x >= blocks.x { block = vec2u(0u, block.y + 1u); }
-                if !is_none(later) || block.y >= blocks.y { break; }
+                if !is_none(later) { break; }
             }
-            if block.y >= blocks.y {
-                block.y = 0u;
+            if any(block >= blocks) {
+                block = vec2u(0u);
                 entry += LIST_WORKGROUP;
             }
             if !is_none(later) || entry >= end { break; }

@@ -261,3 +261,22 @@ fn lights_that_have_no_table_are_left_out() {
     let mut renderer = renderer;
     assert_eq!(renderer.render(&uploaded, &camera, &options).unwrap().statistics.shadow_buffer, Default::default());
 }
+
+/// By the hybrid rule lists hold whatever touches a texel, by the others what covers a middle: what is drawn on middles is the same.
+#[test]
+fn rules_show_the_same_primitives() {
+    let renderer = renderer();
+    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let [hybrid, depth] = [ShadowRule::HYBRID, ShadowRule::DEPTH].map(|rule| {
+        let tables = tables_of(&renderer, &uploaded, 100, rule);
+        let layers = 0..tables.layers.len() as u32;
+        let shown = |texel: Vec<u32>| {
+            let slot = texel[texel.len() - 1];
+            if slot < UNFILLED { slot & (u32::MAX >> 1) } else { slot }
+        };
+        let texels = layers.flat_map(|layer| pollster::block_on(tables.read(&renderer.gpu, layer)));
+        texels.map(shown).collect::<Vec<_>>()
+    });
+    assert!(hybrid.iter().filter(|slot| **slot != crate::MISS).count() > 10_000);
+    assert_eq!(hybrid.iter().zip(&depth).filter(|(a, b)| a != b).count(), 0);
+}
