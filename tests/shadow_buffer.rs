@@ -6,8 +6,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use common::{gpu, renderer};
 use stereotrace::{
-    Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, Renderer, Rig, Scene, ShadowBuffer,
-    ShadowRule, Sphere, StereoCamera, StereoPair, Update, View,
+    Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, RaysPerLane, Renderer, Rig, Scene,
+    ShadowBuffer, ShadowRule, Sphere, StereoCamera, StereoPair, Traversal, Update, View,
     cpu::{self, Eye, intersect::closest_hit, shadow_buffer::Mapping},
     glam::{DVec3, Mat3, Vec3},
     scene::suite::Trial,
@@ -315,6 +315,19 @@ fn bands_change_no_picture() {
     let pair = renderer.render(&uploaded, &camera, &with).unwrap();
     let naive = renderer.render(&uploaded, &camera, &with.clone().method(Method::Naive)).unwrap();
     assert!(pair.left == naive.left && pair.right == naive.right);
+}
+
+/// What a margin lets be lit is lit whoever asks beside it: kernels append to lists in any order, so that lanes hold other points in each run.
+#[test]
+fn which_points_share_a_lane_changes_no_picture() {
+    let camera = Builtin::Hall.camera(700, 350);
+    let gpu = gpu();
+    let [alone, together] = [RaysPerLane::One, RaysPerLane::Four].map(|rays| {
+        let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).rays(rays));
+        let uploaded = renderer.upload(&Builtin::Hall.scene()).unwrap();
+        renderer.render(&uploaded, &camera, &options(Method::Naive, 100, ShadowRule::HYBRID)).unwrap()
+    });
+    assert_eq!((differing(&alone.left, &together.left), differing(&alone.right, &together.right)), (0, 0));
 }
 
 /// A change of a scene, with its name and how it is followed.

@@ -181,16 +181,18 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
         }
         let behind = dot3(planes, ray.direction) * ray.distance - 1.0;
         let may_hide = said.unknown & (shown < U(UNFILLED)) & (behind > F(0.0));
-        said = with_proof(said, may_hide, shown & U(SOMETHING_BEFORE - 1u), ray);
+        var on: B;
         if turn == 0u {
             let size = ray.distance * sqrt(dot3(planes, planes));
             let is_clear = shown < U(SOMETHING_BEFORE);
             // Shadow rays end off their surfaces, before the plane; on a ball's near side before that of its outline, whose far side is behind it.
-            said.unknown &= !(is_clear & (behind <= 0.25 * ON_PLANE * size));
+            on = is_clear & (behind <= 0.25 * ON_PLANE * size);
             // A surface that curves lies behind a plane of its own by little, and looks the same way.
             let alike = -dot3(planes, asked_normal) * ray.distance >= LOOKS_ALIKE * size;
             nearly_on = is_clear & alike & (behind <= (BUFFER_MARGIN * table.theta_step + 0.25 * ON_PLANE) * size);
         }
+        said = with_proof(said, may_hide, shown & U(SOMETHING_BEFORE - 1u), on | nearly_on, ray);
+        said.unknown &= !on;
         turn += 1u;
         if turn >= ASKED_TEXELS || !any_ray(said.unknown) { break; }
     }
@@ -198,17 +200,19 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     return said;
 }
 
-// What is said besides of unknown points where one of these primitives, of open points one each, hides them.
-fn with_proof(before: Said, asked: B, slots: U, ray: ShadowRay) -> Said {
+// What is said besides of unknown points where one of these primitives, of open points one each, hides them. Points that a plane says to be lit try their own primitive
+// alone: a margin lets more than rays do, and which points share a lane must not change a picture. Of the others a ray would say the same.
+fn with_proof(before: Said, asked: B, slots: U, lit: B, ray: ShadowRay) -> Said {
     var said = before;
     var open = asked;
     loop {
         if !any_ray(open) { break; }
         let slot = of_ray_u(slots, first_ray(open));
-        let hidden = occluded_by(slot, ray) & said.unknown;
+        let own = asked & (slots == U(slot));
+        let hidden = occluded_by(slot, ray) & said.unknown & (own | !lit);
         said.occluders = select(said.occluders, U(slot), hidden);
         said.unknown &= !hidden;
-        open &= (slots != U(slot)) & !hidden;
+        open &= !own & !hidden;
     }
     return said;
 }
