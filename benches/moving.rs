@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);
+    println!("{provenance}\n");
     println!(
         "| object in the hall | primitives | moved by, of its size | refit ms | rebuild ms | upload anew ms | cost of a refitted pair, rebuilt = 1 | nodes | tests |"
     );

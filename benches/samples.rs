@@ -86,8 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = if arguments.scenes.is_empty() { &usual } else { &arguments.scenes };
     let rounds = arguments.rounds.unwrap_or(if quick { 1 } else { 7 });
     let gpu = Gpu::new()?;
-    let Provenance { adapter, driver, commit, date } = Provenance::of(&gpu);
-    println!("adapter: {adapter}\ndriver:  {driver}\ncommit:  {commit}\ndate:    {date}\n");
+    println!("{}\n", Provenance::of(&gpu));
     let jitter = if arguments.grid { ", without jitter" } else { "" };
     println!(
         "{}x{}, {} lights, {} filter{jitter}, {rounds} rounds\n",

@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = scenes_named(&["hall", "sponza_4x"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);
+    println!("{provenance}\n");
     println!(
         "{side}x{side}, 16 rays a light or surroundings, {rounds} rounds, errors against {} rays\n",
         seeds * MAX_SOFT_RAYS

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = scenes_named(&["hall", "dragon"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);
+    println!("{provenance}\n");
     let mut renderer = Renderer::new(gpu);
     for name in &names {
         match scenes::load(name, size, NEIGHBOURS, None)? {

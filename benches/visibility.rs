@@ -56,8 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         sizes => sizes.to_vec(),
     };
     let gpu = Gpu::new()?;
-    let Provenance { adapter, driver, commit, date } = Provenance::of(&gpu);
-    println!("adapter: {adapter}\ndriver:  {driver}\ncommit:  {commit}\ndate:    {date}\n");
+    println!("{}\n", Provenance::of(&gpu));
     println!("{} lights, {} samples a pixel, {rounds} rounds", arguments.lights, arguments.samples);
     let mut renderer = Renderer::new(gpu);
     for name in names {

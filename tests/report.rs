@@ -12,7 +12,10 @@ mod report;
 
 use std::{error::Error, fs};
 
+use stereotrace::{Method, glam::Vec3};
+
 use crate::{
+    common::{looks, provenance::SMOKE, scenes},
     folder::Folder,
     record::Record,
     report::{Content, Picture, Sources, Stability},
@@ -168,7 +171,7 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
     let stability = Stability::read(folder.path())?;
     assert!(!section(&page(&Content { stability, ..Content::default() }, &folder)?, "stability").contains("<svg"));
 
-    folder.write("stability.svg", "<svg width=\"8\" height=\"5\">\n<g/>\n</svg>\n");
+    folder.write("stability.svg", "<svg role=\"img\" width=\"100%\">\n<g/>\n</svg>\n");
     let content = Content { stability: Stability::read(folder.path())?, ..Content::default() };
     let page = page(&content, &folder)?;
     let section = section(&page, "stability");
@@ -179,7 +182,7 @@ fn the_stability_suite_is_shown_as_its_benchmark_left_it() -> Result<(), Box<dyn
         "<td class=\"n first\">0.09</td><td class=\"n\">96.92</td><td class=\"n\">91.50</td><td \
          class=\"n\">0.001</td><td class=\"n\">0.25</td>",
         "<td class=\"first error\" colspan=\"5\">too deep</td>",
-        "<svg role=\"img\" aria-label=\"Stability: accuracy against cost\" width=\"8\" height=\"5\">\n<g/>",
+        "<svg role=\"img\" width=\"100%\">\n<g/>",
     ] {
         assert!(section.contains(text), "{text}\n{section}");
     }
@@ -196,5 +199,74 @@ fn without_results_the_page_names_the_stability_command() -> Result<(), Box<dyn 
     let page = page(&Content::default(), &folder)?;
     assert!(section(&page, "stability").contains("<code>cargo bench --bench stability</code>"));
     assert!(section(&page, "sources").contains("Left out"));
+    Ok(())
+}
+
+#[test]
+fn every_method_has_a_look_of_its_own() {
+    let places: Vec<usize> = looks::METHODS.iter().map(|name| looks::of_method(name)).collect();
+    assert_eq!(places, Vec::from_iter(0..looks::METHODS.len()));
+    for method in Method::ALL {
+        assert!(looks::METHODS.contains(&method.to_string().as_str()), "{method}: give it a look");
+    }
+    assert_eq!(looks::of_method("buffer-7"), looks::of_method("buffer-7"));
+    assert!(looks::of_method("buffer-7") >= looks::METHODS.len());
+}
+
+#[test]
+fn a_quick_look_says_that_its_figures_mean_nothing() -> Result<(), Box<dyn Error>> {
+    let folder = Folder::new("smoke");
+    for smoke in [true, false] {
+        let page = page(&Content { records: vec![record("atomic", 1, 99.0)], smoke, ..Content::default() }, &folder)?;
+        let marks = page.matches(&SMOKE.to_uppercase()).count();
+        // The page's head, and each of its charts.
+        assert_eq!(marks, if smoke { 1 + page.matches("<svg ").count() } else { 0 });
+        assert!(page.matches("<svg ").count() > 3 && page.matches("width=\"100%\"").count() > 3);
+    }
+    Ok(())
+}
+
+/// Three pieces a bar; a record whose rounds took as long has bars of no length, one for each plot of times.
+#[test]
+fn times_have_bars_and_counts_have_none() -> Result<(), Box<dyn Error>> {
+    let folder = Folder::new("bars");
+    let records = vec![Record { pair_ms_min: 12.0, pair_ms_max: 19.0, ..record("atomic", 1, 99.0) }];
+    page(&Content { records, ..Content::default() }, &folder)?;
+    let svg = |name: &str| fs::read_to_string(folder.file(&format!("{name}.svg")));
+    assert!(svg("accuracy-time")?.contains("least to most of the"));
+    assert!(!svg("accuracy-counters")?.contains("least to most of the"));
+    Ok(())
+}
+
+/// A triangle, a camera at (0, 0, 5) and a light, as another program would write them.
+const GLTF: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}], "extensionsUsed": ["KHR_lights_punctual"],
+"extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 10}]}},
+"nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 5]}, {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+"cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]}"#;
+
+#[test]
+fn benchmarks_take_any_scene_file() -> Result<(), Box<dyn Error>> {
+    let folder = Folder::new("own");
+    let load = |name: &str, content: &str, lights| {
+        let path = folder.write(name, content);
+        scenes::load(&path.display().to_string(), [60, 40], 4.0, lights)
+    };
+    let own = load("house.gltf", GLTF, None)?.ok_or("a path is a scene")?;
+    assert_eq!((own.name.as_str(), own.scene.lights.len()), ("house", 1));
+    assert_eq!(
+        (own.scene.lights[0].position, own.camera.pose()?.eye),
+        (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 5.0))
+    );
+    let placed = load("house.gltf", GLTF, Some(3))?.ok_or("a path is a scene")?;
+    assert!(placed.scene.lights.len() == 3);
+    let plain = load("room.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None)?.ok_or("a path is a scene")?;
+    assert_eq!((plain.name.as_str(), plain.scene.lights.len()), ("room", 5));
+    assert!(scenes::load("no-such-scene", [60, 40], 4.0, None)?.is_none());
+    let missing = scenes::load("no/such.glb", [60, 40], 4.0, None).err().map(|error| error.to_string());
+    assert!(missing.is_some_and(|error| error.contains("no/such.glb")));
     Ok(())
 }

@@ -1,31 +1,37 @@
-//! What the charts share: their look, axes by decades, markers, and the frontier.
+//! What the charts share: their width, axes by decades, legends, and the frontier.
 
 use std::{error::Error, ops::Range};
 
-use plotters::{coord::Shift, prelude::*};
+use plotters::{
+    coord::Shift,
+    prelude::*,
+    style::text_anchor::{HPos, Pos, VPos},
+};
+
+use super::{
+    looks::{color, marker, scene_color},
+    scenes,
+    text::{escape, printable},
+};
 
 pub const FONT: &str = "sans-serif";
 pub const INK: RGBColor = RGBColor(40, 40, 40);
 pub const GRID: RGBColor = RGBColor(225, 225, 225);
 
-pub const SIZE: (u32, u32) = (800, 500);
+/// Pixels; pages and documents show charts as wide as they are themselves.
+pub const WIDTH: u32 = 1000;
+/// Of a chart of one panel.
+pub const SIZE: (u32, u32) = (WIDTH, 560);
 /// Where the legend's column begins and the plot ends.
-pub const LEGEND_X: i32 = 625;
-pub const LEGEND_LINE: i32 = 19;
-/// Okabe and Ito's colours, that the colour-blind can tell apart, with brown for their yellow.
-const COLORS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-    RGBColor(140, 81, 10),
-];
+pub const LEGEND_X: i32 = 800;
+const LEGEND_TOP: i32 = 70;
+const LEGEND_LINE: i32 = 19;
+/// From a legend's marker to its words.
+const LEGEND_INDENT: i32 = 26;
 
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Pixel = (i32, i32);
+pub type Drawn = Result<(), Box<dyn Error>>;
 
 /// A point of a chart: cost of the second eye relative to the first, and an error.
 pub type Point = (f64, f64);
@@ -43,11 +49,134 @@ pub fn frontier(points: &[Point]) -> Vec<usize> {
     order
 }
 
+/// An SVG with a white ground, as wide as what it stands in.
+pub fn drawing(size: (u32, u32), title: &str, draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Box<dyn Error>> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        draw(&root)?;
+        root.present()?;
+    }
+    let own = format!("<svg width=\"{}\" height=\"{}\" ", size.0, size.1);
+    Ok(svg.replacen(&own, &format!("<svg role=\"img\" aria-label=\"{}\" width=\"100%\" ", escape(title)), 1))
+}
+
 /// What is written above a chart; `source` is where and when its figures were taken.
-pub fn heading(root: &Area<'_>, title: &str, source: &str) -> Result<(), Box<dyn Error>> {
-    root.draw(&Text::new(title, (20, 14), (FONT, 17).into_font().color(&INK)))?;
-    root.draw(&Text::new(source, (20, 36), (FONT, 12).into_font().color(&INK)))?;
-    Ok(())
+pub fn heading(root: &Area<'_>, title: &str, source: &str) -> Drawn {
+    text(root, title, (20, 22), 17)?;
+    text(root, source, (20, 43), 12)
+}
+
+/// Text from this point on, centred on its height.
+pub fn text(root: &Area<'_>, text: &str, at: Pixel, size: i32) -> Drawn {
+    let style = (FONT, size).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+    Ok(root.draw(&Text::new(printable(text), at, style))?)
+}
+
+/// Of text that is centred on its point.
+pub fn anchored(size: i32, color: &RGBColor) -> TextStyle<'_> {
+    TextStyle::from((FONT, size).into_font()).color(color).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+/// What stands beside a plot: all charts have theirs in one column, by one rule.
+pub struct Legend<'a, 'b> {
+    root: &'a Area<'b>,
+    y: i32,
+}
+
+impl<'a, 'b> Legend<'a, 'b> {
+    /// The middle of a legend's markers.
+    const MARKER_X: i32 = LEGEND_X + 8;
+
+    pub fn new(root: &'a Area<'b>) -> Self {
+        Self { root, y: LEGEND_TOP }
+    }
+
+    /// Begins a list.
+    pub fn head(&mut self, words: &str) -> Drawn {
+        if self.y > LEGEND_TOP {
+            self.y += LEGEND_LINE / 2;
+        }
+        text(self.root, words, (LEGEND_X, self.y), 14)?;
+        self.y += LEGEND_LINE;
+        Ok(())
+    }
+
+    /// A line with what `draw` puts before it; words behind `, ` go on a line of their own.
+    pub fn entry(&mut self, words: &str, draw: impl FnOnce(&Area<'_>, Pixel) -> Drawn) -> Drawn {
+        draw(self.root, (Self::MARKER_X, self.y))?;
+        for line in words.split_inclusive(", ") {
+            text(self.root, line.trim_end(), (LEGEND_X + LEGEND_INDENT, self.y), 13)?;
+            self.y += LEGEND_LINE - 3;
+        }
+        self.y += 3;
+        Ok(())
+    }
+
+    /// What has these looks: methods in their own colours, or what else markers tell in one.
+    pub fn markers<'c>(
+        &mut self,
+        head: &str,
+        names: impl IntoIterator<Item = (usize, &'c str)>,
+        tone: Option<RGBColor>,
+    ) -> Drawn {
+        self.head(head)?;
+        for (look, name) in names {
+            let fill = tone.unwrap_or(color(look));
+            self.entry(name, |root, at| marker(root, look, at, fill.filled(), WHITE.into()))?;
+        }
+        Ok(())
+    }
+
+    /// Scenes by the colours of their places.
+    pub fn scene_colors<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
+        self.head("scene")?;
+        for (place, name) in names.into_iter().enumerate() {
+            self.entry(scenes::title(name), |root, (x, y)| {
+                let corners = [(x - 8, y - 4), (x + 8, y + 4)];
+                Ok(root.draw(&Rectangle::new(corners, scene_color(place).filled()))?)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Scenes by the numbers in methods' markers, from 1 on.
+    pub fn scene_numbers<'c>(&mut self, names: impl IntoIterator<Item = &'c str>) -> Drawn {
+        self.head("scene")?;
+        for (place, name) in names.into_iter().enumerate() {
+            let number = (place + 1).to_string();
+            self.entry(scenes::title(name), |root, at| Ok(root.draw(&Text::new(number, at, anchored(13, &INK)))?))?;
+        }
+        Ok(())
+    }
+
+    /// What the frontier's line goes through.
+    pub fn means(&mut self) -> Drawn {
+        self.y += LEGEND_LINE / 2;
+        self.entry("means of all scenes, on the frontier", |root, (x, y)| {
+            root.draw(&PathElement::new(vec![(x - 12, y), (x + 12, y)], INK.stroke_width(2)))?;
+            root.draw(&Circle::new((x, y), 6, WHITE.filled()))?;
+            Ok(root.draw(&Circle::new((x, y), 6, INK.stroke_width(2)))?)
+        })
+    }
+
+    /// What bars at markers are.
+    pub fn error_bars(&mut self) -> Drawn {
+        self.entry("least to most of the rounds", |root, (x, y)| {
+            super::looks::error_bar(root, (x - 9, y), (x + 9, y), INK)
+        })
+    }
+
+    /// Words without a marker, a line each.
+    pub fn note(&mut self, lines: &[&str]) -> Drawn {
+        self.y += LEGEND_LINE / 2;
+        for line in lines {
+            text(self.root, line, (LEGEND_X, self.y), 13)?;
+            self.y += LEGEND_LINE - 3;
+        }
+        Ok(())
+    }
 }
 
 /// A plot's place on the chart, and what is written beside its axes.
@@ -68,7 +197,7 @@ pub fn axes(
     let dearest = points.iter().fold(1.0, |most: f64, point| most.max(point.0));
     let mut chart = ChartBuilder::on(root)
         .margin_top(panel.rows.start)
-        .margin_right(SIZE.0 as i32 - LEGEND_X + 15)
+        .margin_right(WIDTH as i32 - LEGEND_X + 15)
         .margin_left(8)
         .margin_bottom(root.dim_in_pixel().1 - panel.rows.end)
         .x_label_area_size(44)
@@ -101,51 +230,6 @@ pub fn axes(
         let y = f64::from(zero) + scale.row(percent) * f64::from(decade - zero);
         (x.round() as i32, y.round() as i32)
     })
-}
-
-/// A method's marker, with a rim so that neighbours stand apart.
-pub fn marker(
-    root: &Area<'_>,
-    method: usize,
-    (x, y): Pixel,
-    fill: ShapeStyle,
-    rim: ShapeStyle,
-) -> Result<(), Box<dyn Error>> {
-    let outline: &[Pixel] = match method % 6 {
-        0 => &[(-5, -5), (5, -5), (5, 5), (-5, 5)],
-        1 => &[(0, -7), (7, 0), (0, 7), (-7, 0)],
-        2 => {
-            root.draw(&Circle::new((x, y), 6, fill))?;
-            root.draw(&Circle::new((x, y), 6, rim))?;
-            return Ok(());
-        }
-        3 => &[(0, -7), (7, 5), (-7, 5)],
-        4 => &[(0, 7), (7, -5), (-7, -5)],
-        _ => &[
-            (-7, -2),
-            (-2, -2),
-            (-2, -7),
-            (2, -7),
-            (2, -2),
-            (7, -2),
-            (7, 2),
-            (2, 2),
-            (2, 7),
-            (-2, 7),
-            (-2, 2),
-            (-7, 2),
-        ],
-    };
-    let mut corners: Vec<Pixel> = outline.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-    root.draw(&Polygon::new(corners.clone(), fill))?;
-    corners.extend_from_within(..2); // twice round the first side: the last corner is as sharp as the others
-    root.draw(&PathElement::new(corners, rim))?;
-    Ok(())
-}
-
-/// The colour of a scene or method by its place.
-pub fn color(index: usize) -> RGBColor {
-    COLORS[index % COLORS.len()]
 }
 
 /// A row a decade; zero is a row below the lowest one.

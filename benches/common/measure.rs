@@ -50,8 +50,8 @@ pub struct MethodFigures {
     pub left_ms: f64,
     /// Each pass's time in order, milliseconds, medians; empty without timestamps.
     pub passes: Vec<(&'static str, f64)>,
-    /// (pair - left) / left, median of the rounds.
-    pub second_eye: f64,
+    /// (pair - left) / left.
+    pub second_eye: Spread,
     /// Naive pair / pair - 1, of the medians.
     pub speed_up: f64,
     pub ratio_to_naive: f64,
@@ -112,7 +112,7 @@ pub fn measure(renderer: &mut Renderer, bench: &BenchScene, plan: &Plan) -> Resu
             wall_ms: Spread::of(samples[index].iter().map(|sample| sample.wall)).median,
             passes: pass_medians(&samples[index]),
             left_ms: Spread::of(left.iter().copied()).median,
-            second_eye: Spread::of(second_eye).median,
+            second_eye: Spread::of(second_eye),
             speed_up: naive_ms / pair_ms.median - 1.0,
             ratio_to_naive: pair_ms.median / naive_ms,
             difference: metrics::compare(&pair.right, &naive.right, &pose)?,

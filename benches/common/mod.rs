@@ -4,9 +4,11 @@
 pub mod chart;
 pub mod exit;
 pub mod files;
+pub mod looks;
 pub mod measure;
 pub mod options;
 pub mod provenance;
 pub mod records;
 pub mod rounds;
 pub mod scenes;
+pub mod text;

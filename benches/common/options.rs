@@ -9,9 +9,10 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Whether it is run as a test, for a quick look: cargo says so when it benchmarks.
+/// Whether it is a quick look: asked for by `--smoke`, or run as a test; cargo says so when it benchmarks.
 pub fn is_quick() -> bool {
-    !std::env::args().any(|argument| argument == "--bench")
+    let is_given = |name: &str| std::env::args().any(|argument| argument == name);
+    is_given("--smoke") || !is_given("--bench")
 }
 
 /// The scenes that are named on the command line, or else the usual ones; for a quick look the hall.

@@ -1,11 +1,17 @@
-//! Where and when figures were taken.
+//! Where and when figures were taken, and whether they mean anything.
 
 use std::{
+    fmt,
     process::Command,
     time::{SystemTime, UNIX_EPOCH},
 };
 
 use stereotrace::Gpu;
+
+use super::options::is_quick;
+
+/// What a quick look says wherever its figures are shown.
+pub const SMOKE: &str = "smoke run: its figures mean nothing";
 
 /// Where and when figures were taken.
 pub struct Provenance {
@@ -15,6 +21,8 @@ pub struct Provenance {
     pub commit: String,
     /// UTC, as 2012-06-30T23:59:59Z.
     pub date: String,
+    /// It is a quick look.
+    pub smoke: bool,
 }
 
 impl Provenance {
@@ -28,12 +36,35 @@ impl Provenance {
             driver: gpu.driver(),
             commit: commit.map_or("unknown".into(), |commit| commit.trim().to_owned()),
             date: utc(seconds),
+            smoke: is_quick(),
         }
     }
 
     /// The date without the time.
     pub fn day(&self) -> &str {
         self.date.split('T').next().unwrap_or(&self.date)
+    }
+
+    /// What stands below a chart's title.
+    pub fn source(&self) -> String {
+        marked(format!("{}, {}", self.adapter, self.day()), self.smoke)
+    }
+}
+
+/// With what a quick look says behind it, if it is one.
+pub fn marked(source: String, smoke: bool) -> String {
+    if smoke { format!("{source} - {}", SMOKE.to_uppercase()) } else { source }
+}
+
+/// What stands above tables.
+impl fmt::Display for Provenance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "adapter: {}\ndriver:  {}\ncommit:  {}\ndate:    {}",
+            self.adapter, self.driver, self.commit, self.date
+        )?;
+        if self.smoke { write!(f, "\n{}", SMOKE.to_uppercase()) } else { Ok(()) }
     }
 }
 

@@ -17,6 +17,11 @@ impl Spread {
         let median = if values.len() % 2 == 1 { values[middle] } else { values[middle - 1].midpoint(values[middle]) };
         Self { median, min: values[0], max: values[values.len() - 1] }
     }
+
+    /// All of it over a number.
+    pub fn over(self, divisor: f64) -> Self {
+        Self { median: self.median / divisor, min: self.min / divisor, max: self.max / divisor }
+    }
 }
 
 /// The order of a round's turns. The first one rotates, and so does who comes after whom: steps of a number that has

@@ -1,9 +1,10 @@
-//! The scenes: built-in ones, and OBJ files that were unpacked beside the build.
+//! The scenes: built-in ones, OBJ files that were unpacked beside the build, and any scene file by its path.
 
 use std::path::{Path, PathBuf};
 
 use stereotrace::{
-    Error, Scene, Sky, SkyMap, StereoCamera,
+    Error, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera,
+    glam::Vec3,
     scene::builtin::{Builtin, spheres_turned},
 };
 
@@ -23,31 +24,44 @@ pub struct BenchScene {
     pub camera: StereoCamera,
 }
 
-/// The scene of this name, or `None` if no such file is there. `lights` are placed by the library's rule; without a number
-/// built-in scenes keep their own and files get five.
+/// The scene of this name, or that of the file at this path; `None` if there is none of a name. `lights` are placed by the library's rule; without
+/// a number built-in scenes and files keep their own, and files without any get five. A file is seen by its first camera, and without one so that all of
+/// it fits the picture.
 pub fn load(
     name: &str,
     [width, height]: [u32; 2],
     e_px: f32,
     lights: Option<usize>,
 ) -> Result<Option<BenchScene>, Error> {
-    let (mut scene, camera, lights) = match name.parse::<Builtin>() {
-        Ok(builtin) => (builtin.scene(), builtin.camera(width, height), lights),
-        Err(_) => {
-            let folder = folder();
-            let (obj, cameras) = (folder.join(name).join(format!("{name}.obj")), folder.join("cameras.json"));
-            if !obj.is_file() || !cameras.is_file() {
-                return Ok(None);
-            }
-            let camera = StereoCamera::from_json(cameras, name, width, height)?;
-            (Scene::from_obj(obj)?, camera, lights.or(Some(LIGHTS)))
+    let path = Path::new(name);
+    let (title, (mut scene, camera)) = if path.extension().is_some() {
+        (path.file_stem().unwrap_or_default().to_string_lossy(), open(path, [width, height])?)
+    } else if let Ok(builtin) = name.parse::<Builtin>() {
+        (name.into(), (builtin.scene(), builtin.camera(width, height)))
+    } else {
+        let folder = folder();
+        let (obj, cameras) = (folder.join(name).join(format!("{name}.obj")), folder.join("cameras.json"));
+        if !obj.is_file() || !cameras.is_file() {
+            return Ok(None);
         }
+        (name.into(), (Scene::from_obj(obj)?, StereoCamera::from_json(cameras, name, width, height)?))
     };
     let camera = camera.interaxial_pixels(e_px);
-    if let Some(lights) = lights {
+    if let Some(lights) = lights.or(scene.lights.is_empty().then_some(LIGHTS)) {
         scene.place_lights(lights, &camera)?;
     }
-    Ok(Some(BenchScene { name: name.into(), scene, camera }))
+    Ok(Some(BenchScene { name: title.into(), scene, camera }))
+}
+
+/// A scene file and a camera that sees it.
+fn open(path: &Path, [width, height]: [u32; 2]) -> Result<(Scene, StereoCamera), Error> {
+    let SceneFile { scene, cameras, .. } = SceneFile::open(path, &SceneOptions::default())?;
+    let camera = match (cameras.first(), scene.bounds()) {
+        (Some((_, camera)), _) => camera.size(width, height),
+        (None, Some(bounds)) => StereoCamera::fitting(bounds, width, height),
+        (None, None) => StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(width, height),
+    };
+    Ok((scene, camera))
 }
 
 /// A scene of the thesis, with camera and lights from scenes/thesis.json and a sky, or `None` if no such file is there. `spheres-turned`
@@ -102,6 +116,6 @@ fn folder() -> PathBuf {
 /// What to say of a scene that is not there.
 pub fn skipped(name: &str) -> String {
     format!(
-        "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {FOLDER_VARIABLE}"
+        "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {FOLDER_VARIABLE}, or give a file's path"
     )
 }

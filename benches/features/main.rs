@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (size, rounds) = if quick { ([64, 64], 1) } else { ([600, 600], 7) };
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
+    println!("{provenance}");
     features(&gpu, size, rounds)?;
     let names: &[&str] = if quick { &["hall"] } else { &["hall", "sponza_4x", "dragon", "buddha_1m2"] };
     let size = if quick { size } else { [1280, 720] };

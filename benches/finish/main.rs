@@ -3,7 +3,7 @@
 //! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of the rounds. Counts and
 //! colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and `finish.svg`, whole or not at all: the chart of
 //! accuracy against cost with a second axis, the first eye's cost. `cargo bench --bench finish -- NAME…` takes other scenes: built-in ones,
-//! or folders of OBJ files.
+//! folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files.
 
 mod chart;
 #[path = "../common/mod.rs"]
@@ -38,11 +38,11 @@ struct Figures {
     finish: &'static str,
     /// The first eye's milliseconds, and how many times those of the same scene without lights.
     first_ms: f64,
-    first: f64,
+    first: Spread,
     naive_ms: f64,
     pair_ms: f64,
     /// The second eye's cost, the first one's = 1, by time and by counters.
-    second: f64,
+    second: Spread,
     second_counters: f64,
     /// Of the right view against naive's: pixels that differ, percent, and the mean distance in RGB of all pixels.
     differing: f64,
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = scenes_named(&["hall", "sponza_4x"]);
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}\ncommit:  {}\n", provenance.adapter, provenance.driver, provenance.commit);
+    println!("{provenance}\n");
     println!("{side}x{side}, {rounds} rounds\n");
     println!(
         "| scene | picture | first eye ms | of it without lights | naive pair ms | bracket pair ms | ratio | second eye by time | by counters | \
@@ -113,7 +113,10 @@ fn measure(
             times[index].extend((round > 0).then_some(1e3 * total));
         }
     }
-    let [naive_ms, first_ms, pair_ms] = times.map(|times| Spread::of(times).median);
+    // What the second eye takes is told round by round.
+    let second = Spread::of(times[1].iter().zip(&times[2]).map(|(first, pair)| (pair - first) / first));
+    let [naive_ms, first, pair_ms] = times.map(Spread::of);
+    let [naive_ms, first_ms, pair_ms] = [naive_ms, first, pair_ms].map(|spread| spread.median);
     let mut counted = |method| renderer.render(&uploaded, camera, &options(method).count(true));
     let (naive, pair) = (counted(Method::Naive)?, counted(Method::BRACKET)?);
     let difference = compare(&pair.right, &naive.right, &pair.pose)?;
@@ -121,10 +124,10 @@ fn measure(
         scene: name.clone(),
         finish: finished.name,
         first_ms,
-        first: if plain_ms > 0.0 { first_ms / plain_ms } else { 1.0 },
+        first: first.over(if plain_ms > 0.0 { plain_ms } else { first_ms }),
         naive_ms,
         pair_ms,
-        second: (pair_ms - first_ms) / first_ms,
+        second,
         second_counters: pair.statistics.second_eye(),
         differing: difference.differing_percent,
         distance: difference.mean_difference * difference.differing_percent / 100.0,
@@ -135,10 +138,12 @@ fn row(figures: &Figures) -> String {
     let Figures { scene, finish, first_ms, first, naive_ms, pair_ms, second, second_counters, differing, distance } =
         figures;
     format!(
-        "| {} | {finish} | {first_ms:.1} | {first:.1} | {naive_ms:.1} | {pair_ms:.1} | {:.2} | {second:.2} | {second_counters:.3} | \
+        "| {} | {finish} | {first_ms:.1} | {:.1} | {naive_ms:.1} | {pair_ms:.1} | {:.2} | {:.2} | {second_counters:.3} | \
          {differing:.3} | {distance:.4} |",
         scenes::title(scene),
-        naive_ms / pair_ms
+        first.median,
+        naive_ms / pair_ms,
+        second.median,
     )
 }
 
@@ -147,10 +152,12 @@ fn record(figures: &Figures, provenance: &Provenance) -> Record {
         ("scene", json!(figures.scene)),
         ("picture", json!(figures.finish)),
         ("first_ms", json!(figures.first_ms)),
-        ("first_of_plain", json!(figures.first)),
+        ("first_of_plain", json!(figures.first.median)),
         ("naive_ms", json!(figures.naive_ms)),
         ("pair_ms", json!(figures.pair_ms)),
-        ("second_eye", json!(figures.second)),
+        ("second_eye", json!(figures.second.median)),
+        ("second_eye_min", json!(figures.second.min)),
+        ("second_eye_max", json!(figures.second.max)),
         ("second_eye_counters", json!(figures.second_counters)),
         ("differing", json!(figures.differing)),
         ("mean_distance", json!(figures.distance)),

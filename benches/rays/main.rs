@@ -70,7 +70,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let own = Traversal::of(&gpu);
     let others = Traversal::ALL.iter().copied().filter(|traversal| arguments.variants && *traversal != own);
     let devices: Vec<Device> = std::iter::once(own).chain(others).map(|with| Device::new(&gpu, with)).collect();
-    println!("adapter: {}\ndriver:  {}", provenance.adapter, provenance.driver);
+    println!("{provenance}");
     println!(
         "{size}x{size}, {rounds} rounds after one to warm up, obvhs on {} threads\n",
         rayon::current_num_threads()

@@ -2,25 +2,28 @@
 
 use std::error::Error;
 
-use plotters::{
-    prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
-};
+use plotters::prelude::*;
 
 use crate::{
-    common::chart::{FONT, GRID, INK, LEGEND_LINE, LEGEND_X, SIZE, color, heading, marker},
+    common::{
+        chart::{FONT, GRID, INK, LEGEND_X, Legend, SIZE, WIDTH, drawing, heading},
+        looks::{color, error_bar, marker},
+    },
     fits::Point,
 };
+
+/// A point, and least and most of its y over the rounds where it was timed.
+pub(crate) type Ranged = (Point, Option<[f64; 2]>);
 
 /// Points of one name, or a curve.
 pub(crate) struct Series {
     name: String,
-    points: Vec<Point>,
+    points: Vec<Ranged>,
     marked: bool,
 }
 
 impl Series {
-    pub(crate) fn marked(name: String, points: Vec<Point>) -> Self {
+    pub(crate) fn marked(name: String, points: Vec<Ranged>) -> Self {
         Self { name, points, marked: true }
     }
 
@@ -29,6 +32,7 @@ impl Series {
     }
 
     pub(crate) fn curve(name: &str, points: Vec<Point>) -> Self {
+        let points = points.into_iter().map(|point| (point, None)).collect();
         Self { name: name.into(), points, marked: false }
     }
 }
@@ -48,22 +52,20 @@ impl Chart<'_> {
         if shown.is_empty() {
             return Ok(None);
         }
-        let most = |of: fn(&Point) -> f64| {
-            shown.iter().flat_map(|series| &series.points).map(of).fold(f64::MIN_POSITIVE, f64::max)
-        };
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            root.fill(&WHITE)?;
-            heading(&root, self.title, source)?;
-            let mut chart = ChartBuilder::on(&root)
+        let points = || shown.iter().flat_map(|series| &series.points);
+        let most_x = points().map(|(point, _)| point.0).fold(f64::MIN_POSITIVE, f64::max);
+        let most_y = points().map(|(point, range)| range.map_or(point.1, |[_, most]| most));
+        let most_y = most_y.fold(f64::MIN_POSITIVE, f64::max);
+        let svg = drawing(SIZE, self.title, |root| {
+            heading(root, self.title, source)?;
+            let mut chart = ChartBuilder::on(root)
                 .margin_top(60)
-                .margin_right(SIZE.0 as i32 - LEGEND_X + 15)
+                .margin_right(WIDTH as i32 - LEGEND_X + 15)
                 .margin_left(8)
                 .margin_bottom(8)
                 .x_label_area_size(44)
                 .y_label_area_size(72)
-                .build_cartesian_2d(0.0..1.03 * most(|point| point.0), 0.0..1.06 * most(|point| point.1))?;
+                .build_cartesian_2d(0.0..1.03 * most_x, 0.0..1.06 * most_y)?;
             chart
                 .configure_mesh()
                 .light_line_style(TRANSPARENT)
@@ -76,29 +78,34 @@ impl Chart<'_> {
                 .x_label_formatter(&label)
                 .y_label_formatter(&label)
                 .draw()?;
-            let (mut index, mut legend) = (0, 74);
-            for series in shown {
-                let tone = color(index - usize::from(!series.marked && index > 0));
-                let pixels: Vec<(i32, i32)> = series.points.iter().map(|point| chart.backend_coord(point)).collect();
-                root.draw(&PathElement::new(pixels.clone(), tone.stroke_width(if series.marked { 1 } else { 2 })))?;
-                let sample = vec![(LEGEND_X - 4, legend), (LEGEND_X + 20, legend)];
-                root.draw(&PathElement::new(sample, tone.stroke_width(if series.marked { 1 } else { 2 })))?;
-                if series.marked {
-                    for pixel in pixels.into_iter().chain([(LEGEND_X + 8, legend)]) {
-                        marker(&root, index, pixel, tone.filled(), WHITE.into())?;
+            let mut legend = Legend::new(root);
+            let mut index = 0;
+            for series in &shown {
+                let look = index - usize::from(!series.marked && index > 0);
+                let (tone, width) = (color(look), if series.marked { 1 } else { 2 });
+                let pixels: Vec<_> = series.points.iter().map(|(point, _)| chart.backend_coord(point)).collect();
+                root.draw(&PathElement::new(pixels.clone(), tone.stroke_width(width)))?;
+                for (point, range) in &series.points {
+                    if let Some(range) = range {
+                        let [from, to] = range.map(|y| chart.backend_coord(&(point.0, y)));
+                        error_bar(root, from, to, tone)?;
                     }
-                    index += 1;
                 }
-                let style = (FONT, 12).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-                for (line, words) in series.name.split(", ").enumerate() {
-                    let at = (LEGEND_X + 26, legend + line as i32 * (LEGEND_LINE - 4));
-                    root.draw(&Text::new(words.to_owned(), at, style.clone()))?;
+                for pixel in pixels.into_iter().filter(|_| series.marked) {
+                    marker(root, look, pixel, tone.filled(), WHITE.into())?;
                 }
-                legend += LEGEND_LINE + (series.name.matches(", ").count() as i32) * (LEGEND_LINE - 4);
+                legend.entry(&series.name, |root, (x, y)| {
+                    root.draw(&PathElement::new(vec![(x - 12, y), (x + 12, y)], tone.stroke_width(width)))?;
+                    if series.marked { marker(root, look, (x, y), tone.filled(), WHITE.into()) } else { Ok(()) }
+                })?;
+                index += usize::from(series.marked);
             }
-            root.present()?;
-        }
-        Ok(Some(text))
+            match points().any(|(_, range)| range.is_some()) {
+                true => legend.error_bars(),
+                false => Ok(()),
+            }
+        })?;
+        Ok(Some(svg))
     }
 }
 

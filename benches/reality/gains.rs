@@ -198,12 +198,22 @@ fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
 
 fn charts(stacks: &[Stack], ways: &[Way], plan: &Plan, by: By, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let cost = |way: Way| {
-        let point = |stack: &Stack| Some((stack.objects as f64, by.cost(of_way(&stack.ways, way)?)?));
+        let point = |stack: &Stack| {
+            let measured = of_way(&stack.ways, way)?;
+            Some(((stack.objects as f64, by.cost(measured)?), by.range(measured)))
+        };
         Series::marked(way.to_string(), stacks.iter().filter_map(point).collect())
     };
     let gains = |way: Way| {
         let points: Vec<Point> = stacks.iter().filter_map(|stack| stack.gain(way, by)).collect();
-        (Line::through(&points), Series::marked(way.to_string(), points))
+        // Over the classical ray tracer's median: its own spread moves all of them together.
+        let range = |stack: &Stack| {
+            let classical = by.cost(of_way(&stack.ways, Way::CLASSICAL)?)?;
+            by.range(of_way(&stack.ways, way)?).map(|[least, most]| [classical / most, classical / least])
+        };
+        let ranges = stacks.iter().filter(|stack| stack.gain(way, by).is_some()).map(range);
+        let line = Line::through(&points);
+        (line, Series::marked(way.to_string(), points.into_iter().zip(ranges).collect()))
     };
     let (unit, x) = (by.unit(), "objects");
     let alone = [Way::CLASSICAL, Way::T_BUFFER, Way::BVH];

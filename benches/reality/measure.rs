@@ -168,6 +168,11 @@ impl By {
         }
     }
 
+    /// Least and most of that over the rounds, of times.
+    pub(crate) fn range(self, measured: &Measured) -> Option<[f64; 2]> {
+        measured.ms.filter(|_| self == Self::Time).map(|ms| [ms.min, ms.max])
+    }
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Time => "time",

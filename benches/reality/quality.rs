@@ -10,9 +10,8 @@ use stereotrace::{
 };
 
 use crate::{
-    charts::{Chart, Series},
+    charts::{Chart, Ranged, Series},
     common::records::Record,
-    fits::Point,
     options::Plan,
     report::{Report, number},
     ways::{Rule, Table, Way},
@@ -144,14 +143,14 @@ pub(crate) fn shadows(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
         report.pictures.push((format!("figure-18-{}-traced", name.replace(' ', "-")), truth.view.picture()));
         let rules = [Rule::Object, Rule::Depth, Rule::Hybrid];
         let ways = rules.iter().flat_map(|&rule| plan.quality_rows.iter().map(move |&rows| Way::both(rows).rule(rule)));
-        let mut points: [Vec<Point>; 3] = Default::default();
+        let mut points: [Vec<Ranged>; 3] = Default::default();
         for way in ways {
             let Some(Table { rows, rule, .. }) = way.table else { continue };
             let found = view(renderer, &scene, camera, way)?;
             let wrong = Wrong::of(&found, &truth);
             let dark = 100.0 * wrong.darker as f64 / (wrong.darker + wrong.brighter).max(1) as f64;
             let _ = writeln!(report.text, "| {name} | {way} | {:.3} | {} |", wrong.percent(), number(Some(dark)));
-            points[rule as usize].push((f64::from(rows), wrong.percent()));
+            points[rule as usize].push(((f64::from(rows), wrong.percent()), None));
             report.shadows.push(wrong.record("18", &name, plan.side, way));
             let file = format!("figure-18-{}-{rule}-{rows}", name.replace(' ', "-"));
             report.pictures.push((format!("{file}-wrong"), marked(&found, &truth)));

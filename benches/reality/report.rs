@@ -32,14 +32,13 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn new(provenance: Provenance) -> Self {
-        let text = format!("adapter: {}\ndriver:  {}\n\n", provenance.adapter, provenance.driver);
+        let text = format!("{provenance}\n\n");
         Self { provenance, text, samples: vec![], shadows: vec![], charts: vec![], pictures: vec![] }
     }
 
     /// Draws a chart, if it has any points.
     pub(crate) fn chart(&mut self, name: &str, chart: Chart<'_>) -> Result<(), Box<dyn Error>> {
-        let source = format!("{}, {}", self.provenance.adapter, self.provenance.day());
-        self.charts.extend(chart.svg(&source)?.map(|svg| (format!("{name}.svg"), svg)));
+        self.charts.extend(chart.svg(&self.provenance.source())?.map(|svg| (format!("{name}.svg"), svg)));
         Ok(())
     }
 

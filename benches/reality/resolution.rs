@@ -29,7 +29,11 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
     let by = if plan.rounds > 0 { By::Time } else { By::Tests };
     let points = points(&all, plan, by);
     let parabola = Parabola::through(&points);
-    let mut series = vec![Series::marked("both buffers".into(), points.clone())];
+    let ranged = |&point: &Point| {
+        let measured = of_way(&all, Way::both(point.0 as u32));
+        (point, measured.and_then(|measured| by.range(measured)))
+    };
+    let mut series = vec![Series::marked("both buffers".into(), points.iter().map(ranged).collect())];
     if let (Some(parabola), Some(first), Some(last)) = (parabola, points.first(), points.last()) {
         let x = |step: u32| first.0 + (last.0 - first.0) * f64::from(step) / f64::from(STEPS);
         let curve = (0..=STEPS).map(x).map(|x| (x, parabola.at(x))).collect();

@@ -2,18 +2,15 @@
 
 use std::error::Error;
 
-use plotters::{
-    prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
-};
+use plotters::prelude::*;
 use stereotrace::Method;
 
 use crate::{
     Figures,
     common::{
-        chart::{FONT, INK, LEGEND_LINE, LEGEND_X, Panel, Point, SIZE, axes, color, heading, marker},
+        chart::{INK, Legend, Panel, Point, SIZE, axes, drawing, heading},
+        looks::{marker, scene_color},
         provenance::Provenance,
-        scenes,
     },
     name_of,
 };
@@ -35,49 +32,28 @@ pub(crate) fn svg(all: &[Figures], size: [u32; 2], provenance: &Provenance) -> R
     }
     let place = |list: &[String], name: &str| list.iter().position(|other| other == name).unwrap_or(0);
     let point = |figures: &Figures| -> Point { (1.0 - 0.01 * figures.saved[0], figures.wrong) };
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        heading(
-            &root,
-            &format!(
-                "Shadow-buffers, naive pairs of {}x{}, along each line {} rows",
-                size[0],
-                size[1],
-                rows.join(", ")
-            ),
-            &format!("{}, {}", provenance.adapter, provenance.day()),
-        )?;
+    let [width, height] = size;
+    let title = format!("Shadow-buffers, naive pairs of {width}x{height}, along each line {} rows", rows.join(", "));
+    drawing(SIZE, &title, |root| {
+        heading(root, &title, &provenance.source())?;
         let panel = Panel {
             rows: 60..SIZE.1 - 8,
             x: "shadow rays of a pair (all = 1)",
             y: "pixels with another colour than by rays, %",
         };
         let points: Vec<Point> = shown.iter().map(|figures| point(figures)).collect();
-        let at = axes(&root, &points, &panel)?;
+        let at = axes(root, &points, &panel)?;
         for (scene, rule) in names.iter().flat_map(|scene| rules.iter().map(move |rule| (scene, rule))) {
             let along = shown.iter().filter(|figures| figures.scene == *scene && name_of(figures.rule) == *rule);
             let line: Vec<_> = along.map(|figures| at(point(figures))).collect();
-            let tone = color(place(&names, scene));
+            let tone = scene_color(place(&names, scene));
             root.draw(&PathElement::new(line.clone(), tone.mix(0.5).stroke_width(1)))?;
             for pixel in line {
-                marker(&root, place(&rules, rule), pixel, tone.filled(), WHITE.into())?;
+                marker(root, place(&rules, rule), pixel, tone.filled(), WHITE.into())?;
             }
         }
-        let style = (FONT, 13).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-        let mut y = 70;
-        for (index, rule) in rules.iter().enumerate() {
-            marker(&root, index, (LEGEND_X + 8, y), INK.filled(), WHITE.into())?;
-            root.draw(&Text::new(rule.clone(), (LEGEND_X + 24, y), style.clone()))?;
-            y += LEGEND_LINE;
-        }
-        for (index, name) in names.iter().enumerate() {
-            y += LEGEND_LINE;
-            root.draw(&Rectangle::new([(LEGEND_X, y - 4), (LEGEND_X + 16, y + 4)], color(index).filled()))?;
-            root.draw(&Text::new(scenes::title(name).to_owned(), (LEGEND_X + 24, y), style.clone()))?;
-        }
-        root.present()?;
-    }
-    Ok(text)
+        let mut legend = Legend::new(root);
+        legend.markers("rule", rules.iter().map(String::as_str).enumerate(), Some(INK))?;
+        legend.scene_colors(names.iter().map(String::as_str))
+    })
 }

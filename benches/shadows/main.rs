@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = Asked::read()?;
     let gpu = Gpu::new()?;
     let provenance = Provenance::of(&gpu);
-    println!("adapter: {}\ndriver:  {}\n", provenance.adapter, provenance.driver);
+    println!("{provenance}\n");
     let mut renderer = Renderer::new(gpu);
     let mut all = Vec::new();
     for name in &asked.scenes {

@@ -8,11 +8,9 @@ use crate::{common::provenance::Provenance, film::Film, options::Plan, trials::R
 pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> String {
     let [width, height] = plan.size;
     let mut text = format!(
-        "adapter: {}\ndriver:  {}\n{width}x{height}{}; second eye: the first one's cost = 1; pair: naive's cost = 1, \
+        "{provenance}\n{width}x{height}{}; second eye: the first one's cost = 1; pair: naive's cost = 1, \
          both by counters; the rest: the right view against naive's, of \
          all pixels and of those in which either view shows a surface\n\n",
-        provenance.adapter,
-        provenance.driver,
         if plan.rich { ", 4 samples, mirrors, lights that are balls" } else { "" },
     );
     text += "| trial | method | second eye | pair | identical % | of surfaces % | wrong surface % | of surfaces % | PSNR dB | why it \

@@ -3,57 +3,69 @@
 
 use std::error::Error;
 
-use plotters::{
-    prelude::*,
-    style::text_anchor::{HPos, Pos, VPos},
-};
+use plotters::prelude::*;
 use stereotrace::metrics::Difference;
 
 use crate::common::{
-    chart::{Area, FONT, INK, LEGEND_LINE, LEGEND_X, Panel, Pixel, Point, axes, color, frontier, heading, marker},
+    chart::{Area, Drawn, INK, Legend, Panel, Pixel, Point, WIDTH, axes, drawing, frontier, heading},
+    looks,
     measure::{Measured, MethodFigures, Plan},
     provenance::Provenance,
-    scenes,
 };
 
 /// Two panels, one above the other.
-const SIZE: (u32, u32) = (800, 860);
+const SIZE: (u32, u32) = (WIDTH, 960);
 /// Pixels from method to method in the row of zero.
-const ZERO_STEP: i32 = 8;
+const ZERO_STEP: i32 = 10;
 const COST: &str = "cost of the second eye by time (first eye = 1)";
 
 /// A figure that is an error, in percent.
 type Percent = fn(&Difference) -> f64;
 
-pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -> Result<String, Box<dyn Error>> {
-    let panels: [(Panel<'_>, Percent); 2] = [
-        (Panel { rows: 60..450, x: COST, y: "pixels that differ from naive's, %" }, |d| d.differing_percent),
-        (Panel { rows: 462..852, x: COST, y: "wrong surface, % of pixels" }, |d| d.wrong_surface_percent),
-    ];
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let [width, height] = plan.size;
-        let title = format!("Accuracy against cost: {width}x{height}, e = {} px", plan.e_px);
-        heading(&root, &title, &format!("{}, {}", provenance.adapter, provenance.day()))?;
-        for (panel, error) in panels {
-            let point = |m: &MethodFigures| (m.second_eye, error(&m.difference));
-            let points: Vec<Vec<Point>> =
-                measured.iter().map(|scene| scene.methods.iter().map(point).collect()).collect();
-            draw(&root, &panel, &points)?;
-        }
-        legend(&root, measured)?;
-        root.present()?;
-    }
-    Ok(text)
+/// A method on a scene: where it stands, and least and most of its cost over the rounds.
+#[derive(Clone, Copy)]
+struct Placed {
+    point: Point,
+    costs: [f64; 2],
 }
 
-/// `points` by scene and method.
-fn draw(root: &Area<'_>, panel: &Panel<'_>, points: &[Vec<Point>]) -> Result<(), Box<dyn Error>> {
-    let means = means(points);
-    // A mean can lie below all errors but zero.
-    let place = axes(root, &[points.concat(), means.clone()].concat(), panel)?;
+pub(crate) fn svg(measured: &[Measured], plan: &Plan, provenance: &Provenance) -> Result<String, Box<dyn Error>> {
+    let panels: [(Panel<'_>, Percent); 2] = [
+        (Panel { rows: 60..500, x: COST, y: "pixels that differ from naive's, %" }, |d| d.differing_percent),
+        (Panel { rows: 512..952, x: COST, y: "wrong surface, % of pixels" }, |d| d.wrong_surface_percent),
+    ];
+    let [width, height] = plan.size;
+    let title = format!("Accuracy against cost: {width}x{height}, e = {} px", plan.e_px);
+    let of_scenes = measured.iter().take(1).flat_map(|scene| &scene.methods);
+    let names: Vec<String> = of_scenes.map(|figures| figures.method.to_string()).collect();
+    let looks: Vec<usize> = names.iter().map(|name| looks::of_method(name)).collect();
+    drawing(SIZE, &title, |root| {
+        heading(root, &title, &provenance.source())?;
+        for (panel, error) in panels {
+            let placed = |m: &MethodFigures| Placed {
+                point: (m.second_eye.median, error(&m.difference)),
+                costs: [m.second_eye.min, m.second_eye.max],
+            };
+            let scenes: Vec<Vec<Placed>> =
+                measured.iter().map(|scene| scene.methods.iter().map(placed).collect()).collect();
+            draw(root, &panel, &scenes, &looks)?;
+        }
+        let mut legend = Legend::new(root);
+        legend.markers("method", looks.iter().copied().zip(names.iter().map(String::as_str)), None)?;
+        legend.scene_numbers(measured.iter().map(|scene| scene.scene.as_str()))?;
+        legend.means()?;
+        legend.error_bars()
+    })
+}
+
+/// `scenes` by scene and method.
+fn draw(root: &Area<'_>, panel: &Panel<'_>, scenes: &[Vec<Placed>], looks: &[usize]) -> Drawn {
+    let points: Vec<Vec<Point>> =
+        scenes.iter().map(|scene| scene.iter().map(|placed| placed.point).collect()).collect();
+    let means = means(&points);
+    // Ends of bars have no error of their own; a mean can lie below all errors but zero.
+    let ends = scenes.iter().flatten().map(|placed| (placed.costs[1], placed.point.1));
+    let place = axes(root, &ends.chain(means.iter().copied()).collect::<Vec<_>>(), panel)?;
     // In the row of zero methods would hide each other: they stand one below the other there.
     let exact: Vec<usize> =
         (0..means.len()).filter(|&method| points.iter().any(|scene| scene[method].1 <= 0.0)).collect();
@@ -65,43 +77,17 @@ fn draw(root: &Area<'_>, panel: &Panel<'_>, points: &[Vec<Point>]) -> Result<(),
     let frontier = frontier(&means);
     let line: Vec<Pixel> = frontier.iter().map(|&method| place(method, means[method])).collect();
     root.draw(&PathElement::new(line, INK.stroke_width(2)))?;
-    for (scene, points) in points.iter().enumerate() {
-        for (method, &point) in points.iter().enumerate() {
-            marker(root, method, place(method, point), color(scene).filled(), WHITE.into())?;
-        }
+    let all = || scenes.iter().enumerate().flat_map(|(scene, row)| row.iter().enumerate().map(move |of| (scene, of)));
+    for (_, (method, placed)) in all() {
+        let [from, to] = placed.costs.map(|cost| place(method, (cost.max(0.0), placed.point.1)));
+        looks::error_bar(root, from, to, looks::color(looks[method]))?;
+    }
+    for (scene, (method, placed)) in all() {
+        looks::numbered(root, looks[method], (scenes.len() > 1).then_some(scene + 1), place(method, placed.point))?;
     }
     for method in frontier {
-        marker(root, method, place(method, means[method]), WHITE.filled(), INK.stroke_width(2))?;
+        looks::marker(root, looks[method], place(method, means[method]), WHITE.filled(), INK.stroke_width(2))?;
     }
-    Ok(())
-}
-
-fn legend(root: &Area<'_>, measured: &[Measured]) -> Result<(), Box<dyn Error>> {
-    let style = |size: i32| (FONT, size).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-    let mut y = 70;
-    let mut line = |step: i32| {
-        y += step;
-        y
-    };
-    let text = |text: &str, x, y, size| root.draw(&Text::new(text.to_owned(), (LEGEND_X + x, y), style(size)));
-    text("method", 0, line(0), 14)?;
-    for (method, figures) in measured.iter().take(1).flat_map(|scene| &scene.methods).enumerate() {
-        let y = line(LEGEND_LINE);
-        marker(root, method, (LEGEND_X + 8, y), INK.filled(), WHITE.into())?;
-        text(&figures.method.to_string(), 24, y, 13)?;
-    }
-    text("scene", 0, line(LEGEND_LINE + 12), 14)?;
-    for (index, scene) in measured.iter().enumerate() {
-        let y = line(LEGEND_LINE);
-        root.draw(&Rectangle::new([(LEGEND_X, y - 4), (LEGEND_X + 16, y + 4)], color(index).filled()))?;
-        text(scenes::title(&scene.scene), 24, y, 13)?;
-    }
-    let y = line(LEGEND_LINE + 14);
-    root.draw(&PathElement::new(vec![(LEGEND_X - 4, y), (LEGEND_X + 20, y)], INK.stroke_width(2)))?;
-    root.draw(&Circle::new((LEGEND_X + 8, y), 6, WHITE.filled()))?;
-    root.draw(&Circle::new((LEGEND_X + 8, y), 6, INK.stroke_width(2)))?;
-    text("means of all scenes,", 28, y, 13)?;
-    text("on the frontier", 28, line(LEGEND_LINE - 3), 13)?;
     Ok(())
 }
 

@@ -12,8 +12,7 @@ use crate::common::{
 pub(crate) fn of(measured: &Measured, plan: &Plan, provenance: &Provenance) -> String {
     let [width, height] = plan.size;
     let mut text = format!("## {}\n\n", scenes::title(&measured.scene));
-    let _ = writeln!(text, "adapter: {}", provenance.adapter);
-    let _ = writeln!(text, "driver:  {}", provenance.driver);
+    let _ = writeln!(text, "{provenance}");
     let _ = writeln!(
         text,
         "{width}x{height}, {} triangles, {} spheres, e = {} px, {} lights, {} rounds after {} to warm up\n",
@@ -41,6 +40,7 @@ fn time(measured: &Measured) -> String {
         "wall ms",
         "left ms",
         "second eye",
+        "min..max",
         "counted",
         "speed-up",
         "predicted",
@@ -57,7 +57,8 @@ fn time(measured: &Measured) -> String {
             format!("{:.3}", figures.ratio_to_naive),
             format!("{:.1}", figures.wall_ms),
             format!("{:.1}", figures.left_ms),
-            format!("{:.3}", figures.second_eye),
+            format!("{:.3}", figures.second_eye.median),
+            format!("{:.3}..{:.3}", figures.second_eye.min, figures.second_eye.max),
             format!("{:.3}", figures.second_eye_counters()),
             format!("{:+.1}%", 100.0 * speed_up),
             format!("{:+.1}%", 100.0 * predicted),

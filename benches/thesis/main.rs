@@ -113,7 +113,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let sources = pictures::sources(&mut renderer, &SHOWN, size, SHOWN_E_PX / shrink as f32)?;
     println!("wrote {}", results.display());
     records.extend(errors(&records));
-    for path in report::write(&Content { records, pictures, sources, stability }, &folder)? {
+    for path in report::write(&Content { records, pictures, sources, stability, smoke }, &folder)? {
         println!("wrote {}", path.display());
     }
     Ok(())
@@ -265,7 +265,7 @@ fn record(step: &Step, measured: &Measured, figures: &MethodFigures, plan: &Plan
         pair_ms_min: figures.pair_ms.min,
         pair_ms_max: figures.pair_ms.max,
         fps: 1e3 / figures.pair_ms.median,
-        second_eye: figures.second_eye,
+        second_eye: figures.second_eye.median,
         second_eye_counters: figures.second_eye_counters(),
         speed_up: figures.speed_up,
         speed_up_counters: figures.speed_up_predicted(),

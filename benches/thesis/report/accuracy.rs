@@ -9,7 +9,10 @@ use super::{
     sections::{Figure, Group, free_name},
     text::days,
 };
-use crate::{common::chart::Point, record::Record};
+use crate::{
+    common::{chart::Point, provenance::marked},
+    record::Record,
+};
 
 /// Width of the pictures, in pixels, that accuracy is set against cost at; the nearest one that was measured is taken.
 const ACCURACY_WIDTH: u32 = 600;
@@ -21,6 +24,8 @@ pub(super) struct Cost {
     slug: &'static str,
     title: &'static str,
     of: fn(&Record) -> f64,
+    /// Least and most over the rounds, of times.
+    range: Option<fn(&Record) -> [f64; 2]>,
     x_label: &'static str,
     by: &'static str,
 }
@@ -30,6 +35,7 @@ pub(super) const COSTS: [Cost; 2] = [
         slug: "accuracy-time",
         title: "accuracy against cost by time",
         of: |record| record.second_eye,
+        range: Some(|record| [record.pair_ms_min, record.pair_ms_max].map(|pair| pair / record.left_ms - 1.0)),
         x_label: "cost of the second eye by time (first eye = 1)",
         by: "time",
     },
@@ -37,13 +43,19 @@ pub(super) const COSTS: [Cost; 2] = [
         slug: "accuracy-counters",
         title: "accuracy against cost by counters",
         of: |record| record.second_eye_counters,
+        range: None,
         x_label: "cost of the second eye by counters (first eye = 1)",
         by: "counters",
     },
 ];
 
 /// A plot an adapter, of the records nearest to [`ACCURACY_WIDTH`].
-pub(super) fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) -> Result<Group, Box<dyn Error>> {
+pub(super) fn accuracy_group(
+    records: &[&Record],
+    names: &Names,
+    cost: &Cost,
+    smoke: bool,
+) -> Result<Group, Box<dyn Error>> {
     let suite: Vec<&Record> = records.iter().copied().filter(|record| record.suite == "dimensions").collect();
     let mut figures: Vec<Figure> = Vec::new();
     for adapter in distinct(suite.iter().map(|record| &record.adapter)) {
@@ -54,6 +66,7 @@ pub(super) fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) ->
             scene: names.scene(&record.scene),
             method: names.method(&record.method),
             cost: (cost.of)(record),
+            costs: cost.range.map(|range| range(record)),
             errors: [100.0 - record.identical, record.wrong_surface, record.mse],
         });
         let dots: Vec<Dot> =
@@ -63,7 +76,7 @@ pub(super) fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) ->
         }
         let setting = |record: &&Record| format!("{}x{}, e = {} px", record.width, record.height, record.e_px);
         let settings = distinct(taken.iter().map(setting)).join("; ");
-        let source = format!("{settings}; {adapter}, {}", days(&taken));
+        let source = marked(format!("{settings}; {adapter}, {}", days(&taken)), smoke);
         let title = format!("Accuracy against cost by {}", cost.by);
         let (cheapest, dearest) = dots.iter().fold((0.0, 1.0), |(c, d): Point, dot| (c.min(dot.cost), d.max(dot.cost)));
         let mut x = Axis::even(cheapest, dearest.min(DEAREST), 8.0);
@@ -81,7 +94,7 @@ pub(super) fn accuracy_group(records: &[&Record], names: &Names, cost: &Cost) ->
         "Across: what the second eye costs by {}, where the first costs 1; a method that goes beyond the axis has a \
          column at its end, and its costs in the legend. Up, from top to bottom: pixels of the right view that differ \
          from naive's, pixels that show another surface, and MSE, a row a decade with zero in a row of its own. A \
-         marker's shape is its method, its colour its scene; hollow markers are means over the scenes of those methods \
+         marker is a method's, the number in it its scene, and a bar the pair's least and most over the rounds; hollow markers are means over the scenes of those methods \
          that no other beats in cost and accuracy, among the methods that were measured on every scene.",
         cost.by
     );

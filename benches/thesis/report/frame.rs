@@ -8,11 +8,8 @@ use plotters::{
     },
 };
 
-use super::{
-    axis::{Axis, label},
-    drawing::{Area, Drawn, Pixel},
-};
-use crate::common::chart::{FONT, GRID, INK, Point};
+use super::axis::{Axis, label};
+use crate::common::chart::{Area, Drawn, FONT, GRID, INK, Pixel, Point};
 
 /// The box that points are placed in.
 #[derive(Clone, Copy)]

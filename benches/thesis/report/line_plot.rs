@@ -6,18 +6,23 @@ use plotters::prelude::*;
 
 use super::{
     axis::Axis,
-    drawing::{Area, DOTS, Drawn, Pixel, bracket, color, dash, drawing, heading, marker, stroke, text},
+    drawing::{DOTS, bracket, stroke},
     frame::Frame,
     names::Names,
     questions::Question,
 };
-use crate::common::chart::Point;
+use crate::common::{
+    chart::{Area, Drawn, Pixel, Point, drawing, heading, text},
+    looks::{color, dash, error_bar, marker},
+};
 
 /// A method's measured points, ordered by x.
 pub(super) struct Line {
     pub(super) method: usize,
     pub(super) counted: bool,
     pub(super) points: Vec<Point>,
+    /// Of points' x, least and most of y over the rounds, where it is a time.
+    pub(super) ranges: Vec<(f64, [f64; 2])>,
 }
 
 /// A question's answer on one scene.
@@ -39,7 +44,8 @@ impl LinePlot<'_> {
     pub(super) fn svg(&self) -> Result<String, Box<dyn Error>> {
         let points = || self.lines.iter().flat_map(|line| line.points.iter());
         let limits = self.ranges.iter().flat_map(|&(_, low, high)| [low, high]);
-        let values: Vec<f64> = points().map(|point| point.1).chain(limits).collect();
+        let bars = self.lines.iter().flat_map(|line| line.ranges.iter().flat_map(|(_, range)| *range));
+        let values: Vec<f64> = points().map(|point| point.1).chain(limits).chain(bars).collect();
         let x = Axis::through(points().map(|point| point.0));
         let y = Axis::of(self.question.rule, &values);
         let right = Self::LEGEND_X - 18 - Self::RANGE_STEP * self.ranges.len() as i32;
@@ -56,12 +62,17 @@ impl LinePlot<'_> {
     fn draw_ranges(&self, root: &Area<'_>, frame: &Frame<'_>) -> Drawn {
         for (index, &(method, low, high)) in self.ranges.iter().enumerate() {
             let y = |value| frame.place((0.0, value)).1;
-            let (low, high, tone) = (y(low), y(high), color(method));
+            let (low, high, tone) = (y(low), y(high), color(self.names.look(method)));
             root.draw(&Rectangle::new([(frame.left, high), (frame.right, low)], tone.mix(0.10).filled()))?;
             for y in [low, high] {
-                stroke(root, &[(frame.left, y), (frame.right, y)], dash(method), tone.mix(0.6).stroke_width(1))?;
+                stroke(
+                    root,
+                    &[(frame.left, y), (frame.right, y)],
+                    dash(self.names.look(method)),
+                    tone.mix(0.6).stroke_width(1),
+                )?;
             }
-            bracket(root, frame.right + 10 + Self::RANGE_STEP * index as i32, (high, low), method)?;
+            bracket(root, frame.right + 10 + Self::RANGE_STEP * index as i32, (high, low), self.names.look(method))?;
         }
         Ok(())
     }
@@ -81,11 +92,15 @@ impl LinePlot<'_> {
         });
         let places: Vec<_> = places.collect();
         for (line, pixels) in &places {
-            stroke(root, pixels, self.dash(line), color(line.method).stroke_width(2))?;
+            stroke(root, pixels, self.dash(line), self.color(line).stroke_width(2))?;
+            for &(x, range) in &line.ranges {
+                let [from, to] = range.map(|y| frame.place((x, y)));
+                error_bar(root, from, to, self.color(line))?;
+            }
         }
         for (line, pixels) in &places {
             for &pixel in pixels {
-                line_marker(root, line, pixel)?;
+                self.line_marker(root, line, pixel)?;
             }
         }
         Ok(())
@@ -95,7 +110,7 @@ impl LinePlot<'_> {
         match self.question.counted {
             Some(_) if line.counted => DOTS,
             Some(_) => &[],
-            None => dash(line.method),
+            None => dash(self.names.look(line.method)),
         }
     }
 
@@ -104,40 +119,48 @@ impl LinePlot<'_> {
         let step = (240 / self.lines.len() as i32).clamp(14, 20);
         let entry = |line: &Line, y: i32, name: &str| {
             let sample = [(Self::LEGEND_X, y), (Self::LEGEND_X + 36, y)];
-            stroke(root, &sample, self.dash(line), color(line.method).stroke_width(2))?;
-            line_marker(root, line, (Self::LEGEND_X + 18, y))?;
+            stroke(root, &sample, self.dash(line), self.color(line).stroke_width(2))?;
+            self.line_marker(root, line, (Self::LEGEND_X + 18, y))?;
             text(root, name, (Self::LEGEND_X + 44, y), 13)
         };
         let mut shown = Vec::new();
         for line in &self.lines {
             if !shown.contains(&line.method) {
                 shown.push(line.method);
-                entry(&Line { counted: false, points: vec![], ..*line }, y, &self.names.methods[line.method])?;
+                entry(
+                    &Line { counted: false, points: vec![], ranges: vec![], ..*line },
+                    y,
+                    &self.names.methods[line.method],
+                )?;
                 y += step;
             }
         }
         if self.question.counted.is_some() {
             y += 10;
             for (counted, name) in [(false, "by time"), (true, "by counters")] {
-                entry(&Line { method: self.lines[0].method, counted, points: vec![] }, y, name)?;
+                entry(&Line { method: self.lines[0].method, counted, points: vec![], ranges: vec![] }, y, name)?;
                 y += step;
             }
         }
         if let Some(&(method, ..)) = self.ranges.first() {
-            bracket(root, Self::LEGEND_X + 18, (y + 6, y + 34), method)?;
+            bracket(root, Self::LEGEND_X + 18, (y + 6, y + 34), self.names.look(method))?;
             text(root, "range that the", (Self::LEGEND_X + 44, y + 12), 13)?;
             text(root, "thesis states", (Self::LEGEND_X + 44, y + 28), 13)?;
         }
         Ok(())
     }
-}
 
-/// Filled for times, hollow for counters.
-fn line_marker(root: &Area<'_>, line: &Line, at: Pixel) -> Drawn {
-    let tone = color(line.method);
-    if line.counted {
-        marker(root, line.method, at, WHITE.filled(), tone.stroke_width(2))
-    } else {
-        marker(root, line.method, at, tone.filled(), WHITE.into())
+    fn color(&self, line: &Line) -> RGBColor {
+        color(self.names.look(line.method))
+    }
+
+    /// Filled for times, hollow for counters.
+    fn line_marker(&self, root: &Area<'_>, line: &Line, at: Pixel) -> Drawn {
+        let (look, tone) = (self.names.look(line.method), self.color(line));
+        if line.counted {
+            marker(root, look, at, WHITE.filled(), tone.stroke_width(2))
+        } else {
+            marker(root, look, at, tone.filled(), WHITE.into())
+        }
     }
 }

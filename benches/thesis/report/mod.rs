@@ -53,13 +53,15 @@ pub(crate) struct Content {
     pub(crate) sources: Vec<Sources>,
     /// `None` if that benchmark has not run.
     pub(crate) stability: Option<Stability>,
+    /// It was a quick look: its figures mean nothing.
+    pub(crate) smoke: bool,
 }
 
 /// Writes report.html and its plots, an SVG file each, into `folder`, all or none, and returns their paths, the page's
 /// last. Of a configuration that was measured more than once the plots show the last record, the table all.
 pub(crate) fn write(content: &Content, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let names = Names::of(&content.records, &content.pictures);
-    let sections = sections(&content.records, &names, BANDS)?;
+    let sections = sections(content, &names, BANDS)?;
     let page = page(content, &names, &sections);
     let figures = sections.into_iter().flat_map(|section| section.groups).flat_map(|group| group.figures);
     let mut files: Vec<(String, String)> = figures.map(|figure| (format!("{}.svg", figure.name), figure.svg)).collect();

@@ -11,7 +11,10 @@ use super::{
     table::table,
     text::{count, days, escape},
 };
-use crate::{common::scenes, record::Record};
+use crate::{
+    common::{provenance::SMOKE, scenes},
+    record::Record,
+};
 
 const TITLE: &str = "Stereo ray tracing: the thesis's benchmarks measured again";
 const STYLE: &str = include_str!("page.css");
@@ -19,13 +22,16 @@ const SCRIPT: &str = include_str!("page.js");
 
 /// The whole page.
 pub(super) fn page(content: &Content, names: &Names, sections: &[Section]) -> String {
-    let Content { records, pictures, sources, stability } = content;
+    let Content { records, pictures, sources, stability, smoke } = content;
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>{TITLE}</title>\n<style>\n{STYLE}</style>\n</head>\n\
          <body>\n\
          <h1>{TITLE}</h1>\n"
     );
+    if *smoke {
+        let _ = writeln!(html, "<p class=\"smoke\">{}</p>", SMOKE.to_uppercase());
+    }
     html += &preamble(records, names);
     html += &contents(sections);
     for section in sections {

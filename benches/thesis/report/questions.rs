@@ -43,6 +43,9 @@ impl Swept {
 /// A figure of a record, in the unit that its plot names.
 pub(super) type Value = fn(&Record) -> Option<f64>;
 
+/// Least and most of a figure over the rounds.
+pub(super) type Range = fn(&Record) -> Option<[f64; 2]>;
+
 /// A question that is plotted scene by scene.
 pub(super) struct Question {
     pub(super) suite: &'static str,
@@ -55,6 +58,8 @@ pub(super) struct Question {
     pub(super) y_label: &'static str,
     pub(super) rule: Rule,
     pub(super) value: Value,
+    /// Least and most of it over the rounds, of times.
+    pub(super) range: Option<Range>,
     /// The same by counters in place of time.
     pub(super) counted: Option<Value>,
 }
@@ -78,6 +83,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "speed-up over naive, %",
         rule: Rule::Even,
         value: speed_up,
+        range: Some(speed_up_range),
         counted: None,
     },
     Question {
@@ -89,6 +95,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "pairs a second",
         rule: Rule::Amount,
         value: |record| Some(record.fps),
+        range: Some(|record| Some([record.pair_ms_max, record.pair_ms_min].map(|ms| 1e3 / ms))),
         counted: None,
     },
     Question {
@@ -100,6 +107,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "pair time, ms",
         rule: Rule::Amount,
         value: |record| Some(record.pair_ms),
+        range: Some(|record| Some([record.pair_ms_min, record.pair_ms_max])),
         counted: None,
     },
     Question {
@@ -112,6 +120,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "speed-up over naive, %",
         rule: Rule::Even,
         value: speed_up,
+        range: Some(speed_up_range),
         counted: None,
     },
     Question {
@@ -124,6 +133,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "time a slot and pixel, ns",
         rule: Rule::Amount,
         value: |record| record.slot_ns,
+        range: None,
         counted: None,
     },
     Question {
@@ -135,6 +145,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "slots a right pixel",
         rule: Rule::Even,
         value: |record| (record.buffer_depth > 0).then(|| f64::from(record.buffer_depth)),
+        range: None,
         counted: None,
     },
     Question {
@@ -147,6 +158,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "speed-up over naive, %",
         rule: Rule::Even,
         value: speed_up,
+        range: Some(speed_up_range),
         counted: Some(|record| (record.method != "naive").then_some(100.0 * record.speed_up_counters)),
     },
     Question {
@@ -159,6 +171,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "MSE",
         rule: Rule::Decades,
         value: error,
+        range: None,
         counted: None,
     },
     Question {
@@ -171,6 +184,7 @@ pub(super) const QUESTIONS: [Question; 9] = [
         y_label: "MSE",
         rule: Rule::Decades,
         value: error,
+        range: None,
         counted: None,
     },
 ];
@@ -178,6 +192,12 @@ pub(super) const QUESTIONS: [Question; 9] = [
 /// In percent. Naive's own is 0 by definition.
 fn speed_up(record: &Record) -> Option<f64> {
     (record.method != "naive").then_some(100.0 * record.speed_up)
+}
+
+/// Over naive's median: its own spread moves all of them together.
+fn speed_up_range(record: &Record) -> Option<[f64; 2]> {
+    let naive = (1.0 + record.speed_up) * record.pair_ms;
+    speed_up(record).map(|_| [record.pair_ms_max, record.pair_ms_min].map(|ms| 100.0 * (naive / ms - 1.0)))
 }
 
 /// Naive's own is 0 by definition.

@@ -6,13 +6,13 @@ use plotters::prelude::*;
 
 use super::{
     axis::{Axis, Rule},
-    drawing::{Area, DOTS, Drawn, Pixel, color, drawing, heading, marker, stroke, text},
+    drawing::{DOTS, stroke},
     frame::Frame,
     names::{Names, distinct},
 };
 use crate::common::{
-    chart::{INK, Point, frontier},
-    scenes,
+    chart::{Area, Drawn, INK, LEGEND_X, Legend, Pixel, Point, WIDTH, drawing, frontier, heading},
+    looks::{color, error_bar, marker, numbered},
 };
 
 /// One method on one scene.
@@ -20,6 +20,8 @@ pub(super) struct Dot {
     pub(super) scene: usize,
     pub(super) method: usize,
     pub(super) cost: f64,
+    /// Least and most of that over the rounds, where it is a time.
+    pub(super) costs: Option<[f64; 2]>,
     /// One a panel of [`PANELS`].
     pub(super) errors: [f64; 3],
 }
@@ -39,14 +41,12 @@ pub(super) struct Scatter<'a> {
 }
 
 impl Scatter<'_> {
-    const SIZE: (u32, u32) = (820, 900);
-    const LEGEND_X: i32 = 645;
-    const LINE: i32 = 20;
-    const PANEL: i32 = 254;
+    const SIZE: (u32, u32) = (WIDTH, 1020);
+    const PANEL: i32 = 294;
     const COLUMN: i32 = 22;
 
     pub(super) fn svg(&self) -> Result<String, Box<dyn Error>> {
-        let right = Self::LEGEND_X - 20 - Self::COLUMN * self.beyond.len() as i32;
+        let right = LEGEND_X - 20 - Self::COLUMN * self.beyond.len() as i32;
         drawing(Self::SIZE, self.title, |root| {
             heading(root, self.title, self.source)?;
             for (panel, y_label) in PANELS.into_iter().enumerate() {
@@ -81,50 +81,47 @@ impl Scatter<'_> {
             frontier.into_iter().map(|index| (means[index].0, place(means[index].0, means[index].1))).collect();
         let line: Vec<Pixel> = means.iter().map(|&(_, pixel)| pixel).collect();
         stroke(root, &line, &[], INK.stroke_width(2))?;
-        for dot in self.dots {
+        let dots = || self.dots.iter().map(|dot| (dot, self.names.look(dot.method)));
+        for (dot, look) in dots() {
+            let costs = dot.costs.filter(|costs| costs[1] <= self.x.high);
+            if let Some([from, to]) =
+                costs.map(|costs| costs.map(|cost| place(dot.method, (cost.max(self.x.low), dot.errors[panel]))))
+            {
+                error_bar(root, from, to, color(look))?;
+            }
+        }
+        let many = dots().any(|(dot, _)| dot.scene != self.dots[0].scene);
+        for (dot, look) in dots() {
             let at = place(dot.method, (dot.cost, dot.errors[panel]));
-            marker(root, dot.method, at, color(dot.scene).filled(), WHITE.into())?;
+            numbered(root, look, many.then_some(dot.scene + 1), at)?;
         }
         for (method, pixel) in means {
-            marker(root, method, pixel, WHITE.filled(), INK.stroke_width(2))?;
+            marker(root, self.names.look(method), pixel, WHITE.filled(), INK.stroke_width(2))?;
         }
         Ok(())
     }
 
     fn legend(&self, root: &Area<'_>) -> Drawn {
-        let (x, mut y) = (Self::LEGEND_X, 72);
-        let shown = |pick: fn(&Dot) -> usize, all: usize| {
-            (0..all).filter(move |&index| self.dots.iter().any(|dot| pick(dot) == index))
-        };
-        text(root, "method", (x, y), 14)?;
-        for method in shown(|dot| dot.method, self.names.methods.len()) {
-            y += Self::LINE;
-            marker(root, method, (x + 8, y), INK.filled(), WHITE.into())?;
-            text(root, &self.names.methods[method], (x + 26, y), 13)?;
+        let mut legend = Legend::new(root);
+        let name = |method: usize| (self.names.look(method), self.names.methods[method].as_str());
+        let methods = (0..self.names.methods.len()).filter(|&method| self.dots.iter().any(|dot| dot.method == method));
+        legend.markers("method", methods.map(name), None)?;
+        // Dots have numbers by the place among all scenes, and all of these are measured.
+        legend.scene_numbers(self.names.scenes.iter().map(String::as_str))?;
+        legend.means()?;
+        if self.dots.iter().any(|dot| dot.costs.is_some()) {
+            legend.error_bars()?;
         }
-        y += Self::LINE + 12;
-        text(root, "scene", (x, y), 14)?;
-        for scene in shown(|dot| dot.scene, self.names.scenes.len()) {
-            y += Self::LINE;
-            root.draw(&Rectangle::new([(x, y - 5), (x + 16, y + 5)], color(scene).filled()))?;
-            text(root, scenes::title(&self.names.scenes[scene]), (x + 26, y), 13)?;
-        }
-        y += Self::LINE + 14;
-        stroke(root, &[(x - 4, y), (x + 20, y)], &[], INK.stroke_width(2))?;
-        root.draw(&Circle::new((x + 8, y), 6, WHITE.filled()))?;
-        root.draw(&Circle::new((x + 8, y), 6, INK.stroke_width(2)))?;
-        text(root, "means of all scenes,", (x + 26, y), 13)?;
-        text(root, "on the frontier", (x + 26, y + 16), 13)?;
         if !self.beyond.is_empty() {
-            y += Self::LINE + 36;
-            text(root, "beyond the axis: cost", (x, y), 14)?;
+            legend.head("beyond the axis: cost")?;
         }
         for &method in &self.beyond {
-            y += Self::LINE;
+            let look = self.names.look(method);
             let costs = || self.dots.iter().filter(|dot| dot.method == method).map(|dot| dot.cost);
             let (least, most) = (costs().fold(f64::INFINITY, f64::min), costs().fold(0.0, f64::max));
-            marker(root, method, (x + 8, y), INK.filled(), WHITE.into())?;
-            text(root, &format!("{least:.1} to {most:.1}"), (x + 26, y), 13)?;
+            legend.entry(&format!("{least:.1} to {most:.1}"), |root, at| {
+                marker(root, look, at, color(look).filled(), WHITE.into())
+            })?;
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use std::{collections::HashSet, error::Error};
 
 use super::{
+    Content,
     accuracy::{COSTS, accuracy_group},
     line_plot::{Line, LinePlot},
     names::{Names, distinct},
@@ -10,7 +11,7 @@ use super::{
     text::days,
 };
 use crate::{
-    common::{chart::Point, scenes},
+    common::{chart::Point, provenance::marked, scenes},
     record::Record,
 };
 
@@ -39,16 +40,18 @@ pub(super) struct Section {
 
 /// All plots. `bands` as in [`super::BANDS`].
 pub(super) fn sections(
-    records: &[Record],
+    content: &Content,
     names: &Names,
     bands: &[(&str, &str, f64, f64)],
 ) -> Result<Vec<Section>, Box<dyn Error>> {
-    let records = last_of_each(records);
-    let accuracy = COSTS.iter().map(|cost| accuracy_group(&records, names, cost)).collect::<Result<_, _>>()?;
+    let records = last_of_each(&content.records);
+    let smoke = content.smoke;
+    let accuracy = COSTS.iter().map(|cost| accuracy_group(&records, names, cost, smoke)).collect::<Result<_, _>>()?;
     let mut sections = vec![Section { slug: "accuracy", title: "Accuracy against cost", groups: accuracy }];
     for (suite, title) in SUITES {
         let questions = QUESTIONS.iter().filter(|question| question.suite == suite);
-        let groups = questions.map(|question| group(question, &records, names, bands)).collect::<Result<_, _>>()?;
+        let groups =
+            questions.map(|question| group(question, &records, names, bands, smoke)).collect::<Result<_, _>>()?;
         sections.push(Section { slug: suite, title, groups });
     }
     Ok(sections)
@@ -70,6 +73,7 @@ fn group(
     records: &[&Record],
     names: &Names,
     bands: &[(&str, &str, f64, f64)],
+    smoke: bool,
 ) -> Result<Group, Box<dyn Error>> {
     let suite: Vec<&Record> = records.iter().copied().filter(|record| record.suite == question.suite).collect();
     let mut figures: Vec<Figure> = Vec::new();
@@ -85,7 +89,7 @@ fn group(
                 continue;
             }
             let title = format!("{}: {}", scenes::title(scene), question.title);
-            let source = format!("{}; {}, {}", wanted.0, wanted.1, days(&taken));
+            let source = marked(format!("{}; {}, {}", wanted.0, wanted.1, days(&taken)), smoke);
             let is_ranged = question.slug == "dimensions-speed-up";
             let ranges = bands.iter().filter(|band| is_ranged && (band.0 == scene || band.0 == "*"));
             let ranges = ranges.map(|&(_, method, low, high)| (names.method(method), low, high)).collect();
@@ -119,7 +123,10 @@ fn lines(question: &Question, records: &[&Record], names: &Names) -> Vec<Line> {
         let points = of_method.filter_map(|record| Some((question.swept.of(record), value(record)?)));
         let mut points: Vec<Point> = points.filter(|point| point.0.is_finite() && point.1.is_finite()).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Line { method, counted, points }
+        let range = question.range.filter(|_| !counted);
+        let of_method = records.iter().filter(|record| names.method(&record.method) == method);
+        let ranges = of_method.filter_map(|record| Some((question.swept.of(record), range?(record)?)));
+        Line { method, counted, points, ranges: ranges.collect() }
     };
     let all = (0..names.methods.len())
         .flat_map(|method| values.into_iter().filter_map(move |(counted, value)| Some((method, counted, value?))));

@@ -39,7 +39,7 @@ fn frontier_is_what_no_other_point_beats() {
 
 #[test]
 fn means_are_of_methods_that_every_scene_has() {
-    let dot = |scene, method, cost| Dot { scene, method, cost, errors: [2.0 * cost; 3] };
+    let dot = |scene, method, cost| Dot { scene, method, cost, costs: None, errors: [2.0 * cost; 3] };
     let dots = [dot(0, 2, 1.0), dot(0, 3, 1.0), dot(1, 2, 2.0)];
     assert_eq!(means(&dots, 1), [(2, (1.5, 3.0))]);
 }

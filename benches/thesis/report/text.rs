@@ -1,5 +1,6 @@
 //! Text of the page and its plots: counts and days in words, markup escaped, bytes as base64.
 
+pub(super) use crate::common::text::escape;
 use crate::record::Record;
 
 /// First and last day of some records.
@@ -17,27 +18,6 @@ pub(super) fn count(number: usize, noun: &str) -> String {
     let digits = number.to_string();
     let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
     format!("{} {noun}{}", groups.join(","), if number == 1 { "" } else { "s" })
-}
-
-/// Text for HTML and SVG, in attributes too.
-pub(super) fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in printable(text).chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
-/// Control characters, which neither HTML nor SVG may hold, become spaces.
-pub(super) fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// RFC 4648, with padding.
