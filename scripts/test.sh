@@ -20,4 +20,24 @@ case ${1-} in
     ;;
 esac
 echo "tests: adapter rule STEREOTRACE_ADAPTER=$STEREOTRACE_ADAPTER, scenes from ${STEREOTRACE_SCENES:-target/scenes if it is there}"
-exec cargo test --manifest-path "$root/Cargo.toml" "$@"
+if [ $# -gt 0 ] || ! command -v flock >/dev/null; then exec cargo test --manifest-path "$root/Cargo.toml" "$@"; fi
+
+# A test program has one device at work and waits for it half of its time: two of them at once take two cores well. Their output comes whole,
+# one after the other, and one that fails stops no other.
+cd "$root"
+mkdir -p target
+programs=target/test-programs
+cargo test --no-run --message-format=json-render-diagnostics >"$programs.json"
+sed -n 's/.*"manifest_path":"\([^"]*\)\/Cargo.toml".*"profile":{[^}]*"test":true}.*"executable":"\([^"]*\)".*/\1\n\2/p' "$programs.json" >"$programs"
+[ -s "$programs" ] || fail 'cargo built no test program'
+# shellcheck disable=SC2016 # a text for another shell
+one='
+log=$(mktemp)
+code=0
+(cd "$1" && "$2") >"$log" 2>&1 || code=$?
+flock "$0" sh -c "printf \"\n     Running %s\n\" \"$2\"; cat \"$log\""
+rm -f "$log"
+[ $code = 0 ] || printf "error: test program %s failed, exit status %d\n" "$2" $code >&2
+exit $((code != 0))'
+xargs -d '\n' -P 2 -n 2 sh -c "$one" "$programs.json" <"$programs"
+cargo test --doc
