@@ -5,7 +5,7 @@
 //! cargo run --release --features exr --example ground_truth -- hall 640x480 out
 //! ```
 //!
-//! The screen is far behind all that is seen, so that disparities are above 0, as KITTI wants them. With `off-axis` behind the folder the
+//! The cameras are parallel, so that disparities are above 0, as KITTI wants them. With `off-axis` behind the folder the
 //! scene's own screen stays, behind which they are negative, and KITTI's files are left out.
 
 use std::{error::Error, path::Path};
@@ -15,8 +15,6 @@ use stereotrace::{
     output::{Batch, ExrColor, Packing},
 };
 
-/// How many times as far as the scene's own the screen is.
-const FAR: f32 = 1000.0;
 const QUALITY: u8 = 95;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -37,8 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = builtin.scene();
     let mut camera = builtin.camera(width, height);
     if !is_off_axis {
-        let pose = camera.pose()?;
-        camera = camera.interaxial(pose.interaxial).screen_distance(FAR * pose.screen_distance);
+        camera = camera.interaxial(camera.pose()?.interaxial).screen_distance(f32::INFINITY);
     }
     let mut renderer = Renderer::new(Gpu::new()?);
     let uploaded = renderer.upload(&scene)?;
