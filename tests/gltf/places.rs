@@ -83,6 +83,23 @@ fn the_default_scene_the_first_one_or_all_nodes_are_shown() {
     assert_eq!(heights(&builder), [0.0, 3.0]);
 }
 
+/// Exporters give cameras that look down an up of their own, by which an orbit would lean.
+#[test]
+fn cameras_that_stand_level_orbit_level_and_rolled_ones_stay_rolled() {
+    for (roll, is_level) in [(0.0, true), (0.1, false), (3.1, false)] {
+        let rotation = DQuat::from_euler(EulerRot::YXZ, 0.7, -0.4, roll).as_quat();
+        let mut builder = Builder::triangle(json!({}));
+        let camera = json!({ "type": "perspective", "perspective": { "yfov": 0.8, "aspectRatio": 1.5, "znear": 0.1 } });
+        let camera = builder.push("cameras", camera);
+        builder.node(json!({ "camera": camera, "translation": [3, 4, 5], "rotation": rotation.to_array() }));
+        let camera = open(builder.text()).cameras[0].1;
+        let pose = camera.pose().unwrap();
+        assert!((pose.right - rotation * Vec3::X).length() < 1e-5 && (pose.up - rotation * Vec3::Y).length() < 1e-5);
+        let turned = camera.orbited(2.0).pose().unwrap();
+        assert_eq!((turned.eye.y - pose.eye.y).abs() < 1e-4 && turned.right.y.abs() < 1e-5, is_level, "roll {roll}");
+    }
+}
+
 /// A camera turned and moved, with the parameters of OpenGL.
 #[test]
 fn cameras_see_points_where_the_specifications_matrix_does() {

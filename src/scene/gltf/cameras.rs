@@ -11,6 +11,8 @@ use crate::{
 
 /// Rows of a camera's picture, until somebody says otherwise.
 const HEIGHT: u32 = 480;
+/// Cameras whose horizon stands by less than this sine are level.
+const LEVEL: f64 = 1e-4;
 /// Pictures are at most so many times as wide as high, or as high as wide.
 const MOST_ASPECT: f32 = 16.0;
 
@@ -44,8 +46,11 @@ pub(super) fn read(
         if !(1.0 / MOST_ASPECT..=MOST_ASPECT).contains(&aspect) {
             return Err(fault(format!("its aspectRatio is {aspect}; it must be within 1/16 to 16")));
         }
+        let own_up = place.transform_vector3(DVec3::Y).normalize_or_zero();
+        // A camera that looks down is level: the world's up shows it the same picture, and what turns about its up, as orbits do, stays level.
+        let is_level = forward.cross(own_up).dot(DVec3::Y).abs() < LEVEL && own_up.y > LEVEL;
         let camera = StereoCamera::look_at(eye.as_vec3(), (eye + distance * forward).as_vec3())
-            .up(place.transform_vector3(DVec3::Y).normalize_or_zero().as_vec3())
+            .up(if is_level { DVec3::Y } else { own_up }.as_vec3())
             .vertical_fov_degrees(perspective.yfov.to_degrees())
             .screen_distance(distance as f32)
             .interaxial((distance / 30.0) as f32)

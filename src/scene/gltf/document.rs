@@ -135,7 +135,11 @@ impl<'a> Document<'a> {
             return Ok(bytes);
         }
         let path = self.located(uri, by)?;
-        let bytes = input::read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0])?;
+        let read = input::read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0]);
+        let bytes = read.map_err(|error| match error {
+            Error::Io { .. } => Error::parse_from(self.path, None, format!("{by}: {error}"), error),
+            other => other,
+        })?;
         self.bytes_left.set(self.bytes_left.get() - bytes.len() as u64);
         Ok(bytes)
     }
