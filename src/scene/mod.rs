@@ -4,6 +4,7 @@ mod beside;
 pub mod builtin;
 mod checks;
 pub(crate) mod components;
+mod content;
 #[cfg(any(feature = "obj", feature = "ply"))]
 mod ears;
 mod ellipsoid;

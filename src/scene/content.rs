@@ -1,0 +1,130 @@
+//! What a scene shows, as bytes: for a hash that tells one scene from another.
+
+use bytemuck::cast_slice;
+
+use super::{Beside, Scene, Sky, TextureKind};
+
+impl Scene {
+    /// Hands everything that pictures depend on to `sink`, as bytes, piece by piece: equal scenes make equal bytes, whatever files they came from,
+    /// and scenes that differ make others. A hash of them says whether a picture, or a data set's item, is of the same scene. Another
+    /// version of the library may make others.
+    ///
+    /// ```
+    /// use std::hash::{DefaultHasher, Hasher};
+    /// use stereotrace::{Builtin, glam::Vec3};
+    ///
+    /// let hash = |scene: &stereotrace::Scene| {
+    ///     let mut hasher = DefaultHasher::new();
+    ///     scene.content(|bytes| hasher.write(bytes));
+    ///     hasher.finish()
+    /// };
+    /// let (scene, mut lit) = (Builtin::Near.scene(), Builtin::Near.scene());
+    /// assert_eq!(hash(&scene), hash(&lit));
+    /// lit.lights[0].position += 1e-3 * Vec3::X;
+    /// assert_ne!(hash(&scene), hash(&lit));
+    /// ```
+    pub fn content(&self, mut sink: impl FnMut(&[u8])) {
+        // All fields by name: a new one must be thought of here. Those that are left out follow from others.
+        let Self { lights, shadows, ambient, sky, materials, textures, triangles, spheres, ellipsoids, planes, .. } =
+            self;
+        let Self { mesh_objects, beside: Beside { uv, colors }, smooth: _, dropped: _, dropping_meshes: _, .. } = self;
+        let Self { triangles_stamp: _, spheres_stamp: _, .. } = self;
+        // Numbers are written so that they can be read again without loss, so differing ones differ here.
+        let small = format!(
+            "{lights:?} {shadows} {ambient:?} {sky:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {mesh_objects:?} {} {} {}",
+            triangles.len(),
+            uv.len(),
+            colors.len(),
+        );
+        sink(&small.len().to_le_bytes());
+        sink(small.as_bytes());
+        for triangle in triangles {
+            sink(cast_slice(&triangle.corners));
+            sink(cast_slice(&triangle.normals));
+            sink(&triangle.material.0.to_le_bytes());
+        }
+        sink(cast_slice(uv));
+        sink(cast_slice(colors));
+        for texture in textures {
+            if let TextureKind::Image { pixels, .. } = texture.kind() {
+                sink(cast_slice(pixels));
+            }
+        }
+        if let Sky::Map(map) = sky {
+            sink(cast_slice(map.pixels()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Mat3, Vec2, Vec3};
+
+    use crate::{
+        Builtin, Ellipsoid, Light, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture, Wrap,
+    };
+
+    fn bytes(scene: &Scene) -> Vec<u8> {
+        let mut all = Vec::new();
+        scene.content(|piece| all.extend_from_slice(piece));
+        all
+    }
+
+    fn quad() -> Mesh {
+        Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).uv(vec![[Vec2::ZERO, Vec2::X, Vec2::Y]])
+    }
+
+    /// A change of each kind.
+    #[test]
+    fn what_changes_a_picture_changes_the_bytes() {
+        let base = || {
+            let mut scene = Scene::new();
+            let picture = scene.add_texture(Texture::image(1, 1, vec![[1, 2, 3, 255]]).unwrap());
+            let material = scene.add_material(Material::new(Vec3::ONE).texture(picture));
+            scene.add_mesh(&quad().materials(vec![material])).unwrap();
+            scene.sky = Sky::Map(SkyMap::procedural(8).unwrap());
+            scene
+        };
+        let changes: [fn(&mut Scene); 14] = [
+            |scene| scene.lights.push(Light::point(Vec3::Y, Vec3::ONE)),
+            |scene| scene.shadows = false,
+            |scene| scene.ambient = Some(Vec3::splat(0.15)),
+            |scene| scene.sky = Sky::Constant(Vec3::ZERO),
+            |scene| scene.sky = Sky::Map(SkyMap::procedural(16).unwrap()),
+            |scene| _ = scene.add_material(Material::new(Vec3::ONE)),
+            |scene| _ = scene.add_texture(Texture::image(1, 1, vec![[1, 2, 4, 255]]).unwrap()),
+            |scene| _ = scene.add_texture(Texture::image(1, 1, vec![[1, 2, 3, 255]]).unwrap().wrap(Wrap::Clamp)),
+            |scene| drop(scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0)))),
+            |scene| drop(scene.add_plane(Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0)))),
+            |scene| drop(scene.add_ellipsoid(Ellipsoid::new(Vec3::ZERO, Mat3::IDENTITY, MaterialId(0)))),
+            |scene| {
+                drop(scene.set_mesh(0, &Mesh::new(vec![Vec3::ZERO, Vec3::X, 1.000_000_1 * Vec3::Y], vec![[0, 1, 2]])))
+            },
+            |scene| drop(scene.set_mesh(0, &quad())),
+            |scene| drop(scene.set_mesh(0, &quad().colors(vec![[Vec3::X; 3]]))),
+        ];
+        let mut all = vec![bytes(&base())];
+        assert_eq!(all[0], bytes(&base()));
+        for change in changes {
+            let mut scene = base();
+            change(&mut scene);
+            all.push(bytes(&scene));
+        }
+        for (index, one) in all.iter().enumerate() {
+            assert!(!all[..index].contains(one), "change {index} is not seen");
+        }
+        assert_eq!(bytes(&Builtin::Hall.scene()), bytes(&Builtin::Hall.scene()));
+    }
+
+    #[test]
+    fn pixels_of_textures_and_skies_are_among_the_bytes() {
+        let with = |pixel: u8| {
+            let mut scene = Scene::new();
+            scene.add_texture(Texture::image(1, 1, vec![[pixel, 2, 3, 255]]).unwrap());
+            scene.sky = Sky::Map(SkyMap::new(2, 1, vec![f32::from(pixel) * Vec3::ONE, Vec3::ZERO]).unwrap());
+            scene
+        };
+        assert_ne!(bytes(&with(1)), bytes(&with(2)));
+        assert_eq!(bytes(&with(1)).len(), bytes(&with(2)).len());
+    }
+}
