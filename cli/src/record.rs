@@ -4,20 +4,27 @@ use std::{error::Error, fmt::Debug, fs};
 
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+use stereotrace::Scene;
 
 use crate::{arguments::Subject, shown};
 
-/// The program's version, the files that are read, and all settings.
-pub(crate) fn of(subject: &Subject, more: &impl Debug) -> Result<Value, Box<dyn Error>> {
+/// The program's version, the files that the command line names, what the scene shows, MTL files and textures included, and all settings.
+pub(crate) fn of(subject: &Subject, scene: &Scene, more: &impl Debug) -> Result<Value, Box<dyn Error>> {
     let files = subject.files().into_iter().map(|file| {
         let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", shown(&file)))?;
-        let digest: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(json!({ "file": file.to_string_lossy(), "sha256": digest }))
+        Ok(json!({ "file": file.to_string_lossy(), "sha256": hex(Sha256::digest(&bytes)) }))
     });
     let files = files.collect::<Result<Vec<_>, String>>()?;
+    let mut content = Sha256::new();
+    scene.content(|bytes| content.update(bytes));
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "files": files,
+        "scene_sha256": hex(content.finalize()),
         "settings": format!("{:?}", (subject, more)),
     }))
+}
+
+fn hex(digest: impl IntoIterator<Item = u8>) -> String {
+    digest.into_iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -27,7 +27,7 @@ pub(crate) struct EyesArguments {
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
     /// In its place: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
-    #[arg(long, value_name = "KIND")]
+    #[arg(long, value_name = "KIND", conflicts_with = "anaglyph")]
     pub(crate) packing: Option<Packing>,
     /// Exchange the eyes in everything that is written, except the re-trace and shadow maps
     #[arg(long)]
@@ -70,6 +70,7 @@ impl Target {
             if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
                 make_folder(folder)?;
             }
+            check_writable(path.parent().unwrap_or(path), path)?;
             return Ok(Self::File(path.to_owned()));
         }
         if !path.is_dir() && NOT_WRITTEN.contains(&&*ending) {
@@ -77,8 +78,16 @@ impl Target {
             return Err(format!("{}: pictures are written as .{endings}", shown(path)).into());
         }
         make_folder(path)?;
+        check_writable(path, path)?;
         Ok(Self::Folder(path.to_owned()))
     }
+}
+
+/// Fails before anything is rendered that could not be written: makes a file in the folder, and removes it.
+fn check_writable(folder: &Path, target: &Path) -> Result<(), String> {
+    let probe = folder.join(format!(".stereotrace-{}", std::process::id()));
+    let written = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
+    written.map_err(|error| format!("{}: nothing can be written there: {error}", shown(target)))
 }
 
 /// Makes a folder to write into.

@@ -55,6 +55,15 @@ fn out_is_a_picture_or_a_folder() {
     assert!(!folder.file("a.png").exists());
 }
 
+/// What can't be written is said before anything is rendered.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_can_not_be_written_is_not_rendered() {
+    // Of a scene that is not there: that is found out later.
+    let message = error_of(&["render", "nothing.obj", "--out", "/proc/pair.png"]);
+    assert!(message.starts_with("/proc/pair.png: nothing can be written there: "), "{message}");
+}
+
 #[test]
 fn one_of_anything_is_singular() {
     let folder = Folder::new("singular");
@@ -174,7 +183,13 @@ fn a_command_line_that_says_nothing_possible_ends_with_two_and_one_line() {
         assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{text}");
         assert!(text.starts_with("error: ") && text.contains(expected), "{text}");
     }
-    assert_eq!(run(&[]).status.code(), Some(2));
+    for text in ["0x10", "10x0", "10"] {
+        assert!(error_of(&["render", "--size", text]).contains("it must be like 1280x720"));
+    }
+    assert!(error_of(&["render", "--packing", "cross-eyed", "--anaglyph", "grey"]).contains("cannot be used with"));
+    let nothing = run(&[]);
+    let help = String::from_utf8(nothing.stderr).unwrap();
+    assert!(nothing.status.code() == Some(2) && help.contains("Usage: ") && help.contains("render"), "{help}");
     assert_eq!(run(&["render", "nothing.obj"]).status.code(), Some(1));
     assert!(printed(&["--version"]).starts_with("stereotrace "));
     assert!(printed(&["render", "--help"]).contains("--interaxial-px"));
@@ -193,6 +208,22 @@ fn quiet_says_nothing_and_json_all() {
     assert_eq!(said["rays"]["left"]["primary"], 16 * 12);
     assert_eq!(said["to_naive"]["wrong_surface_percent"], 0.0);
     assert!(said["second_eye"].as_f64().unwrap() > 0.0);
+}
+
+/// Built-in cameras have their interaxial in pixels, the parallax at infinity, which parallel cameras have none of.
+#[test]
+fn parallel_cameras_keep_the_interaxial_that_the_camera_had() {
+    let folder = Folder::new("parallel");
+    let out = folder.file("a.png").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &["builtin:hall", "--json", "--out", &out]].concat();
+    let interaxial = |more: &[&str]| {
+        let said: Value = serde_json::from_str(&printed(&[&command[..], more].concat())).unwrap();
+        said["camera"]["interaxial"].as_f64().unwrap()
+    };
+    assert_eq!(interaxial(&["--screen", "inf"]), interaxial(&[]));
+    assert!((interaxial(&["--screen", "inf", "--interaxial", "0.125"]) - 0.125).abs() < 1e-6);
+    let message = error_of(&[&command[..], &["--screen", "inf", "--interaxial-px", "3"]].concat());
+    assert!(message.contains("give it in world units"), "{message}");
 }
 
 #[test]

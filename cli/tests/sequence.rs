@@ -44,6 +44,20 @@ fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
 }
 
 #[test]
+fn a_sequence_of_another_material_or_texture_is_another_one() {
+    let folder = Folder::new("materials");
+    folder.write("m.mtl", "newmtl m\nKd 1 0 0\n");
+    let scene = folder.write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    let out = folder.file("film").to_str().unwrap().to_owned();
+    let command = ["sequence", scene.to_str().unwrap(), "--size", "16x12", "--orbit", "2", "--out", &out];
+    assert!(printed(&command).starts_with("2 pairs in "));
+    assert!(printed(&command).starts_with("0 pairs in "));
+    folder.write("m.mtl", "newmtl m\nKd 1 0 0.01\n");
+    let message = error_of(&command);
+    assert!(message.contains("it was made with other files, settings"), "{message}");
+}
+
+#[test]
 fn pictures_are_numbered_as_the_name_says_or_go_to_standard_output() {
     let folder = Folder::new("numbered");
     let pattern = folder.file("film/frame_%03d.png").to_str().unwrap().to_owned();

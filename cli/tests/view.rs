@@ -11,7 +11,7 @@ fn a_build_without_windows_says_how_to_get_one() {
         let message = error_of(arguments);
         assert_eq!(
             message,
-            "view: this build has no window; get one with: cargo install stereotrace-cli --features view"
+            "view: this build has no window; get one with: cargo install --locked --path cli --features view"
         );
     }
 }

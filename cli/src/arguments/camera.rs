@@ -118,6 +118,11 @@ impl CameraArguments {
             camera = camera.vertical_fov_degrees(degrees);
         }
         if let Some(distance) = self.screen {
+            // Pixels are the parallax at infinity, which parallel cameras have none of: what the camera had stays, in world units. What is wrong with
+            // it is said later.
+            if let (true, Ok(pose)) = (distance.is_infinite() && self.interaxial_px.is_none(), camera.pose()) {
+                camera = camera.interaxial(pose.interaxial);
+            }
             camera = camera.screen_distance(distance);
         }
         if let Some(distance) = self.interaxial {

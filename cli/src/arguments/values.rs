@@ -15,7 +15,7 @@ pub(crate) struct OcclusionArgument(pub(crate) u32, pub(crate) Option<f32>);
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').map(|(width, height)| [width, height].map(str::parse));
     match sides {
-        Some([Ok(width), Ok(height)]) => Ok([width, height]),
+        Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
         _ => Err("it must be like 1280x720".into()),
     }
 }

@@ -23,8 +23,6 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
     /// Methods to compare with naive, separated by commas
     #[arg(
         long,
@@ -36,6 +34,8 @@ pub(crate) struct Arguments {
     /// Pictures of each that are timed, the methods by turns; the median counts. One more before them compiles the kernels
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
+    #[command(flatten)]
+    subject: Subject,
 }
 
 /// One method's figures.

@@ -36,16 +36,12 @@ const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
     /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. The last two have parallel cameras
     #[arg(long, default_value_t)]
     layout: Layout,
     /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
     #[arg(long, value_name = "N", conflicts_with_all = ["orbit", "path"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pairs: Option<u32>,
-    #[command(flatten)]
-    motion: MotionArguments,
     /// Reject places from which anything has so many pixels of disparity, to either side [default: a fifth of the width, at most 256 for kitti]
     #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
     max_disparity: Option<f32>,
@@ -61,6 +57,10 @@ pub(crate) struct Arguments {
     /// The folder
     #[arg(long, short, value_name = "DIR", default_value = "dataset")]
     out: PathBuf,
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    motion: MotionArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return Err(format!("--items {}..{}: the data set has {count}", range.start, range.end).into());
     }
     let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
-    let mut manifest = Manifest::open(&folder, record::of(&arguments.subject, &settings)?)?;
+    let mut manifest = Manifest::open(&folder, record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
     let begin = Instant::now();

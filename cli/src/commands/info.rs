@@ -4,7 +4,11 @@ use std::{error::Error, fmt::Write};
 
 use clap::Args;
 use serde_json::{Value, json};
-use stereotrace::{Builtin, message::escaped, wgpu};
+use stereotrace::{
+    Builtin,
+    message::{counted, escaped},
+    wgpu,
+};
 
 use super::report::scene_line;
 use crate::{
@@ -14,11 +18,11 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     display_width: f32,
+    #[command(flatten)]
+    subject: Subject,
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
@@ -69,9 +73,15 @@ fn machine(stage: &Stage, text: &mut String) -> Result<Value, Box<dyn Error>> {
 /// What is in the scene, and what its camera makes of it.
 fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<Value, Box<dyn Error>> {
     writeln!(text, "scene      {}", escaped(&scene_line(stage)))?;
-    let (materials, objects) = (stage.scene.materials().len(), stage.scene.object_count());
+    // A scene's first material is its own grey, whether a file has more or not.
+    let (materials, objects) = (stage.scene.materials().len() - 1, stage.scene.object_count());
     let textured = stage.scene.materials().iter().filter(|material| material.texture.is_some()).count();
-    writeln!(text, "           {materials} materials, {textured} of them textured; {objects} objects")?;
+    writeln!(
+        text,
+        "           {}, {textured} of them textured; {}",
+        counted(materials, "material", "materials"),
+        counted(objects as usize, "object", "objects")
+    )?;
     let bounds = stage.scene.bounds();
     if let Some((low, high)) = bounds {
         writeln!(text, "           from {low} to {high}")?;

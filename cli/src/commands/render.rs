@@ -23,10 +23,6 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    pub(super) subject: Subject,
-    #[command(flatten)]
-    pub(super) eyes: EyesArguments,
     /// File to write: as .png or .jpg the anaglyph, or the packing that is asked for; as .jps, .mpo or .exr both eyes. Or a folder, for left, right,
     /// anaglyph and what else is asked for
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
@@ -47,6 +43,10 @@ pub(crate) struct Arguments {
     /// Width in metres of the display for which comfort is judged
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(super) display_width: f32,
+    #[command(flatten)]
+    pub(super) subject: Subject,
+    #[command(flatten)]
+    pub(super) eyes: EyesArguments,
 }
 
 impl Arguments {

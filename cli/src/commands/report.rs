@@ -61,8 +61,10 @@ impl Display for Report<'_> {
         }
 
         self.comfort_lines(f)?;
-        let swapped = if self.arguments.eyes.swap { ", worn the other way round (--swap)" } else { "" };
-        line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
+        if self.arguments.eyes.packing.is_none() {
+            let swapped = if self.arguments.eyes.swap { ", worn the other way round (--swap)" } else { "" };
+            line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
+        }
         for (index, file) in self.files.iter().enumerate() {
             line(f, if index == 0 { "wrote" } else { "" }, file.display())?;
         }

@@ -29,12 +29,6 @@ const RECORD: &str = "sequence.json";
 const ORBIT: u32 = 72;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
-    #[command(flatten)]
-    eyes: EyesArguments,
-    #[command(flatten)]
-    motion: MotionArguments,
     /// Render only these pictures of the sequence, as 0..24 for the first 24
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
@@ -45,6 +39,12 @@ pub(crate) struct Arguments {
     /// Render pictures again that are there, whatever they were made with
     #[arg(long)]
     overwrite: bool,
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    eyes: EyesArguments,
+    #[command(flatten)]
+    motion: MotionArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let pending = match names.folder() {
         Some(folder) => {
-            let record = record::of(&arguments.subject, &(&arguments.eyes, &motion))?;
+            let record = record::of(&arguments.subject, &stage.scene, &(&arguments.eyes, &motion))?;
             let there = |frame: &u32| names.files(*frame, &arguments.eyes).iter().any(|file| file.exists());
             keep(&record, folder, arguments.overwrite, || {
                 all.clone().filter(there).flat_map(|frame| names.files(frame, &arguments.eyes)).collect()

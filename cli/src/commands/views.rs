@@ -21,8 +21,6 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
     /// How many views, the interaxial between neighbours [default: as many as the quilt has, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     views: Option<u32>,
@@ -38,6 +36,8 @@ pub(crate) struct Arguments {
     /// Render by naive too, and say how exact the views are
     #[arg(long)]
     compare: bool,
+    #[command(flatten)]
+    subject: Subject,
 }
 
 /// Views where nothing says how many.

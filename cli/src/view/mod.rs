@@ -43,10 +43,6 @@ const MOST: u32 = 16_384;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    #[command(flatten)]
-    subject: Subject,
-    #[command(flatten)]
-    eyes: EyesArguments,
     /// Folder for the pictures that the key P writes
     #[arg(long, short, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -65,6 +61,10 @@ pub(crate) struct Arguments {
     /// Do what a file says in place of mouse and keys (docs/VIEW.md)
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    eyes: EyesArguments,
 }
 
 impl Arguments {
