@@ -55,6 +55,39 @@ fn out_is_a_picture_or_a_folder() {
     assert!(!folder.file("a.png").exists());
 }
 
+/// A red tetrahedron in one of glass, as files without lights are shown.
+#[test]
+fn what_stands_in_glass_is_seen() {
+    let folder = Folder::new("glass");
+    folder.write(
+        "m.mtl",
+        "newmtl red\nKd 0.9 0.1 0.1\nnewmtl pane\nKd 0 0 0\nKs 0.04 0.04 0.04\nTf 1 1 1\nNi 1.0\nillum 6\n",
+    );
+    let faces =
+        |first: usize| [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|face| face.map(|corner| corner + first));
+    let mut text = String::from("mtllib m.mtl\n");
+    for (size, material, first) in [(3.0, "pane", 1), (1.0, "red", 5)] {
+        for corner in [[-1.0, -1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]] {
+            text += &format!("v {} {} {}\n", size * corner[0], size * corner[1], size * corner[2]);
+        }
+        text += &format!("usemtl {material}\n");
+        for [a, b, c] in faces(first) {
+            text += &format!("f {a} {b} {c}\n");
+        }
+    }
+    let scene = folder.write("case.obj", &text);
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let red = |more: &[&str]| {
+        let command = ["render", scene.to_str().unwrap(), "--size", "96x72", "--samples", "4", "--out", &out];
+        printed(&[&command[..], more].concat());
+        let left = image::open(folder.file("out/left.png")).unwrap().into_rgb8();
+        let is_red = |pixel: &[u8; 3]| pixel[0] > 100 && u32::from(pixel[0]) > 2 * u32::from(pixel[2]);
+        left.pixels().filter(|pixel| is_red(&pixel.0)).count()
+    };
+    let (seen, hidden) = (red(&[]), red(&["--occlusion", "16"]));
+    assert!(seen > 80 && hidden < seen / 4, "{seen} red pixels, by occlusion {hidden}");
+}
+
 /// What can't be written is said before anything is rendered.
 #[cfg(target_os = "linux")]
 #[test]

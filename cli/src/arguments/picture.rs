@@ -2,7 +2,7 @@
 
 use clap::Args;
 use stereotrace::{
-    Adaptive, AmbientOcclusion, Filter, MAX_BOUNCES, Method, Options, Scene, ShadowBuffer, Tone, Visibility,
+    Adaptive, AmbientOcclusion, Filter, Finish, MAX_BOUNCES, Method, Options, Scene, ShadowBuffer, Tone, Visibility,
 };
 
 use super::values::{OcclusionArgument, adaptive, occlusion, shadow_buffer, size, tone};
@@ -73,13 +73,15 @@ impl PictureArguments {
     }
 
     /// The same where a scene is flattered of which little is said: with what flatters it, as far as nothing else is asked for.
-    pub(crate) fn flattered(&self, lights_are_said: bool) -> Self {
+    pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene) -> Self {
         let mut settled = self.clone();
         if self.samples.is_none() && self.adaptive.is_none() {
             settled.shadow_rays.get_or_insert(studio::RAYS);
             settled.samples = Some(studio::SAMPLES);
         }
-        if !lights_are_said && self.occlusion.is_none() && self.sky_light.is_none() {
+        // Occlusion takes glass as opaque: what stands in a glass case would be black.
+        let has_glass = scene.materials().iter().any(|material| matches!(material.finish, Finish::Glass { .. }));
+        if !lights_are_said && !has_glass && self.occlusion.is_none() && self.sky_light.is_none() {
             settled.occlusion = Some(OcclusionArgument(settled.shadow_rays.unwrap_or(16), None));
         }
         settled

@@ -85,7 +85,7 @@ impl Subject {
         let camera = self.stereo_camera(&scene, &cameras)?;
         self.place_lights(&mut scene, &camera)?;
         let (picture, reach) = match self.is_flattered() {
-            true => (self.picture.flattered(self.light.are_said()), studio::REACH),
+            true => (self.picture.flattered(self.light.are_said(), &scene), studio::REACH),
             false => (self.picture.clone(), REACH),
         };
         let options = picture.options(&scene, reach);
