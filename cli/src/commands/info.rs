@@ -80,7 +80,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         text,
         "           {}, {textured} of them textured; {}",
         counted(materials, "material", "materials"),
-        counted(objects as usize, "object", "objects")
+        counted(objects, "object", "objects")
     )?;
     let bounds = stage.scene.bounds();
     if let Some((low, high)) = bounds {

@@ -121,9 +121,9 @@ impl Origin {
             say("--occlusion", format!("{}:{}", occlusion.rays, occlusion.radius));
         }
         lights.into_iter().flatten().for_each(|(option, value)| say(option, value));
-        say("--anaglyph", settings.eyes.anaglyph.to_string());
-        if let Some(packing) = settings.mode.packing() {
-            say("--packing", packing.to_string());
+        match settings.mode.packing() {
+            Some(packing) => say("--packing", packing.to_string()),
+            None => say("--anaglyph", settings.eyes.anaglyph.to_string()),
         }
         if settings.eyes.swap {
             words.push("--swap".into());
