@@ -92,11 +92,13 @@ fn manual(out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a command line; the paragraphs behind the first are advice on usage.
+/// What is wrong with a command line, and what may have been meant; the other paragraphs are advice on usage.
 fn usage_fault(error: &clap::Error) -> String {
     let text = error.to_string();
-    let first = text.split("\n\n").next().unwrap_or(&text).trim_start_matches("error: ");
-    first.to_owned()
+    let mut paragraphs = text.split("\n\n");
+    let first = paragraphs.next().unwrap_or(&text).trim_start_matches("error: ");
+    let tips = paragraphs.filter_map(|paragraph| paragraph.trim_start().strip_prefix("tip: "));
+    [first].into_iter().chain(tips.flat_map(|tip| tip.lines().take(1))).collect::<Vec<_>>().join("; ")
 }
 
 /// Prints an error as one line that does not steer the terminal; messages of the graphics driver have several.

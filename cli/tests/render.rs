@@ -216,6 +216,8 @@ fn a_command_line_that_says_nothing_possible_ends_with_two_and_one_line() {
         assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{text}");
         assert!(text.starts_with("error: ") && text.contains(expected), "{text}");
     }
+    assert!(error_of(&["render", "--siez", "2x2"]).contains("a similar argument exists: '--size'"));
+    assert!(error_of(&["rendre"]).contains("a similar subcommand exists: 'render'"));
     for text in ["0x10", "10x0", "10"] {
         assert!(error_of(&["render", "--size", text]).contains("it must be like 1280x720"));
     }
