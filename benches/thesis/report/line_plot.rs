@@ -62,17 +62,13 @@ impl LinePlot<'_> {
     fn draw_ranges(&self, root: &Area<'_>, frame: &Frame<'_>) -> Drawn {
         for (index, &(method, low, high)) in self.ranges.iter().enumerate() {
             let y = |value| frame.place((0.0, value)).1;
-            let (low, high, tone) = (y(low), y(high), color(self.names.look(method)));
+            let look = self.names.look(method);
+            let (low, high, tone) = (y(low), y(high), color(look));
             root.draw(&Rectangle::new([(frame.left, high), (frame.right, low)], tone.mix(0.10).filled()))?;
             for y in [low, high] {
-                stroke(
-                    root,
-                    &[(frame.left, y), (frame.right, y)],
-                    dash(self.names.look(method)),
-                    tone.mix(0.6).stroke_width(1),
-                )?;
+                stroke(root, &[(frame.left, y), (frame.right, y)], dash(look), tone.mix(0.6).stroke_width(1))?;
             }
-            bracket(root, frame.right + 10 + Self::RANGE_STEP * index as i32, (high, low), self.names.look(method))?;
+            bracket(root, frame.right + 10 + Self::RANGE_STEP * index as i32, (high, low), look)?;
         }
         Ok(())
     }
