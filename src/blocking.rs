@@ -134,7 +134,21 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render_views_async`].
     pub fn render_views(&mut self, scene: &UploadedScene, rig: &Rig, options: &Options) -> Result<Views, Error> {
-        block_on(self.render_views_async(scene, rig, options, &mut |_| ControlFlow::Continue(())))
+        self.render_views_with(scene, rig, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Renders the views of a rig, blocking, with a callback for progress.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_views_async`].
+    pub fn render_views_with(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<Views, Error> {
+        block_on(self.render_views_async(scene, rig, options, progress))
     }
 
     /// Renders the views of a rig and hands their rows on as they are done, blocking: see [`Renderer::render_rows_async`].

@@ -1,0 +1,52 @@
+//! The library's errors as Python's: what a program may do about one tells its class; its text is the library's.
+
+use std::io::ErrorKind;
+
+use pyo3::{
+    create_exception,
+    exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyRuntimeError, PyValueError},
+    prelude::*,
+};
+use stereotrace::Error;
+
+create_exception!(
+    stereotrace,
+    AdapterError,
+    PyRuntimeError,
+    "No graphics adapter fits, or its driver refused something."
+);
+create_exception!(
+    stereotrace,
+    LimitError,
+    AdapterError,
+    "A picture or scene is larger than the adapter allows or has memory for; the text names the limit."
+);
+create_exception!(
+    stereotrace,
+    DeviceLostError,
+    AdapterError,
+    "The device went away: make a new Renderer and try again."
+);
+
+/// An error of the library as an exception.
+pub(crate) fn raised(error: Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        Error::NoAdapter { .. } | Error::Gpu(_) => AdapterError::new_err(text),
+        Error::DeviceLost(_) => DeviceLostError::new_err(text),
+        Error::Limit { .. } | Error::OutOfMemory(_) => LimitError::new_err(text),
+        Error::Io { source, .. } => match source.kind() {
+            ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
+            ErrorKind::PermissionDenied => PyPermissionError::new_err(text),
+            // What is to be written makes no file of its kind.
+            ErrorKind::InvalidInput if source.raw_os_error().is_none() => PyValueError::new_err(text),
+            _ => PyOSError::new_err(text),
+        },
+        _ => PyValueError::new_err(text),
+    }
+}
+
+/// Input that this package itself refuses.
+pub(crate) fn refused(text: impl Into<String>) -> PyErr {
+    PyValueError::new_err(text.into())
+}

@@ -1,0 +1,48 @@
+//! The Python package `stereotrace`: classes over the library's, whose arrays are `NumPy`'s. What needs no device and no Rust is in
+//! the package's Python files; `_stereotrace.pyi` has the types, and the docstrings that users read.
+
+mod camera;
+mod errors;
+mod light;
+mod material;
+mod options;
+mod pair;
+mod picture;
+mod renderer;
+mod scene;
+mod statistics;
+mod values;
+
+use pyo3::prelude::*;
+
+/// The part of the package `stereotrace` that is written in Rust.
+#[pymodule]
+mod _stereotrace {
+    #[pymodule_export]
+    use super::{
+        camera::Camera,
+        errors::{AdapterError, DeviceLostError, LimitError},
+        light::Light,
+        material::Material,
+        options::check_options,
+        pair::{StereoPair, View, Views},
+        picture::encode_png,
+        renderer::Renderer,
+        scene::Scene,
+    };
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        // What the library logs goes to Python's logger `stereotrace`; with another logger there already it stays where it goes.
+        drop(pyo3_log::try_init());
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("MISS", stereotrace::MISS)?;
+        module.add("METHODS", super::values::names(stereotrace::Method::ALL))?;
+        module.add("BUILTINS", super::values::names(stereotrace::Builtin::ALL))?;
+        module.add("LAYOUTS", super::values::names(stereotrace::dataset::Layout::ALL))?;
+        module.add("ANAGLYPHS", super::values::names(stereotrace::output::Anaglyph::ALL))?;
+        module.add("PACKINGS", super::values::names(stereotrace::output::Packing::ALL))?;
+        module.add("OUTPUTS", super::options::Output::names())
+    }
+}

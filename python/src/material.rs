@@ -1,0 +1,190 @@
+//! Materials.
+
+use pyo3::{prelude::*, types::PyDict};
+use stereotrace::{Finish, TextureId};
+
+use crate::{
+    errors::refused,
+    values::{Color, shown, tuple},
+};
+
+/// The fields that the constructor and `replace` take.
+const FIELDS: [&str; 11] = [
+    "albedo",
+    "name",
+    "texture",
+    "cutout",
+    "opacity",
+    "specular",
+    "exponent",
+    "normalised",
+    "emission",
+    "finish",
+    "index",
+];
+/// Those of mirrors and glass alone.
+const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
+
+#[pyclass(frozen, eq, module = "stereotrace")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Material(pub(crate) stereotrace::Material);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Material {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(value.cast::<Self>()?.get().clone())
+    }
+}
+
+#[pymethods]
+impl Material {
+    #[new]
+    #[pyo3(signature = (albedo = None, **fields))]
+    fn new(albedo: Option<Color>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut material = stereotrace::Material::new(stereotrace::glam::Vec3::splat(0.7));
+        if let Some(albedo) = albedo {
+            material.albedo = albedo.0;
+        }
+        with(material, fields)
+    }
+
+    #[pyo3(signature = (**fields))]
+    fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        with(self.0.clone(), fields)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    #[getter]
+    fn albedo(&self) -> (f32, f32, f32) {
+        tuple(self.0.albedo)
+    }
+
+    #[getter]
+    fn texture(&self) -> Option<u32> {
+        self.0.texture.map(|id| id.0)
+    }
+
+    #[getter]
+    fn cutout(&self) -> Option<u32> {
+        self.0.cutout.map(|id| id.0)
+    }
+
+    #[getter]
+    fn opacity(&self) -> f32 {
+        self.0.opacity
+    }
+
+    #[getter]
+    fn specular(&self) -> (f32, f32, f32) {
+        tuple(self.0.specular)
+    }
+
+    #[getter]
+    fn exponent(&self) -> f32 {
+        self.0.exponent
+    }
+
+    #[getter]
+    fn normalised(&self) -> bool {
+        self.0.normalised
+    }
+
+    #[getter]
+    fn emission(&self) -> (f32, f32, f32) {
+        tuple(self.0.emission)
+    }
+
+    #[getter]
+    fn finish(&self) -> &'static str {
+        match self.0.finish {
+            Finish::Matte => "matte",
+            Finish::Mirror { .. } => "mirror",
+            Finish::Glass { .. } => "glass",
+            _ => "other",
+        }
+    }
+
+    #[getter]
+    fn index(&self) -> Option<f32> {
+        if let Finish::Glass { index, .. } = self.0.finish { Some(index) } else { None }
+    }
+
+    #[getter]
+    fn transmission(&self) -> Option<(f32, f32, f32)> {
+        if let Finish::Glass { transmission, .. } = self.0.finish { Some(tuple(transmission)) } else { None }
+    }
+
+    #[getter]
+    fn fresnel(&self) -> Option<bool> {
+        match self.0.finish {
+            Finish::Mirror { fresnel } | Finish::Glass { fresnel, .. } => Some(fresnel),
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let name = if self.0.name.is_empty() { String::new() } else { format!(", name='{}'", self.0.name) };
+        format!("Material(albedo={}, finish='{}'{name})", self.0.albedo, self.finish())
+    }
+}
+
+/// A material with other fields.
+fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Material> {
+    let Some(fields) = fields else { return Ok(Material(material)) };
+    for (name, value) in fields {
+        let name: String = name.extract()?;
+        let of = |error: PyErr| refused(format!("material: {name}: {error}"));
+        let color = || value.extract::<Color>().map(|color| color.0);
+        let number = || value.extract::<f32>().map_err(|_| refused(format!("{} must be a number", shown(&value))));
+        let texture = || value.extract::<Option<u32>>().map(|id| id.map(TextureId));
+        match &*name {
+            "albedo" => material.albedo = color().map_err(of)?,
+            "name" => material.name = value.extract().map_err(of)?,
+            "texture" => material.texture = texture().map_err(of)?,
+            "cutout" => material.cutout = texture().map_err(of)?,
+            "opacity" => material.opacity = number().map_err(of)?,
+            "specular" => material.specular = color().map_err(of)?,
+            "exponent" => material.exponent = number().map_err(of)?,
+            "normalised" => material.normalised = value.extract().map_err(of)?,
+            "emission" => material.emission = color().map_err(of)?,
+            "finish" => material.finish = finish(&value.extract::<String>().map_err(of)?)?,
+            "index" | "transmission" | "fresnel" => {} // of the finish, which must be known first
+            _ => {
+                let known = FIELDS.iter().chain(&FINISH_FIELDS).copied().collect::<Vec<_>>().join(", ");
+                return Err(refused(format!("material: unknown field '{name}'; there are {known}")));
+            }
+        }
+    }
+    for name in ["index", "transmission", "fresnel"] {
+        let Some(value) = fields.get_item(name)? else { continue };
+        let of = |error: PyErr| refused(format!("material: {name}: {error}"));
+        match (&mut material.finish, name) {
+            (Finish::Glass { index, .. }, "index") => *index = value.extract().map_err(of)?,
+            (Finish::Glass { transmission, .. }, "transmission") => {
+                *transmission = value.extract::<Color>().map_err(of)?.0
+            }
+            (Finish::Glass { fresnel, .. } | Finish::Mirror { fresnel }, "fresnel") => {
+                *fresnel = value.extract().map_err(of)?
+            }
+            (_, "fresnel") => {
+                return Err(refused("material: fresnel is of mirrors and glass: give finish='mirror' or 'glass'"));
+            }
+            _ => return Err(refused(format!("material: {name} is of glass: give finish='glass'"))),
+        }
+    }
+    Ok(Material(material))
+}
+
+fn finish(name: &str) -> PyResult<Finish> {
+    match name {
+        "matte" => Ok(Finish::Matte),
+        "mirror" => Ok(Finish::Mirror { fresnel: false }),
+        "glass" => Ok(Finish::Glass { index: 1.5, transmission: stereotrace::glam::Vec3::ONE, fresnel: true }),
+        _ => Err(refused(format!("material: unknown finish '{name}'; there are matte, mirror and glass"))),
+    }
+}

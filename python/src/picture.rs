@@ -1,0 +1,82 @@
+//! Pictures as bytes and arrays.
+
+use numpy::{IntoPyArray, PyArray3, PyReadonlyArray2, PyReadonlyArray3, ndarray::Array3};
+use pyo3::{prelude::*, types::PyBytes};
+use stereotrace::output::Picture;
+
+use crate::errors::refused;
+
+/// A picture's colours, `(height, width, 3)`.
+pub(crate) fn rgb<'py>(py: Python<'py>, [width, height]: [u32; 2], rgba8: &[[u8; 4]]) -> Bound<'py, PyArray3<u8>> {
+    let rgb: Vec<[u8; 3]> = rgba8.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
+    shaped(py, [width, height], rgb)
+}
+
+/// Three values a pixel, `(height, width, 3)`.
+pub(crate) fn shaped<T: numpy::Element, const N: usize>(
+    py: Python<'_>,
+    [width, height]: [u32; 2],
+    values: Vec<[T; N]>,
+) -> Bound<'_, PyArray3<T>> {
+    let shape = (height as usize, width as usize, N);
+    match Array3::from_shape_vec(shape, values.into_flattened()) {
+        Ok(array) => array.into_pyarray(py),
+        Err(_) => unreachable!("a view has as many pixels as its size says"),
+    }
+}
+
+/// A picture as an array.
+pub(crate) fn array<'py>(py: Python<'py>, picture: &Picture) -> Bound<'py, PyArray3<u8>> {
+    rgb(py, [picture.width, picture.height], &picture.rgba8)
+}
+
+/// The bytes of a PNG file.
+pub(crate) fn encoded(
+    [width, height]: [usize; 2],
+    color: png::ColorType,
+    depth: png::BitDepth,
+    bytes: &[u8],
+) -> Result<Vec<u8>, String> {
+    let side = |length: usize| u32::try_from(length).map_err(|_| format!("{length} pixels a side"));
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, side(width)?, side(height)?);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    encoder.set_compression(png::Compression::Fast);
+    if color == png::ColorType::Rgb {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    }
+    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+    writer.write_image_data(bytes).map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+#[pyfunction]
+pub(crate) fn encode_png<'py>(py: Python<'py>, picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
+    let fault = |reason: String| refused(format!("picture: {reason}"));
+    let file = if let Ok(rgb) = picture.extract::<PyReadonlyArray3<'_, u8>>() {
+        let rgb = rgb.as_array();
+        let (height, width, channels) = rgb.dim();
+        let color = match channels {
+            3 => png::ColorType::Rgb,
+            4 => png::ColorType::Rgba,
+            _ => return Err(fault(format!("{channels} channels; there must be 3 or 4"))),
+        };
+        let bytes: Vec<u8> = rgb.iter().copied().collect();
+        py.detach(|| encoded([width, height], color, png::BitDepth::Eight, &bytes))
+    } else if let Ok(grey) = picture.extract::<PyReadonlyArray2<'_, u8>>() {
+        let grey = grey.as_array();
+        let (height, width) = grey.dim();
+        let bytes: Vec<u8> = grey.iter().copied().collect();
+        py.detach(|| encoded([width, height], png::ColorType::Grayscale, png::BitDepth::Eight, &bytes))
+    } else if let Ok(grey) = picture.extract::<PyReadonlyArray2<'_, u16>>() {
+        let grey = grey.as_array();
+        let (height, width) = grey.dim();
+        let bytes: Vec<u8> = grey.iter().flat_map(|value| value.to_be_bytes()).collect();
+        py.detach(|| encoded([width, height], png::ColorType::Grayscale, png::BitDepth::Sixteen, &bytes))
+    } else {
+        return Err(fault("it must be uint8 or uint16 of (height, width), or uint8 with 3 or 4 channels".into()));
+    };
+    Ok(PyBytes::new(py, &file.map_err(fault)?))
+}

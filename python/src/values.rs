@@ -1,0 +1,243 @@
+//! Python's values as the library's.
+
+use std::{fmt::Display, str::FromStr};
+
+use numpy::{
+    PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use stereotrace::{
+    Error,
+    glam::{Vec2, Vec3},
+};
+
+use crate::errors::{raised, refused};
+
+/// Three numbers: a tuple, a list or an array.
+#[derive(Clone, Copy)]
+pub(crate) struct Point(pub(crate) Vec3);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Point {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<[f32; 3]>() {
+            Ok(numbers) => Ok(Self(Vec3::from_array(numbers))),
+            Err(_) => Err(PyTypeError::new_err(format!("{} must be three numbers", shown(&value)))),
+        }
+    }
+}
+
+/// The same, or one number that stands for all three.
+#[derive(Clone, Copy)]
+pub(crate) struct Color(pub(crate) Vec3);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Color {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(grey) = value.extract::<f32>() {
+            return Ok(Self(Vec3::splat(grey)));
+        }
+        match value.extract::<[f32; 3]>() {
+            Ok(numbers) => Ok(Self(Vec3::from_array(numbers))),
+            Err(_) => Err(PyTypeError::new_err(format!("{} must be a number, or red, green and blue", shown(&value)))),
+        }
+    }
+}
+
+/// A value as messages show it.
+pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "?".into(), |text| text.to_string());
+    if text.chars().count() <= 80 { text } else { text.chars().take(79).chain(['…']).collect() }
+}
+
+/// A name that the library knows.
+pub(crate) fn named<T: FromStr<Err = Error>>(name: &str) -> PyResult<T> {
+    name.parse().map_err(raised)
+}
+
+/// All names of a list.
+pub(crate) fn names<T: Display>(all: &[T]) -> Vec<String> {
+    all.iter().map(T::to_string).collect()
+}
+
+pub(crate) fn tuple(vector: Vec3) -> (f32, f32, f32) {
+    vector.into()
+}
+
+/// The array that `NumPy` makes of something.
+fn array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+    Ok(value.py().import("numpy")?.call_method1("asarray", (value,))?.cast_into()?)
+}
+
+/// It as an array of another type, in C order.
+fn of_type<'py>(array: &Bound<'py, PyUntypedArray>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let keywords = PyDict::new(array.py());
+    keywords.set_item("dtype", name)?;
+    array.py().import("numpy")?.call_method("ascontiguousarray", (array,), Some(&keywords))
+}
+
+fn misshapen(what: &str, expected: &str, found: &[usize]) -> PyErr {
+    refused(format!("{what}: their shape must be {expected}, not {found:?}"))
+}
+
+fn is_of_kind(array: &Bound<'_, PyUntypedArray>, kinds: &[u8]) -> bool {
+    kinds.contains(&array.dtype().kind())
+}
+
+/// Rows of `N` floats, as `(rows, N)`.
+pub(crate) fn rows<const N: usize>(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f32; N]>> {
+    let array = array(value)?;
+    if !is_of_kind(&array, b"fiu") {
+        return Err(refused(format!("{what}: they are {}, and must be numbers", array.dtype())));
+    }
+    let found: PyReadonlyArray2<'_, f32> = match of_type(&array, "float32")?.extract() {
+        Ok(found) if array.shape().get(1) == Some(&N) => found,
+        _ if array.shape().iter().product::<usize>() == 0 => return Ok(Vec::new()),
+        _ => return Err(misshapen(what, &format!("(n, {N})"), array.shape())),
+    };
+    let (all, _) = found.as_slice()?.as_chunks::<N>();
+    Ok(all.to_vec())
+}
+
+/// World positions, as `(n, 3)`.
+pub(crate) fn points(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
+    Ok(rows::<3>(what, value)?.into_iter().map(Vec3::from_array).collect())
+}
+
+/// Indices, as `(n, 3)` of any integer type.
+pub(crate) fn faces(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let array = array(value)?;
+    if array.shape().iter().product::<usize>() == 0 {
+        return Ok(Vec::new());
+    }
+    if !is_of_kind(&array, b"iu") {
+        return Err(refused(format!("faces: they are {}, and must be whole numbers", array.dtype())));
+    }
+    let found: Bound<'_, PyArray2<i64>> = match of_type(&array, "int64")?.cast_into() {
+        Ok(found) if array.shape().get(1) == Some(&3) => found,
+        _ => return Err(misshapen("faces", "(n, 3)", array.shape())),
+    };
+    let found = found.readonly();
+    let all = found.as_slice()?;
+    if let Some(wrong) = all.iter().position(|&index| u32::try_from(index).is_err()) {
+        return Err(refused(format!("faces: face {} has the corner {}, which is no vertex", wrong / 3, all[wrong])));
+    }
+    let (all, _) = all.as_chunks::<3>();
+    Ok(all.iter().map(|corners| corners.map(|index| index as u32)).collect())
+}
+
+/// One index a face, or a single one.
+pub(crate) fn indices(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    if let Ok(one) = value.extract::<u32>() {
+        return Ok(vec![one]);
+    }
+    value
+        .extract::<Vec<u32>>()
+        .map_err(|_| refused(format!("{what}: {} must be one id, or a list of them", shown(value))))
+}
+
+/// What each corner of each triangle has: given so, as `(faces, 3, N)`, or of each vertex, as `(vertices, N)`.
+pub(crate) fn corners<const N: usize>(
+    what: &str,
+    value: &Bound<'_, PyAny>,
+    vertices: usize,
+    faces: &[[u32; 3]],
+) -> PyResult<Vec<[[f32; N]; 3]>> {
+    let array = array(value)?;
+    if array.shape().len() != 3 {
+        let of_vertices = rows::<N>(what, value)?;
+        if of_vertices.len() != vertices {
+            let found = of_vertices.len();
+            return Err(refused(format!(
+                "{what}: {found} for {vertices} vertices; give one a vertex, or three a face"
+            )));
+        }
+        // A corner that is out of range is refused with the mesh.
+        let at = |corner: u32| of_vertices.get(corner as usize).copied().unwrap_or([0.0; N]);
+        return Ok(faces.iter().map(|corners| corners.map(at)).collect());
+    }
+    if array.shape() != [faces.len(), 3, N] {
+        let expected = format!("({vertices}, {N}) or ({}, 3, {N})", faces.len());
+        return Err(misshapen(what, &expected, array.shape()));
+    }
+    let found: PyReadonlyArray3<'_, f32> = of_type(&array, "float32")?.extract()?;
+    let (rows, _) = found.as_slice()?.as_chunks::<N>();
+    let (all, _) = rows.as_chunks::<3>();
+    Ok(all.to_vec())
+}
+
+/// Colours of corners in linear light: floats are that, bytes are taken as sRGB. Alpha says nothing.
+pub(crate) fn corner_colors(value: &Bound<'_, PyAny>, vertices: usize, faces: &[[u32; 3]]) -> PyResult<Vec<[Vec3; 3]>> {
+    let array = array(value)?;
+    let is_srgb = array.dtype().kind() == b'u' && array.dtype().itemsize() == 1;
+    if !is_srgb && !is_of_kind(&array, b"f") {
+        let reason = "must be floats in linear light, or bytes in sRGB";
+        return Err(refused(format!("colors: they are {}, and {reason}", array.dtype())));
+    }
+    let linear = |value: f32| match is_srgb {
+        false => value,
+        true if value <= 0.04045 * 255.0 => value / 255.0 / 12.92,
+        true => ((value / 255.0 + 0.055) / 1.055).powf(2.4),
+    };
+    let colors = match array.shape().last() {
+        Some(4) => corners::<4>("colors", value, vertices, faces)?
+            .into_iter()
+            .map(|corners| corners.map(|[red, green, blue, _]| [red, green, blue]))
+            .collect(),
+        _ => corners::<3>("colors", value, vertices, faces)?,
+    };
+    Ok(colors.into_iter().map(|corners| corners.map(|color| Vec3::from_array(color.map(linear)))).collect())
+}
+
+/// Texture coordinates.
+pub(crate) fn corner_uv(value: &Bound<'_, PyAny>, vertices: usize, faces: &[[u32; 3]]) -> PyResult<Vec<[Vec2; 3]>> {
+    let uv = corners::<2>("uv", value, vertices, faces)?;
+    Ok(uv.into_iter().map(|corners| corners.map(Vec2::from_array)).collect())
+}
+
+/// Normals.
+pub(crate) fn corner_normals(
+    value: &Bound<'_, PyAny>,
+    vertices: usize,
+    faces: &[[u32; 3]],
+) -> PyResult<Vec<[Vec3; 3]>> {
+    let normals = corners::<3>("normals", value, vertices, faces)?;
+    Ok(normals.into_iter().map(|corners| corners.map(Vec3::from_array)).collect())
+}
+
+/// A picture of bytes, `(height, width, 3)` or with alpha `(height, width, 4)`: width, height and pixels.
+pub(crate) fn pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32, Vec<[u8; 4]>)> {
+    let array = array(value)?;
+    let is_bytes = array.dtype().kind() == b'u' && array.dtype().itemsize() == 1;
+    let (height, width, channels) = match *array.shape() {
+        [height, width, channels @ (3 | 4)] if is_bytes => (height, width, channels),
+        _ => {
+            let (found, shape) = (array.dtype(), array.shape());
+            return Err(refused(format!(
+                "{what}: it must be uint8 of shape (height, width, 3) or (height, width, 4), not {found} of {shape:?}"
+            )));
+        }
+    };
+    let found: PyReadonlyArray3<'_, u8> = of_type(&array, "uint8")?.extract()?;
+    let pixels = match channels {
+        3 => found.as_slice()?.as_chunks::<3>().0.iter().map(|&[red, green, blue]| [red, green, blue, 255]).collect(),
+        _ => found.as_slice()?.as_chunks::<4>().0.to_vec(),
+    };
+    let side = |length: usize| u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels a side")));
+    Ok((side(width)?, side(height)?, pixels))
+}
+
+/// Linear colours, `(height, width, 3)`: width, height and pixels.
+pub(crate) fn linear_pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32, Vec<Vec3>)> {
+    let array = array(value)?;
+    let [height, width, 3] = *array.shape() else {
+        return Err(misshapen(what, "(height, width, 3)", array.shape()));
+    };
+    let found: PyReadonlyArray3<'_, f32> = of_type(&array, "float32")?.extract()?;
+    let pixels = found.as_slice()?.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect();
+    let side = |length: usize| u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels a side")));
+    Ok((side(width)?, side(height)?, pixels))
+}
