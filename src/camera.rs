@@ -178,6 +178,11 @@ impl StereoCamera {
         self.up
     }
 
+    /// What [`StereoCamera::target`] was given.
+    pub fn target_position(&self) -> Vec3 {
+        self.target
+    }
+
     /// Picture size in pixels.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         (self.width, self.height) = (width, height);

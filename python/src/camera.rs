@@ -91,6 +91,16 @@ impl Camera {
     }
 
     #[getter]
+    fn target(&self) -> (f32, f32, f32) {
+        tuple(self.0.target_position())
+    }
+
+    #[getter]
+    fn up_direction(&self) -> (f32, f32, f32) {
+        tuple(self.0.up_direction())
+    }
+
+    #[getter]
     fn size(&self) -> PyResult<(u32, u32)> {
         Ok(self.pose()?.size.into())
     }
@@ -174,7 +184,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
     }
     for (name, value) in fields {
         let name: String = name.extract()?;
-        let of = |error: PyErr| refused(format!("camera: {name}: {error}"));
+        let of = |error: PyErr| refused(format!("camera: {name}: {}", error.value(value.py())));
         let point = || value.extract::<Point>().map(|point| point.0).map_err(of);
         let number = || {
             value.extract::<f32>().map_err(|_| refused(format!("camera: {name}: {} must be a number", shown(&value))))

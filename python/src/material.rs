@@ -138,7 +138,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     let Some(fields) = fields else { return Ok(Material(material)) };
     for (name, value) in fields {
         let name: String = name.extract()?;
-        let of = |error: PyErr| refused(format!("material: {name}: {error}"));
+        let of = |error: PyErr| refused(format!("material: {name}: {}", error.value(value.py())));
         let color = || value.extract::<Color>().map(|color| color.0);
         let number = || value.extract::<f32>().map_err(|_| refused(format!("{} must be a number", shown(&value))));
         let texture = || value.extract::<Option<u32>>().map(|id| id.map(TextureId));
@@ -162,7 +162,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     }
     for name in ["index", "transmission", "fresnel"] {
         let Some(value) = fields.get_item(name)? else { continue };
-        let of = |error: PyErr| refused(format!("material: {name}: {error}"));
+        let of = |error: PyErr| refused(format!("material: {name}: {}", error.value(value.py())));
         match (&mut material.finish, name) {
             (Finish::Glass { index, .. }, "index") => *index = value.extract().map_err(of)?,
             (Finish::Glass { transmission, .. }, "transmission") => {

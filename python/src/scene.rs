@@ -282,6 +282,16 @@ impl Scene {
         self.changed().place_lights(count, &camera.0).map_err(raised)
     }
 
+    /// The lights that `place_lights` would place; the scene stays as it is.
+    fn lights_around(&mut self, count: usize, camera: Camera) -> PyResult<Vec<Light>> {
+        let before = (std::mem::take(&mut self.inner.lights), self.inner.ambient);
+        let placed = self.inner.place_lights(count, &camera.0);
+        let lights = std::mem::replace(&mut self.inner.lights, before.0);
+        self.inner.ambient = before.1;
+        placed.map_err(raised)?;
+        Ok(lights.into_iter().map(Light).collect())
+    }
+
     #[getter]
     fn shadows(&self) -> bool {
         self.inner.shadows
@@ -295,6 +305,12 @@ impl Scene {
     #[getter]
     fn ambient(&self) -> (f32, f32, f32) {
         tuple(self.inner.rendered_ambient())
+    }
+
+    /// What was given: `None` where it is by rule.
+    #[getter]
+    fn given_ambient(&self) -> Option<(f32, f32, f32)> {
+        self.inner.ambient.map(tuple)
     }
 
     #[setter]

@@ -1,0 +1,104 @@
+"""``python -m stereotrace.dataset``: makes a data set, on this machine or on Ray."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from typing import Any
+
+from stereotrace import AdapterError
+
+from . import Spec, make, make_on_ray
+from .encode import files
+from .store import Store
+from .worker import Worker
+
+
+def parser() -> argparse.ArgumentParser:
+    found = argparse.ArgumentParser(
+        prog="python -m stereotrace.dataset",
+        description="Makes a data set of stereo pairs from a spec, or goes on with one. A shard is there whole or not at all.",
+    )
+    found.add_argument("spec", help="YAML file: docs/DATA-SETS.md has its keys")
+    found.add_argument("out", help="folder, or any place that fsspec knows, as s3://bucket/folder")
+    found.add_argument("--shards", metavar="FROM..TO", type=_range, help="make these alone, as 0..4 for the first four")
+    found.add_argument("--item", metavar="N", type=int, help="make this pair alone: its files go to OUT as they would into a shard")
+    found.add_argument("--retry-errors", action="store_true", help="make shards again in which a pair is missing")
+    found.add_argument("--adapter", metavar="NAME", help="graphics adapter: software, fastest, or a part of its name [default: STEREOTRACE_ADAPTER, or the fastest]")
+    found.add_argument("--storage-option", metavar="KEY=VALUE", action="append", default=[], type=_pair, help="of the fsspec file system; may be given again")
+    found.add_argument("--quiet", action="store_true", help="no progress bar")
+    ray = found.add_argument_group("on Ray")
+    ray.add_argument("--ray", nargs="?", const="", metavar="ADDRESS", help="make shards by workers of Ray: of the cluster there (auto: the one that this machine is part of), or of a Ray of this machine")
+    ray.add_argument("--workers", type=int, default=2, metavar="N", help="workers [default: 2]")
+    ray.add_argument("--cpus", type=float, default=1, metavar="N", help="cores a worker [default: 1]")
+    ray.add_argument("--gpus", type=float, default=0, metavar="N", help="GPUs a worker [default: 0]")
+    return found
+
+
+def _range(text: str) -> range:
+    first, dots, last = text.partition("..")
+    if not dots or not first.isdigit() or not last.isdigit() or int(first) >= int(last):
+        raise argparse.ArgumentTypeError("it must be a range like 0..4")
+    return range(int(first), int(last))
+
+
+def _pair(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError("it must be KEY=VALUE")
+    try:
+        return key, json.loads(value)
+    except ValueError:
+        return key, value
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Returns 0 if all is there, 1 if something is missing or wrong, 130 if it was interrupted."""
+    given = parser().parse_args(arguments)
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
+    try:
+        spec = Spec.load(given.spec)
+        storage = dict(given.storage_option)
+        if given.item is not None:
+            return _one_item(spec, given, storage)
+        common = {"adapter": given.adapter, "retry_errors": given.retry_errors, "storage_options": storage, "progress": not given.quiet}
+        if given.ray is None:
+            report = make(spec, given.out, shards=given.shards, **common)
+        else:
+            if given.shards is not None:
+                raise ValueError("--shards: Ray makes all that are missing")
+            report = make_on_ray(spec, given.out, address=given.ray or None, workers=given.workers, num_cpus=given.cpus, num_gpus=given.gpus, **common)
+    except KeyboardInterrupt:
+        print("interrupted; the same command goes on with it", file=sys.stderr)
+        return 130
+    except ImportError as error:
+        print(f"error: {error}; install it with: pip install 'stereotrace[dataset]', 'stereotrace[parquet]' or 'stereotrace[ray]'", file=sys.stderr)
+        return 1
+    except (ValueError, OSError, AdapterError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print(f"{given.out}: {report.summary()}")
+    return 1 if report.errors or report.failed else 0
+
+
+def _one_item(spec: Spec, given: argparse.Namespace, storage: dict[str, Any]) -> int:
+    if not 0 <= given.item < spec["pairs"]:
+        raise ValueError(f"--item {given.item}: the data set has the items 0 to {spec['pairs'] - 1}")
+    worker = Worker(spec, adapter=given.adapter)
+    pair, record = worker.pair(given.item)
+    if spec.is_layout:
+        written = pair.write(given.out, spec["format"], given.item)
+        print("\n".join(str(path) for path in written))
+        return 0
+    store = Store(given.out, storage)
+    store.make_folder()
+    for name, data in files(pair, spec["outputs"], record).items():
+        store.write(f"{given.item:08d}.{name}", data)
+        print(store.place(f"{given.item:08d}.{name}"))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""Pairs as files: names and bytes."""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+from typing import Any
+
+import numpy as np
+
+from stereotrace import StereoPair, encode_png
+
+from .spec import eye_outputs
+from .store import Written
+
+
+def files(pair: StereoPair, outputs: list[str], record: dict[str, Any]) -> dict[str, bytes]:
+    """A pair's files by the ends of their names: PNG for colours and maps of bytes, NPY for all else, and JSON of its camera and record."""
+    found = {}
+    for eye, output in eye_outputs(outputs):
+        array = getattr(pair.left if eye == "left" else pair.right, output)
+        if output == "color":
+            found[f"{eye}.png"] = encode_png(array)
+        elif array.dtype == np.uint8:
+            found[f"{eye}.{output}.png"] = encode_png(array)
+        else:
+            found[f"{eye}.{output}.npy"] = _npy(array)
+    camera = json.loads(pair.camera.to_json())
+    found["json"] = json.dumps({**record, "camera": camera}, sort_keys=True).encode()
+    return found
+
+
+def _npy(array: Any) -> bytes:
+    file = io.BytesIO()
+    np.save(file, array, allow_pickle=False)
+    return file.getvalue()
+
+
+class Tar:
+    """A shard as a tar file, as ``webdataset`` reads it: files that have a name in common up to its first dot are one sample. The same pairs make the same bytes."""
+
+    def __init__(self, file: Written) -> None:
+        self._tar = tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT)  # type: ignore[call-overload]
+
+    def add(self, key: str, item: int, files: dict[str, bytes]) -> None:
+        for name, data in files.items():
+            entry = tarfile.TarInfo(f"{key}.{name}")
+            entry.size = len(data)
+            entry.mode = 0o644
+            self._tar.addfile(entry, io.BytesIO(data))
+
+    def close(self) -> None:
+        self._tar.close()
+
+
+class Parquet:
+    """A shard as a Parquet file: a row a pair, a column of bytes for each of its files, named as in a tar file."""
+
+    def __init__(self, file: Written) -> None:
+        self._file = file
+        self._writer: Any = None
+
+    def add(self, key: str, item: int, files: dict[str, bytes]) -> None:
+        import pyarrow
+        import pyarrow.parquet
+
+        columns = {"item": pyarrow.array([item], pyarrow.int64()), "key": pyarrow.array([key])}
+        columns |= {name: pyarrow.array([data], pyarrow.binary()) for name, data in files.items()}
+        table = pyarrow.table(columns)
+        if self._writer is None:
+            # PNG does not get smaller, and NPY hardly.
+            self._writer = pyarrow.parquet.ParquetWriter(pyarrow.PythonFile(self._file, "w"), table.schema, compression="none")
+        self._writer.write_table(table)
+
+    def close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+
+
+ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}
+"""Of shards that are files, by their format."""

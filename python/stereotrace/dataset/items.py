@@ -1,0 +1,172 @@
+"""What a pair of a data set is: each of its values follows from the spec, the pair's number and the value's own name."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from typing import Any, Mapping
+
+import numpy as np
+
+import stereotrace
+from stereotrace import Camera, Light, Material, Scene
+
+from .spec import DISPARITY_SHARE, LARGEST_DISPARITY, PARALLEL_LAYOUTS, Spec
+
+PLACES = 16
+"""Places among which lights are put."""
+
+
+class Item:
+    """The draws of one pair."""
+
+    def __init__(self, spec: Spec, number: int) -> None:
+        self.spec = spec
+        self.number = number
+
+    def unit(self, name: str) -> float:
+        """A number from 0 to 1, below 1, that belongs to this name: whatever else the spec draws, it stays the same."""
+        text = f"{self.spec['seed']}/{self.number}/{name}"
+        return (int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 11) / 2**53
+
+    def draw(self, value: Any, name: str) -> Any:
+        """A value of the spec: as it is, or drawn."""
+        if not isinstance(value, Mapping):
+            return value
+        ((kind, given),) = value.items()
+        unit = self.unit(name)
+        if kind == "choice":
+            return given[int(unit * len(given))]
+        low, high = given
+        if isinstance(low, int) and isinstance(high, int) and kind == "uniform" and name.endswith("count"):
+            return low + int(unit * (high - low + 1))
+        drawn = low + unit * (high - low) if kind == "uniform" else math.exp(math.log(low) + unit * math.log(high / low))
+        # As many digits as f32 has: the last bits of exp and log are not the same on all machines.
+        return float(f"{drawn:.7g}")
+
+    def scene(self) -> int:
+        """Its scene, by the scenes' weights."""
+        weights = [scene["weight"] for scene in self.spec["scenes"]]
+        left = self.unit("scene") * sum(weights)
+        for index, weight in enumerate(weights):
+            if left < weight:
+                return index
+            left -= weight
+        return max(index for index, weight in enumerate(weights) if weight)
+
+    def given_camera(self, scene: Scene) -> Camera:
+        """The camera that the scene has or is given, with the item's rig: where poses begin."""
+        entry = self.spec["scenes"][self.scene()]
+        given, rig = entry.get("camera", {}), self.spec["rig"]
+        size = tuple(self.spec["size"])
+        camera = scene.camera(given.get("name"), size=size)
+        if "eye" in given:
+            camera = Camera(given["eye"], given["target"], size=size)
+        if "up" in given:
+            camera = camera.replace(up=given["up"])
+        fields = {name: self.draw(value, f"rig.{name}") for name, value in rig.items()}
+        if self.spec["format"] in PARALLEL_LAYOUTS:
+            fields.setdefault("screen_distance", "inf")
+        if fields.get("screen_distance") == "inf":
+            fields["screen_distance"] = math.inf
+        return camera.replace(**fields) if fields else camera
+
+    def camera(self, renderer: stereotrace.Renderer, scene: Scene) -> tuple[Camera, int]:
+        """Its camera, and how many places were tried for it."""
+        given, poses = self.given_camera(scene), self.spec["poses"]
+        if poses["kind"] == "fixed":
+            return given, 1
+        if poses["kind"] == "orbit":
+            return self._orbited(given), 1
+        limit = poses.get("max_disparity", DISPARITY_SHARE * self.spec["size"][0])
+        return renderer.free_camera(
+            scene,
+            given,
+            self.spec["seed"],
+            self.number,
+            clearance=self.draw(poses.get("clearance"), "poses.clearance"),
+            max_disparity=min(limit, LARGEST_DISPARITY.get(self.spec["format"], math.inf)),
+            min_surfaces=poses.get("min_surfaces"),
+        )
+
+    def _orbited(self, camera: Camera) -> Camera:
+        """Turned and raised about its target, in degrees, and so many times as far from it."""
+        poses = self.spec["poses"]
+        turn, rise, distance = (self.draw(poses[name], f"poses.{name}") for name in ("turn", "rise", "distance"))
+        eye, target = (np.array(point, np.float64) for point in (camera.eye, camera.target))
+        up = np.array(camera.up_direction, np.float64)
+        up /= np.linalg.norm(up)
+        turned = _turned(eye - target, up, math.radians(turn))
+        side = np.cross(up, turned)
+        if np.linalg.norm(side) > 0:
+            turned = _turned(turned, side / np.linalg.norm(side), -math.radians(rise))
+        return camera.replace(eye=_rounded(target + distance * turned))
+
+    def lights(self, scene: Scene, own: list[Light], camera: Camera) -> list[Light]:
+        """What lights it: drawn, or given with the scene, or the scene's own; three around the camera where there are none."""
+        drawn, given = self.spec["randomise"].get("lights"), self.spec["scenes"][self.scene()].get("lights")
+        if drawn is not None:
+            return self._drawn_lights(drawn, scene, camera)
+        if isinstance(given, list):
+            return [_light(light) for light in given]
+        if given is None and own:
+            return own
+        return scene.lights_around(3 if given is None else given, camera)
+
+    def _drawn_lights(self, drawn: Mapping[str, Any], scene: Scene, camera: Camera) -> list[Light]:
+        placed = scene.lights_around(PLACES, camera)
+        count = self.draw(drawn["count"], "lights.count")
+        order = sorted(range(PLACES), key=lambda place: self.unit(f"lights.place.{place}"))
+        lights = []
+        for index, place in enumerate(order[:count]):
+            strength = self.draw(drawn["strength"], f"lights.{index}.strength") / count
+            tints = [self.draw(drawn["tint"], f"lights.{index}.tint.{channel}") for channel in "rgb"]
+            light = {"position": list(placed[place].position), "intensity": [strength * tint for tint in tints]}
+            if "radius" in drawn:
+                light["radius"] = self.draw(drawn["radius"], f"lights.{index}.radius")
+            lights.append(_light(light))
+        return lights
+
+    def ambient(self) -> Any:
+        """Light from all around, or ``None`` for the scene's own."""
+        drawn = self.draw(self.spec["randomise"].get("ambient"), "ambient")
+        return self.spec["scenes"][self.scene()].get("ambient") if drawn is None else drawn
+
+    def exposure(self) -> float:
+        """Stops."""
+        return float(self.draw(self.spec["randomise"].get("exposure", 0), "exposure"))
+
+    def material(self, place: int, own: Material) -> Material:
+        """What becomes of a material of its scene, by its number there."""
+        drawn = self.spec["randomise"].get("materials")
+        if drawn is None or self.unit(f"materials.{place}.share") >= drawn["share"]:
+            return own
+        fields: dict[str, Any] = {}
+        if "albedo" in drawn:
+            fields["albedo"] = tuple(self.draw(drawn["albedo"], f"materials.{place}.albedo.{channel}") for channel in "rgb")
+        if "tint" in drawn:
+            tints = (self.draw(drawn["tint"], f"materials.{place}.tint.{channel}") for channel in "rgb")
+            fields["albedo"] = tuple(min(1.0, tint * value) for tint, value in zip(tints, own.albedo))
+        for name in ("specular", "exponent"):
+            if name in drawn:
+                fields[name] = self.draw(drawn[name], f"materials.{place}.{name}")
+        return own.replace(**fields)
+
+
+def _light(given: Mapping[str, Any]) -> Light:
+    if "towards" in given:
+        return Light.directional(given["towards"], given.get("radius", 0.0), given["intensity"])
+    if given.get("radius"):
+        return Light.sphere(given["position"], given["radius"], given["intensity"])
+    return Light.point(given["position"], given["intensity"])
+
+
+def _turned(vector: Any, axis: Any, angle: float) -> Any:
+    """About an axis of unit length (Rodrigues)."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return vector * cos + np.cross(axis, vector) * sin + axis * np.dot(axis, vector) * (1 - cos)
+
+
+def _rounded(point: Any) -> list[float]:
+    """To f32's digits: the last bits of sine and cosine are not the same on all machines."""
+    return [float(f"{value:.7g}") for value in point]

@@ -1,0 +1,152 @@
+"""Data sets made by many machines, on Ray: https://docs.ray.io. Ray has the machines, hands out the shards and replaces workers that die."""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import time
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from stereotrace import AdapterError
+
+from .run import DataSet, Report, failure
+from .spec import Spec
+from .store import Store
+from .worker import Worker
+
+log = logging.getLogger("stereotrace.dataset")
+
+MOST_TRIES = 3
+"""Workers that may die of a shard before it is given up: one that needs more memory than there is would kill them all."""
+
+
+class ShardMaker:
+    """An actor of Ray Data: makes shards, one a call. It opens its device with the first one, and keeps it and the scenes that it has read."""
+
+    def __init__(self, values: dict[str, Any], folder: str, hashes: list[str | None], out: str, storage_options: dict[str, Any], adapter: str | None, cpus: float, run: str) -> None:
+        # Drivers and trees take as many threads as the worker has cores; Mesa's software driver would take all there are.
+        threads = str(max(1, round(cpus)))
+        for variable in ("LP_NUM_THREADS", "RAYON_NUM_THREADS"):
+            os.environ.setdefault(variable, threads)
+        self._spec = Spec(values, Path(folder))
+        self._hashes = hashes
+        self._store = Store(out, storage_options)
+        self._adapter = adapter
+        self._run = run
+        self._worker: Worker | None = None
+
+    def __call__(self, batch: dict[str, Any]) -> dict[str, list[Any]]:
+        rows = [self._row(int(shard)) for shard in batch["shard"]]
+        return {"row": [_packed(row) for row in rows]}
+
+    def _row(self, shard: int) -> dict[str, Any]:
+        name = self._spec.shard_name(shard)
+        try:
+            tries = self._count_try(name)
+            if tries > MOST_TRIES:
+                reason = f"given up after {MOST_TRIES} tries: each time its worker died, as one does that is out of memory"
+                return {"shard": name, "error": reason, "kind": "WorkerDied"}
+            if self._worker is None:
+                self._worker = Worker(self._spec, self._hashes, self._adapter)
+            record = self._worker.shard(shard, self._store)
+            return {**record, "worker": f"{socket.gethostname()}:{os.getpid()}", "tries": tries, "memory": _memory(), "ended": time.time()}
+        except AdapterError as error:
+            # No shard can be made here: the run must stop and say so.
+            raise AdapterError(f"worker on {socket.gethostname()}: {error}") from error
+        except OSError as error:
+            return failure(name, error)
+
+    def _count_try(self, name: str) -> int:
+        """How many workers began this shard in this run, with this one. A worker that dies leaves its mark."""
+        marks = self._store.names(_marks(self._run))
+        tries = 1 + sum(mark.startswith(f"{name}.") for mark in marks)
+        self._store.mark(f"{_marks(self._run)}/{name}.{tries}")
+        return tries
+
+
+def _marks(run: str) -> str:
+    return f"tries-{run}"
+
+
+def _packed(row: dict[str, Any]) -> bytes:
+    import json
+
+    return json.dumps(row).encode()
+
+
+def _memory() -> int:
+    """The most memory that this process has taken so far, in bytes."""
+    import resource
+    import sys
+
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
+def make(
+    spec: Spec,
+    out: str,
+    *,
+    workers: int = 2,
+    num_cpus: float = 1,
+    num_gpus: float = 0,
+    address: str | None = None,
+    adapter: str | None = None,
+    retry_errors: bool = False,
+    storage_options: dict[str, Any] | None = None,
+    progress: bool = False,
+) -> Report:
+    """Makes a data set on Ray, or goes on with it: ``workers`` actors of ``num_cpus`` cores and ``num_gpus`` GPUs each make a shard after the other. Without an
+    ``address``, and where Ray is not initialised yet, a Ray of this machine is started. ``out`` must be a place that all machines reach, and so must the
+    spec's scene files.
+
+    Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
+    import json
+
+    import ray
+    import ray.data
+
+    began, clock = time.monotonic(), time.time()
+    if "://" not in out:
+        out = os.path.abspath(out)
+    store = Store(out, storage_options)
+    data_set = DataSet(spec, store)
+    pending = data_set.pending(range(spec.shards), retry_errors)
+    kept, run = spec.shards - len(pending), uuid.uuid4().hex[:12]
+    if not pending:
+        return data_set.run(pending, [], kept, began)
+    if not ray.is_initialized():
+        ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
+    ray.data.DataContext.get_current().enable_progress_bars = progress
+    workers = min(workers, len(pending))
+    shards = ray.data.from_items([{"shard": shard} for shard in pending], override_num_blocks=len(pending))
+    records = shards.map_batches(
+        ShardMaker,
+        fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run),
+        batch_size=1,
+        concurrency=workers,
+        num_cpus=num_cpus,
+        num_gpus=num_gpus,
+    )
+    ended: list[tuple[float, dict[str, Any]]] = []
+
+    def rows() -> Iterator[dict[str, Any]]:
+        for found in records.iter_rows():
+            row = json.loads(found["row"])
+            if "error" not in row:
+                ended.append((row["ended"], row))
+            yield row
+
+    try:
+        report = data_set.run(pending, rows(), kept, began)
+    finally:
+        store.remove(_marks(run))
+    if ended:
+        at, row = min(ended, key=lambda one: one[0])
+        report.first_pair_seconds = at - clock - row["seconds"] * (len(row["pairs"]) - 1) / max(1, len(row["pairs"]))
+        report.workers = {row["worker"]: row["memory"] for _, row in ended}
+    return report

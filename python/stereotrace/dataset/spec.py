@@ -1,0 +1,422 @@
+"""The spec of a data set: what it says, checked, in one form whatever way it was given."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, Mapping, Sequence
+
+import stereotrace
+
+FORMATS = ("webdataset", "parquet", *stereotrace.LAYOUTS)
+POSES = ("free", "orbit", "fixed")
+DRAWS = ("uniform", "log_uniform", "choice")
+"""How a value may be drawn, a dict of one of these: ``{"uniform": [low, high]}``, ``{"log_uniform": [low, high]}``, ``{"choice": [...]}``."""
+
+PARALLEL_LAYOUTS = ("kitti", "sceneflow")
+"""Layouts whose cameras are parallel."""
+LARGEST_DISPARITY = {"kitti": 256.0}
+"""What disparities a layout's files hold, in pixels."""
+DISPARITY_SHARE = 0.2
+"""Largest disparity where nothing is said, as a share of the width."""
+MOST_PAIRS = 2**31 - 1
+
+
+class SpecError(ValueError):
+    """A spec that says something wrong; the text names the key."""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A data set's spec, checked. ``values`` is all that it says, with defaults filled in, in plain JSON types; ``folder`` is where the paths of its scene
+    files begin, and is no part of what the data set is."""
+
+    values: dict[str, Any]
+    folder: Path = field(compare=False)
+
+    @staticmethod
+    def load(source: str | Path | Mapping[str, Any]) -> Spec:
+        """Reads a spec from a YAML or JSON file, or takes a dict. Raises ``SpecError`` for what is wrong in it, naming the key, and
+        ``OSError`` for a file that can't be read."""
+        if isinstance(source, Mapping):
+            return Spec(_checked(source), Path.cwd())
+        import yaml
+
+        path = Path(source)
+        try:
+            values = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except (yaml.YAMLError, UnicodeDecodeError) as error:
+            raise SpecError(f"{path}: no YAML: {error}") from error
+        try:
+            if not isinstance(values, Mapping):
+                raise SpecError("it must be a mapping of keys to values")
+            return Spec(_checked(values), path.resolve().parent)
+        except SpecError as error:
+            raise SpecError(f"{path}: {error}") from None
+
+    def __getitem__(self, key: str) -> Any:
+        return self.values[key]
+
+    @property
+    def shards(self) -> int:
+        """How many shards there are."""
+        return -(-int(self["pairs"]) // int(self["shard_pairs"]))
+
+    def shard_name(self, shard: int) -> str:
+        """The name of a shard, without its ending."""
+        return f"{self['name']}-{shard:06d}"
+
+    def shard_items(self, shard: int) -> range:
+        """The numbers of a shard's pairs."""
+        begin = shard * int(self["shard_pairs"])
+        return range(begin, min(begin + int(self["shard_pairs"]), int(self["pairs"])))
+
+    def scene_path(self, scene: int) -> Path | None:
+        """A scene's file, or ``None`` for a built-in one."""
+        file = self["scenes"][scene].get("file")
+        return None if file is None else self.folder / file
+
+    @property
+    def is_layout(self) -> bool:
+        """Whether shards are folders of files, in the place of one file."""
+        return self["format"] in stereotrace.LAYOUTS
+
+    def sha256(self) -> str:
+        """A hash of all that the spec says."""
+        return hashlib.sha256(canonical(self.values).encode()).hexdigest()
+
+
+def canonical(value: Any) -> str:
+    """JSON of one form."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+# --- Checks: each takes a value and the key's path, and returns the value as it is kept ---
+
+Check = Callable[[Any, str], Any]
+
+
+def _keys(value: Any, at: str, known: Mapping[str, tuple[Check, Any]]) -> dict[str, Any]:
+    """A mapping of known keys. What is left out has its default, and is left out where that is ``None``."""
+    if not isinstance(value, Mapping):
+        raise SpecError(f"{at or 'the spec'}: {_shown(value)} must be a mapping of keys to values")
+    unknown = [key for key in value if key not in known]
+    if unknown:
+        raise SpecError(f"{at + ': ' if at else ''}unknown key {_shown(unknown[0])}; there are {', '.join(known)}")
+    found: dict[str, Any] = {}
+    for key, (check, default) in known.items():
+        given = value.get(key, default)
+        if given is _NEEDED:
+            raise SpecError(f"{_join(at, key)} is missing")
+        if given is not None:
+            found[key] = check(given, _join(at, key))
+    return found
+
+
+_NEEDED = object()
+
+
+def _join(at: str, key: str) -> str:
+    return f"{at}.{key}" if at else key
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:79] + "…"
+
+
+def _number(value: Any, at: str) -> float:
+    # YAML reads 1e-3 as text.
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            pass
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
+        raise SpecError(f"{at}: {_shown(value)} must be a number")
+    return value
+
+
+def _finite(value: Any, at: str) -> float:
+    number = _number(value, at)
+    if math.isinf(number):
+        raise SpecError(f"{at}: {_shown(value)} must be finite")
+    return number
+
+
+def _whole(low: int, high: int) -> Check:
+    def check(value: Any, at: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+            raise SpecError(f"{at}: {_shown(value)} must be a whole number, {low} to {high}")
+        return value
+
+    return check
+
+
+def _one_of(*known: str) -> Check:
+    def check(value: Any, at: str) -> str:
+        if value not in known:
+            raise SpecError(f"{at}: unknown {_shown(value)}; use one of {', '.join(known)}")
+        return str(value)
+
+    return check
+
+
+def _list(count: int | None, of: Check) -> Check:
+    def check(value: Any, at: str) -> list[Any]:
+        if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence) or (count is not None and len(value) != count):
+            expected = "a list" if count is None else f"a list of {count}"
+            raise SpecError(f"{at}: {_shown(value)} must be {expected}")
+        return [of(item, f"{at}[{index}]") for index, item in enumerate(value)]
+
+    return check
+
+
+def _color(value: Any, at: str) -> list[float]:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        value = [value] * 3
+    return list(_list(3, _finite)(value, at))
+
+
+def _drawn(of: Check) -> Check:
+    """A value, or a way to draw one."""
+
+    def check(value: Any, at: str) -> Any:
+        if not isinstance(value, Mapping):
+            return of(value, at)
+        if len(value) != 1 or next(iter(value)) not in DRAWS:
+            raise SpecError(f"{at}: {_shown(value)} must be a value, or a mapping of one key: {', '.join(DRAWS)}")
+        ((kind, given),) = value.items()
+        if kind == "choice":
+            choices = _list(None, of)(given, f"{at}.choice")
+            if not choices:
+                raise SpecError(f"{at}.choice: there is nothing to choose from")
+            return {kind: choices}
+        low, high = _list(2, _finite)(given, f"{at}.{kind}")
+        if low > high or (kind == "log_uniform" and low <= 0):
+            positive = " above 0" if kind == "log_uniform" else ""
+            raise SpecError(f"{at}.{kind}: {_shown(given)} must be a low and a high number{positive}")
+        # Both ends must be values that may be drawn.
+        of(type(given[0])(low) if isinstance(given[0], int) else low, f"{at}.{kind}[0]")
+        return {kind: [low, high]}
+
+    return check
+
+
+def _text(value: Any, at: str) -> str:
+    if not isinstance(value, str):
+        raise SpecError(f"{at}: {_shown(value)} must be text")
+    return value
+
+
+def _flag(value: Any, at: str) -> bool:
+    if not isinstance(value, bool):
+        raise SpecError(f"{at}: {_shown(value)} must be true or false")
+    return value
+
+
+def _name(value: Any, at: str) -> str:
+    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", value):
+        raise SpecError(f"{at}: {_shown(value)} must be letters, digits, - and _, at most 64 of them")
+    return value
+
+
+def _distance(value: Any, at: str) -> Any:
+    """A length, or ``"inf"``: JSON has no infinity."""
+    number = math.inf if value in ("inf", ".inf") else _number(value, at)
+    return "inf" if number == math.inf else _finite(number, at)
+
+
+def _camera(value: Any, at: str) -> dict[str, Any]:
+    point = _list(3, _finite)
+    known: dict[str, tuple[Check, Any]] = {
+        "name": (_text, None),
+        "eye": (point, None),
+        "target": (point, None),
+        "up": (point, None),
+    }
+    found = _keys(value, at, known)
+    if ("eye" in found) != ("target" in found):
+        raise SpecError(f"{at}: eye and target go together")
+    if "name" in found and "eye" in found:
+        raise SpecError(f"{at}: name is of one of the file's own cameras; it has its eye and target")
+    return found
+
+
+def _light(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "position": (_list(3, _finite), None),
+        "towards": (_list(3, _finite), None),
+        "intensity": (_color, _NEEDED),
+        "radius": (_finite, None),
+    }
+    found = _keys(value, at, known)
+    if ("position" in found) == ("towards" in found):
+        raise SpecError(f"{at}: give a position, or towards for a light that is infinitely far off")
+    return found
+
+
+def _lights(value: Any, at: str) -> Any:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return _whole(0, 1000)(value, at)
+    return _list(None, _light)(value, at)
+
+
+def _scene(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "file": (_text, None),
+        "builtin": (_one_of(*stereotrace.BUILTINS), None),
+        "weight": (_finite, 1),
+        "crease_angle": (_finite, None),
+        "missing_textures": (_one_of("error", "warn"), None),
+        "camera": (_camera, None),
+        "lights": (_lights, None),
+        "ambient": (_color, None),
+    }
+    found = _keys(value, at, known)
+    if ("file" in found) == ("builtin" in found):
+        raise SpecError(f"{at}: give a file, or the name of a built-in scene")
+    if "builtin" in found and ("crease_angle" in found or "missing_textures" in found):
+        raise SpecError(f"{at}: crease_angle and missing_textures are of files")
+    if found["weight"] < 0:
+        raise SpecError(f"{at}.weight: {found['weight']} must be 0 or more")
+    return found
+
+
+def _scenes(value: Any, at: str) -> list[dict[str, Any]]:
+    scenes = _list(None, _scene)(value, at)
+    if not any(scene["weight"] for scene in scenes):
+        raise SpecError(f"{at}: there is no scene to choose")
+    return scenes
+
+
+def _poses(value: Any, at: str) -> dict[str, Any]:
+    kind = value.get("kind", "free") if isinstance(value, Mapping) else "free"
+    known: dict[str, tuple[Check, Any]] = {"kind": (_one_of(*POSES), "free")}
+    if kind == "free":
+        known |= {"clearance": (_drawn(_finite), None), "max_disparity": (_finite, None), "min_surfaces": (_finite, None)}
+    if kind == "orbit":
+        known |= {
+            "turn": (_drawn(_finite), {"uniform": [0, 360]}),
+            "rise": (_drawn(_finite), 0),
+            "distance": (_drawn(_finite), 1),
+        }
+    return _keys(value, at, known)
+
+
+def _rig(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "interaxial": (_drawn(_finite), None),
+        "interaxial_px": (_drawn(_finite), None),
+        "screen_distance": (_drawn(_distance), None),
+        "fov": (_drawn(_finite), None),
+    }
+    found = _keys(value, at, known)
+    if "interaxial" in found and "interaxial_px" in found:
+        raise SpecError(f"{at}: interaxial and interaxial_px say the same; give one of them")
+    return found
+
+
+def _random_lights(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "count": (_drawn(_whole(1, 16)), 3),
+        "strength": (_drawn(_finite), 0.85),
+        "tint": (_drawn(_finite), 1),
+        "radius": (_drawn(_finite), None),
+    }
+    return _keys(value, at, known)
+
+
+def _random_materials(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "share": (_finite, 1),
+        "albedo": (_drawn(_finite), None),
+        "tint": (_drawn(_finite), None),
+        "specular": (_drawn(_finite), None),
+        "exponent": (_drawn(_finite), None),
+    }
+    found = _keys(value, at, known)
+    if "albedo" in found and "tint" in found:
+        raise SpecError(f"{at}: albedo replaces what tint would multiply; give one of them")
+    return found
+
+
+def _randomise(value: Any, at: str) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "lights": (_random_lights, None),
+        "materials": (_random_materials, None),
+        "ambient": (_drawn(_finite), None),
+        "exposure": (_drawn(_finite), None),
+    }
+    return _keys(value, at, known)
+
+
+def _render(value: Any, at: str) -> dict[str, Any]:
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise SpecError(f"{at}: {_shown(value)} must be a mapping of options to values")
+    for key, instead in (("outputs", "outputs"), ("exposure", "randomise.exposure"), ("count", None)):
+        if key in value:
+            raise SpecError(f"{at}.{key}: " + (f"it is the key {instead}" if instead else "data sets have no counters"))
+    try:
+        stereotrace.check_options(**value)
+    except (ValueError, TypeError) as error:
+        raise SpecError(f"{at}: {error}") from None
+    return dict(value)
+
+
+EYES = ("left", "right")
+_OF_RIGHT = ("source", "shadow_source")
+
+
+def _outputs(value: Any, at: str) -> list[str]:
+    names = _list(None, _text)(value, at)
+    for index, name in enumerate(names):
+        eye, dot, output = name.rpartition(".")
+        if output not in stereotrace.OUTPUTS or (dot and eye not in EYES):
+            known = ", ".join(stereotrace.OUTPUTS)
+            raise SpecError(f"{at}[{index}]: unknown {_shown(name)}; use one of {known}, for one eye with left. or right. before it")
+        if output in _OF_RIGHT and eye == "left":
+            raise SpecError(f"{at}[{index}]: {output} is of the right view")
+    if not names:
+        raise SpecError(f"{at}: there are none")
+    return names
+
+
+def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
+    known: dict[str, tuple[Check, Any]] = {
+        "name": (_name, "pairs"),
+        "seed": (_whole(0, 2**32 - 1), 0),
+        "pairs": (_whole(1, MOST_PAIRS), _NEEDED),
+        "shard_pairs": (_whole(1, 100_000), 64),
+        "format": (_one_of(*FORMATS), "webdataset"),
+        "size": (_list(2, _whole(1, 2**17)), [640, 480]),
+        "scenes": (_scenes, _NEEDED),
+        "poses": (_poses, {}),
+        "rig": (_rig, {}),
+        "randomise": (_randomise, {}),
+        "render": (_render, {}),
+        "outputs": (_outputs, None),
+    }
+    found = _keys(value, "", known)
+    layout = found["format"] in stereotrace.LAYOUTS
+    if layout and "outputs" in found:
+        raise SpecError(f"outputs: the layout {found['format']} says which files there are")
+    if not layout:
+        found.setdefault("outputs", ["color", "disparity", "occlusion"])
+    if found["format"] == "sceneflow" and found["pairs"] > 10_000:
+        raise SpecError("pairs: the files of sceneflow have numbers of four digits: at most 10000")
+    return found
+
+
+def eye_outputs(outputs: Sequence[str]) -> list[tuple[str, str]]:
+    """Eye and output of each array, in order: a name without an eye is of both."""
+    found: list[tuple[str, str]] = []
+    for name in outputs:
+        eye, _, output = name.rpartition(".")
+        eyes = (eye,) if eye else ("right",) if output in _OF_RIGHT else EYES
+        found += [(eye, output) for eye in eyes if (eye, output) not in found]
+    return found

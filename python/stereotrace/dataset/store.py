@@ -1,0 +1,144 @@
+"""Where a data set lies: a folder, or any place that fsspec knows. Files are there whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import posixpath
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import fsspec
+from fsspec.implementations.local import LocalFileSystem
+
+PART = ".part-"
+"""In the names of what is not whole yet."""
+
+
+class Written:
+    """A file that counts its bytes and hashes them while they are written."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        self._hash = hashlib.sha256()
+        self.bytes = 0
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        self._hash.update(view)
+        self.bytes += len(view)
+        self._file.write(data)
+        return len(view)
+
+    def tell(self) -> int:
+        return self.bytes
+
+    def flush(self) -> None:
+        """Nothing waits here."""
+
+    def sha256(self) -> str:
+        return self._hash.hexdigest()
+
+
+class Store:
+    """A folder of files."""
+
+    def __init__(self, url: str, options: dict[str, Any] | None = None) -> None:
+        """``url`` is a path, or a place like ``s3://bucket/folder``; ``options`` are those of its fsspec file system."""
+        self.url = url
+        self.options = options or {}
+        self._files, root = fsspec.core.url_to_fs(url, **self.options)
+        # A listing that is kept would not show what other workers wrote.
+        self._files.use_listings_cache = False
+        self._root = str(root).rstrip("/")
+
+    @property
+    def is_local(self) -> bool:
+        return isinstance(self._files, LocalFileSystem)
+
+    def place(self, name: str) -> str:
+        """The whole name of a file, for messages."""
+        return self._files.unstrip_protocol(self._path(name)) if not self.is_local else self._path(name)
+
+    def _path(self, name: str) -> str:
+        return posixpath.join(self._root, name)
+
+    def names(self, folder: str = "") -> set[str]:
+        """What lies in a folder; nothing where it is not there."""
+        self._files.invalidate_cache()
+        try:
+            found = self._files.ls(self._path(folder).rstrip("/"), detail=False)
+        except FileNotFoundError:
+            return set()
+        return {posixpath.basename(str(name).rstrip("/")) for name in found}
+
+    def exists(self, name: str) -> bool:
+        self._files.invalidate_cache()
+        return bool(self._files.exists(self._path(name)))
+
+    def read(self, name: str) -> bytes:
+        return bytes(self._files.cat_file(self._path(name)))
+
+    def size(self, name: str) -> int:
+        return int(self._files.size(self._path(name)))
+
+    def make_folder(self) -> None:
+        self._files.makedirs(self._root, exist_ok=True)
+
+    def remove(self, name: str) -> None:
+        """A file or a folder; nothing where there is none."""
+        if self.exists(name):
+            self._files.rm(self._path(name), recursive=True)
+
+    def remove_parts(self, name: str) -> None:
+        """What a process that was killed left of a file."""
+        for part in self.names():
+            if part.startswith(f"{name}{PART}"):
+                self.remove(part)
+
+    def write(self, name: str, data: bytes) -> None:
+        """A file, whole or not at all."""
+        with self.writing(name) as file:
+            file.write(data)
+
+    def mark(self, name: str) -> None:
+        """An empty file, in a folder that is made."""
+        path = self._path(name)
+        self._files.makedirs(posixpath.dirname(path), exist_ok=True)
+        self._files.pipe_file(path, b"")
+
+    @contextmanager
+    def writing(self, name: str) -> Iterator[Written]:
+        """A file that has its name only when all of it is written, and is not there if anything fails."""
+        part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
+        try:
+            with self._files.open(part, "wb") as file:
+                written = Written(file)
+                yield written
+            # Of another run, or of a process that did not end after all: it has the same bytes.
+            self._files.mv(part, self._path(name))
+        except BaseException:
+            self._discard(part)
+            raise
+
+    def put_folder(self, folder: Path, name: str) -> int:
+        """A folder of this machine, as a folder of this name; returns its bytes."""
+        part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
+        try:
+            self._files.put(f"{folder}/", part, recursive=True)
+            if self.exists(name):
+                self.remove(name)
+            self._files.mv(part, self._path(name), recursive=True)
+        except BaseException:
+            self._discard(part)
+            raise
+        return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+
+    def _discard(self, path: str) -> None:
+        try:
+            if self._files.exists(path):
+                self._files.rm(path, recursive=True)
+        except Exception:  # the error that led here is the one to tell
+            pass
