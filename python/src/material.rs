@@ -25,6 +25,31 @@ const FIELDS: [&str; 11] = [
 /// Those of mirrors and glass alone.
 const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 
+/// A surface: what it scatters, shines, reflects, lets through and gives off.
+///
+/// ``Material()`` is a grey, matte, opaque one of albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for three equal ones. The
+/// fields are keywords, of which ``albedo`` may come first without its name:
+///
+/// - ``albedo``: diffuse (Lambertian) reflectance.
+/// - ``name``: for messages; empty where nothing is said.
+/// - ``texture``: the id of a texture that the albedo is multiplied by; its alpha says nothing. ``None`` for none.
+/// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None`` for none.
+/// - ``opacity``: the share of what is behind the surface that it hides, 0 to 1; 1 where nothing is said.
+/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Black where nothing is said.
+/// - ``exponent``: Phong's exponent, 0 to 10000; the larger, the smaller a highlight. 30 where nothing is said.
+/// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send on. ``False`` where
+///   nothing is said.
+/// - ``emission``: the radiance that it gives off by itself, 0 or more; it lights nothing else. Black where nothing is said.
+/// - ``finish``: ``"matte"``, ``"mirror"``, which reflects its surroundings, or ``"glass"``, which refracts what is behind it. Matte where
+///   nothing is said.
+/// - ``index``: of glass, its index of refraction over that of what surrounds it, 0.1 to 10; 1.5 where nothing is said.
+/// - ``transmission``: of glass, the share of the light that comes through; white where nothing is said.
+/// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the more the view grazes
+///   them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True`` for glass where nothing is said.
+///
+/// Materials don't change: ``replace`` makes others. Equal ones are ``==``. Raises ``ValueError`` for unknown fields, fields of another
+/// finish and values of another type. Ranges are checked when a scene is rendered: there what is scattered, reflected and let through may
+/// be at most 1 together in each channel.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Material(pub(crate) stereotrace::Material);
@@ -49,56 +74,69 @@ impl Material {
         with(material, fields)
     }
 
+    /// The material with other fields, ``albedo`` and the other keywords of ``Material``; all else stays. With ``finish``, those of
+    /// ``index``, ``transmission`` and ``fresnel`` that are not given too become what they are where nothing is said. Raises ``ValueError``
+    /// as ``Material`` does.
     #[pyo3(signature = (**fields))]
     fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(self.0.clone(), fields)
     }
 
+    /// The name, or an empty text.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
     }
 
+    /// Diffuse reflectance, linear RGB: a tuple of three.
     #[getter]
     fn albedo(&self) -> (f32, f32, f32) {
         tuple(self.0.albedo)
     }
 
+    /// The id of the texture that the albedo is multiplied by, or ``None``.
     #[getter]
     fn texture(&self) -> Option<u32> {
         self.0.texture.map(|id| id.0)
     }
 
+    /// The id of the texture where whose alpha is below a half there is no surface, or ``None``.
     #[getter]
     fn cutout(&self) -> Option<u32> {
         self.0.cutout.map(|id| id.0)
     }
 
+    /// The share of what is behind the surface that it hides, 0 to 1.
     #[getter]
     fn opacity(&self) -> f32 {
         self.0.opacity
     }
 
+    /// The colour of highlights, of mirrors and glass the share that they reflect, linear RGB: a tuple of three.
     #[getter]
     fn specular(&self) -> (f32, f32, f32) {
         tuple(self.0.specular)
     }
 
+    /// Phong's exponent: the larger, the smaller a highlight.
     #[getter]
     fn exponent(&self) -> f32 {
         self.0.exponent
     }
 
+    /// Whether highlights conserve energy.
     #[getter]
     fn normalised(&self) -> bool {
         self.0.normalised
     }
 
+    /// The radiance that the surface gives off by itself, linear RGB: a tuple of three.
     #[getter]
     fn emission(&self) -> (f32, f32, f32) {
         tuple(self.0.emission)
     }
 
+    /// ``"matte"``, ``"mirror"`` or ``"glass"``.
     #[getter]
     fn finish(&self) -> &'static str {
         match self.0.finish {
@@ -109,16 +147,19 @@ impl Material {
         }
     }
 
+    /// The index of refraction of glass over that of what surrounds it; ``None`` of other materials.
     #[getter]
     fn index(&self) -> Option<f32> {
         if let Finish::Glass { index, .. } = self.0.finish { Some(index) } else { None }
     }
 
+    /// The share of the light that comes through glass, linear RGB: a tuple of three; ``None`` of other materials.
     #[getter]
     fn transmission(&self) -> Option<(f32, f32, f32)> {
         if let Finish::Glass { transmission, .. } = self.0.finish { Some(tuple(transmission)) } else { None }
     }
 
+    /// Of mirrors and glass, whether the angle of view says how much is reflected; ``None`` of matte materials.
     #[getter]
     fn fresnel(&self) -> Option<bool> {
         match self.0.finish {

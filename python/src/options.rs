@@ -208,7 +208,8 @@ const NAMES: [&str; 18] = [
     "count",
 ];
 
-/// Whether pictures can be rendered with these keywords: raises what rendering would, without a device.
+/// Checks the keywords that ``Renderer.render`` takes as options: their names, the types of their values and what these name, without a
+/// device. Ranges are checked when a pair is rendered. Raises ``ValueError``.
 #[pyfunction]
 #[pyo3(signature = (**options))]
 pub(crate) fn check_options(options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {

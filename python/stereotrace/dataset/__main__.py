@@ -94,7 +94,7 @@ def _one_item(spec: Spec, given: argparse.Namespace, storage: dict[str, Any]) ->
         return 0
     store = Store(given.out, storage)
     store.make_folder()
-    for name, data in files(pair, spec["outputs"], record).items():
+    for name, data in files(pair, spec, record).items():
         store.write(f"{given.item:08d}.{name}", data)
         print(store.place(f"{given.item:08d}.{name}"))
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import tarfile
@@ -11,19 +12,22 @@ import numpy as np
 
 from stereotrace import StereoPair, encode_png
 
-from .spec import eye_outputs
+from .spec import Spec, eye_outputs
 from .store import Written
 
 
-def files(pair: StereoPair, outputs: list[str], record: dict[str, Any]) -> dict[str, bytes]:
-    """A pair's files by the ends of their names: PNG for colours and maps of bytes, NPY for all else, and JSON of its camera and record."""
+def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, bytes]:
+    """A pair's files by the ends of their names: PNG for colours and maps of bytes, NPY for all else, as they are or by gzip, and JSON of its camera and record."""
     found = {}
-    for eye, output in eye_outputs(outputs):
+    for eye, output in eye_outputs(spec["outputs"]):
         array = getattr(pair.left if eye == "left" else pair.right, output)
         if output == "color":
             found[f"{eye}.png"] = encode_png(array)
         elif array.dtype == np.uint8:
             found[f"{eye}.{output}.png"] = encode_png(array)
+        elif spec["compress"]:
+            # By its quickest level, which saves nearly as much as the others.
+            found[f"{eye}.{output}.npy.gz"] = gzip.compress(_npy(array), compresslevel=1, mtime=0)
         else:
             found[f"{eye}.{output}.npy"] = _npy(array)
     camera = json.loads(pair.camera.to_json())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import socket
@@ -13,7 +14,7 @@ from typing import Any
 
 from stereotrace import AdapterError
 
-from .run import DataSet, Report, failure
+from .run import DataSet, Report, failure, peak_memory
 from .spec import Spec
 from .store import Store
 from .worker import Worker
@@ -41,7 +42,7 @@ class ShardMaker:
 
     def __call__(self, batch: dict[str, Any]) -> dict[str, list[Any]]:
         rows = [self._row(int(shard)) for shard in batch["shard"]]
-        return {"row": [_packed(row) for row in rows]}
+        return {"row": [json.dumps(row) for row in rows]}
 
     def _row(self, shard: int) -> dict[str, Any]:
         name = self._spec.shard_name(shard)
@@ -53,10 +54,10 @@ class ShardMaker:
             if self._worker is None:
                 self._worker = Worker(self._spec, self._hashes, self._adapter)
             record = self._worker.shard(shard, self._store)
-            return {**record, "worker": f"{socket.gethostname()}:{os.getpid()}", "tries": tries, "memory": _memory(), "ended": time.time()}
+            return {**record, "worker": f"{socket.gethostname()}:{os.getpid()}", "tries": tries, "memory": peak_memory(), "ended": time.time()}
         except AdapterError as error:
-            # No shard can be made here: the run must stop and say so.
-            raise AdapterError(f"worker on {socket.gethostname()}: {error}") from error
+            # There is nothing to render with here, so that no shard can be made: the run must stop.
+            return {**failure(name, error), "error": f"worker on {socket.gethostname()}: {error}", "stop": True}
         except OSError as error:
             return failure(name, error)
 
@@ -70,21 +71,6 @@ class ShardMaker:
 
 def _marks(run: str) -> str:
     return f"tries-{run}"
-
-
-def _packed(row: dict[str, Any]) -> bytes:
-    import json
-
-    return json.dumps(row).encode()
-
-
-def _memory() -> int:
-    """The most memory that this process has taken so far, in bytes."""
-    import resource
-    import sys
-
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most if sys.platform == "darwin" else 1024 * most
 
 
 def make(
@@ -105,8 +91,6 @@ def make(
     spec's scene files.
 
     Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
-    import json
-
     import ray
     import ray.data
 
@@ -128,7 +112,8 @@ def make(
         ShardMaker,
         fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run),
         batch_size=1,
-        concurrency=workers,
+        # One at a time: a shard that waits for a worker at the end would be the last one done.
+        compute=ray.data.ActorPoolStrategy(size=workers, max_tasks_in_flight_per_actor=1),
         num_cpus=num_cpus,
         num_gpus=num_gpus,
     )
@@ -137,6 +122,8 @@ def make(
     def rows() -> Iterator[dict[str, Any]]:
         for found in records.iter_rows():
             row = json.loads(found["row"])
+            if row.get("stop"):
+                raise AdapterError(row["error"])
             if "error" not in row:
                 ended.append((row["ended"], row))
             yield row
@@ -148,5 +135,6 @@ def make(
     if ended:
         at, row = min(ended, key=lambda one: one[0])
         report.first_pair_seconds = at - clock - row["seconds"] * (len(row["pairs"]) - 1) / max(1, len(row["pairs"]))
+        report.retried = sum(row["tries"] > 1 for _, row in ended)
         report.workers = {row["worker"]: row["memory"] for _, row in ended}
     return report

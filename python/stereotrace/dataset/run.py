@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
+import os
+import socket
+import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import closing
@@ -44,15 +47,23 @@ class Report:
     seconds: float = 0.0
     first_pair_seconds: float | None = None
     """From the start of the run to its first pair; on Ray to the first shard's end, less its other pairs' share."""
-    workers: dict[str, int] = field(default_factory=dict)
-    """On Ray: the most memory that each worker took, in bytes, by host and process."""
+    retried: int = 0
+    """On Ray: shards that were made by another worker than the first one that began them."""
+    workers: dict[str, int | None] = field(default_factory=dict)
+    """The most memory that each worker took, in bytes, by its host and process."""
 
     def summary(self) -> str:
         text = f"{self.pairs} pairs in {self.made} shards: {self.seconds:.1f} s"
         if self.pairs and self.seconds:
             text += f", {60 * self.pairs / self.seconds:.1f} pairs a minute"
+        if self.first_pair_seconds is not None:
+            text += f", the first after {self.first_pair_seconds:.1f} s"
+        if memory := [memory for memory in self.workers.values() if self.pairs and memory]:
+            text += f"; workers took up to {max(memory) / 2**20:.0f} MiB"
         if self.kept:
             text += f"; {self.kept} shards were there already"
+        if self.retried:
+            text += f"; {self.retried} were made again, their workers having died"
         if self.errors:
             text += f"; {len(self.errors)} pairs could not be made, the first is item {self.errors[0]['item']}: {self.errors[0]['error']}"
         if self.failed:
@@ -189,6 +200,16 @@ class DataSet:
         return report
 
 
+def peak_memory() -> int | None:
+    """The most memory that this process has taken so far, in bytes; ``None`` where that is not known."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
 def failure(shard: str, error: BaseException) -> dict[str, Any]:
     """The row of a shard that failed."""
     return {"shard": shard, "error": str(error) or type(error).__name__, "kind": type(error).__name__}
@@ -234,6 +255,7 @@ def make(
 
         report = data_set.run(pending, rows(tell), len(asked) - len(pending), began)
     report.first_pair_seconds = first[0] if first else None
+    report.workers = {f"{socket.gethostname()}:{os.getpid()}": peak_memory()}
     return report
 
 

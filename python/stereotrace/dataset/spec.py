@@ -400,13 +400,15 @@ def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
         "randomise": (_randomise, {}),
         "render": (_render, {}),
         "outputs": (_outputs, None),
+        "compress": (_flag, None),
     }
     found = _keys(value, "", known)
     layout = found["format"] in stereotrace.LAYOUTS
-    if layout and "outputs" in found:
-        raise SpecError(f"outputs: the layout {found['format']} says which files there are")
+    for key in ("outputs", "compress"):
+        if layout and key in found:
+            raise SpecError(f"{key}: the layout {found['format']} says which files there are")
     if not layout:
-        found.setdefault("outputs", ["color", "disparity", "occlusion"])
+        found = {"outputs": ["color", "disparity", "occlusion"], "compress": False, **found}
     if found["format"] == "sceneflow" and found["pairs"] > 10_000:
         raise SpecError("pairs: the files of sceneflow have numbers of four digits: at most 10000")
     return found

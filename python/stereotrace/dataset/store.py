@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import posixpath
 import uuid
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ PART = ".part-"
 """In the names of what is not whole yet."""
 
 
-class Written:
+class Written(io.RawIOBase):
     """A file that counts its bytes and hashes them while they are written."""
 
     def __init__(self, file: Any) -> None:
@@ -25,20 +26,27 @@ class Written:
         self._hash = hashlib.sha256()
         self.bytes = 0
 
+    def writable(self) -> bool:
+        return True
+
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
-        self._hash.update(view)
-        self.bytes += len(view)
-        self._file.write(data)
+        # What writes files of several parts ends them even after a part could not be written.
+        if self._file is not None:
+            self._hash.update(view)
+            self._file.write(view)
+            self.bytes += len(view)
         return len(view)
 
     def tell(self) -> int:
         return self.bytes
 
-    def flush(self) -> None:
-        """Nothing waits here."""
+    def abandon(self) -> None:
+        """What is still written goes nowhere."""
+        self._file = None
 
     def sha256(self) -> str:
+        """Of all that was written."""
         return self._hash.hexdigest()
 
 
@@ -93,9 +101,9 @@ class Store:
             self._files.rm(self._path(name), recursive=True)
 
     def remove_parts(self, name: str) -> None:
-        """What a process that was killed left of a file."""
+        """What a process that was killed left of a shard: of its data and of its record."""
         for part in self.names():
-            if part.startswith(f"{name}{PART}"):
+            if part.startswith(f"{name}.") and PART in part:
                 self.remove(part)
 
     def write(self, name: str, data: bytes) -> None:
@@ -113,6 +121,7 @@ class Store:
     def writing(self, name: str) -> Iterator[Written]:
         """A file that has its name only when all of it is written, and is not there if anything fails."""
         part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
+        written = None
         try:
             with self._files.open(part, "wb") as file:
                 written = Written(file)
@@ -120,6 +129,8 @@ class Store:
             # Of another run, or of a process that did not end after all: it has the same bytes.
             self._files.mv(part, self._path(name))
         except BaseException:
+            if written is not None:
+                written.abandon()
             self._discard(part)
             raise
 

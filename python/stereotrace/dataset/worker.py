@@ -176,7 +176,7 @@ class Worker:
 
     def _file_shard(self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]) -> dict[str, Any]:
         def use(item: int, pair: StereoPair, of_pair: dict[str, Any]) -> dict[str, bytes]:
-            return encode.files(pair, self.spec["outputs"], of_pair)
+            return encode.files(pair, self.spec, of_pair)
 
         file = self.spec.shard_name(number) + encode.ENDINGS[self.spec["format"]]
         with store.writing(file) as written:

@@ -1,0 +1,56 @@
+"""Reads the shards of a data set by torch's DataLoader, with two workers, in batches, and trains nothing: pip install torch webdataset pillow
+
+    python examples/read_torch.py 'out/pairs-{000000..000007}.tar'
+
+Each batch is checked: where both eyes see a point, the right picture is carried to the left one by its disparity.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import numpy as np
+import torch
+import webdataset
+
+
+def tensors(pair: dict[str, Any]) -> dict[str, Any]:
+    """What training takes: pictures of 0 to 1 as (3, height, width), disparities and masks as (height, width)."""
+    occlusion = np.asarray(pair["left.occlusion.png"])[..., 0]
+    disparity = pair["left.disparity.npy"] if "left.disparity.npy" in pair else pair["left.disparity.npy.gz"]
+    return {
+        "item": pair["json"]["item"],
+        "left": torch.from_numpy(np.ascontiguousarray(pair["left.png"].transpose(2, 0, 1))).float() / 255,
+        "right": torch.from_numpy(np.ascontiguousarray(pair["right.png"].transpose(2, 0, 1))).float() / 255,
+        "disparity": torch.from_numpy(disparity),
+        "visible": torch.from_numpy(occlusion == 0),
+    }
+
+
+def carried(right: torch.Tensor, disparity: torch.Tensor) -> torch.Tensor:
+    """The right pictures as the left eyes see them: pixel i shows what stands at i - disparity."""
+    _, _, height, width = right.shape
+    columns = torch.arange(width).float() + 0.5 - disparity
+    rows = (torch.arange(height).float() + 0.5)[:, None].expand(height, width)
+    grid = torch.stack([2 * columns / width - 1, (2 * rows / height - 1).expand_as(columns)], dim=-1)
+    return torch.nn.functional.grid_sample(right, grid, align_corners=False, padding_mode="border")
+
+
+def main(urls: str) -> None:
+    pairs = webdataset.WebDataset(urls, shardshuffle=False, nodesplitter=webdataset.split_by_node, workersplitter=webdataset.split_by_worker)
+    loader = torch.utils.data.DataLoader(pairs.decode("rgb8").map(tensors), batch_size=4, num_workers=2)
+    began, items = time.monotonic(), []
+    for batch in loader:
+        items += batch["item"].tolist()
+        difference = (carried(batch["right"], batch["disparity"]) - batch["left"]).abs().mean(dim=1)
+        seen = difference[batch["visible"]]
+        print(f"items {batch['item'].tolist()}: left {tuple(batch['left'].shape)}, {seen.median():.4f} of 1 differ where both see")
+        assert seen.median() < 0.02
+    assert len(set(items)) == len(items)
+    print(f"{len(items)} pairs in {time.monotonic() - began:.1f} s")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,373 @@
+"""Data sets: what a spec may say, what follows from it, and that shards are there whole or not at all."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tarfile
+import time
+from pathlib import Path
+
+import cv2
+import fsspec
+import numpy as np
+import pytest
+from fsspec.implementations.memory import MemoryFileSystem
+
+import stereotrace
+from stereotrace import dataset
+from stereotrace.dataset import OtherDataSet, Spec, SpecError, Worker
+from stereotrace.dataset.items import Item
+from stereotrace.dataset.spec import eye_outputs
+
+SPEC = {
+    "name": "small",
+    "seed": 11,
+    "pairs": 7,
+    "shard_pairs": 3,
+    "size": [48, 32],
+    "scenes": [{"builtin": "near"}, {"builtin": "three-spheres", "weight": 2}],
+    "rig": {"interaxial": {"uniform": [0.05, 0.2]}},
+    "randomise": {
+        "lights": {"count": {"uniform": [1, 3]}, "tint": {"uniform": [0.7, 1]}, "strength": {"log_uniform": [0.5, 1]}},
+        "materials": {"share": 0.5, "tint": {"uniform": [0.4, 1.2]}},
+        "exposure": {"uniform": [-0.5, 0.5]},
+    },
+}
+
+
+def spec(**changes) -> Spec:
+    return Spec.load({**SPEC, **changes})
+
+
+def tar(path: Path) -> dict[str, bytes]:
+    with tarfile.open(path) as file:
+        return {entry.name: file.extractfile(entry).read() for entry in file}
+
+
+def manifest(folder: Path) -> list[dict]:
+    return [json.loads(line) for line in (folder / "manifest.jsonl").read_text().splitlines()]
+
+
+def command(*arguments: object, **more) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, "-m", "stereotrace.dataset", *map(str, arguments)], capture_output=True, text=True, **more)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("made")
+    report = dataset.make(spec(), str(folder))
+    assert (report.made, report.kept, report.pairs, report.errors, report.failed) == (3, 0, 7, [], [])
+    assert report.first_pair_seconds < report.seconds
+    return folder
+
+
+def test_shards_hold_what_the_spec_says(made):
+    names = sorted(path.name for path in made.iterdir())
+    shards = [f"small-{shard:06d}{ending}" for shard in range(3) for ending in (".json", ".tar")]
+    assert names == sorted([*shards, "dataset.json", "manifest.jsonl"])
+    lines = manifest(made)
+    assert lines[0]["spec"]["seed"] == 11 and len(lines[0]["scenes"]) == 2
+    pairs = [line for line in lines if "item" in line]
+    assert [pair["item"] for pair in pairs] == list(range(7))
+    assert len({pair["interaxial"] for pair in pairs}) == 7 and all(0.05 <= pair["interaxial"] <= 0.2 for pair in pairs)
+    assert {pair["scene"] for pair in pairs} == {"builtin:near", "builtin:three-spheres"}
+    files = tar(made / "small-000001.tar")
+    kinds = ["left.png", "right.png", "left.disparity.npy", "right.disparity.npy", "left.occlusion.png", "right.occlusion.png", "json"]
+    assert list(files) == [f"{item:08d}.{kind}" for item in (3, 4, 5) for kind in kinds]
+    picture = cv2.imdecode(np.frombuffer(files["00000004.left.png"], np.uint8), cv2.IMREAD_UNCHANGED)
+    disparity = np.load(io.BytesIO(files["00000004.left.disparity.npy"]))
+    assert picture.shape == (32, 48, 3) and disparity.shape == (32, 48) and disparity.dtype == np.float32
+    camera = json.loads(files["00000004.json"])["camera"]
+    assert camera["baseline"] == pairs[4]["interaxial"] and camera["width"] == 48
+
+
+def test_any_pair_can_be_made_again_alone(made):
+    """On another renderer, in another order, after other scenes: the same bytes."""
+    worker = Worker(spec())
+    for item in (5, 0, 3):
+        pair, record = worker.pair(item)
+        files = dataset.worker.encode.files(pair, spec(), record)
+        there = tar(made / f"small-{item // 3:06d}.tar")
+        for name, data in files.items():
+            assert data == there[f"{item:08d}.{name}"], (item, name)
+
+
+def test_other_shards_change_nothing(made, tmp_path):
+    """Pairs are the same in shards of another size and in another format."""
+    import pyarrow.parquet
+
+    dataset.make(spec(shard_pairs=7, format="parquet"), str(tmp_path))
+    rows = pyarrow.parquet.read_table(tmp_path / "small-000000.parquet").to_pylist()
+    assert [row["item"] for row in rows] == list(range(7))
+    for row in rows:
+        there = tar(made / f"small-{row['item'] // 3:06d}.tar")
+        assert all(row[name] == there[f"{row['key']}.{name}"] for name in row if name not in ("item", "key"))
+
+
+def test_arrays_may_be_compressed(made, tmp_path):
+    dataset.make(spec(compress=True, pairs=3), str(tmp_path))
+    files, plain = tar(tmp_path / "small-000000.tar"), tar(made / "small-000000.tar")
+    for name, data in plain.items():
+        assert gzip.decompress(files[f"{name}.gz"]) == data if name.endswith("npy") else files[name] == data
+    assert sum(map(len, files.values())) < 0.8 * sum(map(len, plain.values()))
+
+
+def test_a_value_of_one_name_stays_when_others_are_added():
+    with_more = spec(poses={"kind": "orbit", "rise": {"uniform": [0, 20]}}, randomise={})
+    for number in range(50):
+        one, other = Item(spec(), number), Item(with_more, number)
+        assert one.scene() == other.scene()
+        assert one.draw(spec()["rig"]["interaxial"], "rig.interaxial") == other.draw(spec()["rig"]["interaxial"], "rig.interaxial")
+
+
+def test_draws_fill_their_ranges():
+    items = [Item(spec(), number) for number in range(2000)]
+    units = np.array([item.unit("x") for item in items])
+    assert units.min() < 0.01 and units.max() > 0.99 and abs(units.mean() - 0.5) < 0.03
+    assert np.corrcoef(units, [item.unit("y") for item in items])[0, 1] < 0.06
+    counts = [item.draw({"uniform": [1, 3]}, "lights.count") for item in items]
+    assert set(counts) == {1, 2, 3} and max(counts.count(n) for n in (1, 2, 3)) < 800
+    assert set(item.draw({"choice": [1, 2, 5]}, "z") for item in items) == {1, 2, 5}
+    logs = np.log([item.draw({"log_uniform": [0.01, 1]}, "z") for item in items])
+    assert abs(logs.mean() - np.log(0.1)) < 0.1
+    assert abs(np.mean([item.scene() for item in items]) - 2 / 3) < 0.04
+    # On every machine.
+    assert Item(spec(), 5).unit("scene") == 0.09947573058063397
+
+
+def test_lights_and_materials_are_drawn():
+    worker = Worker(spec(scenes=[{"builtin": "three-spheres"}]))
+    stage = worker._stage(0)
+    own = [material.albedo for material in stage.scene.materials]
+    lights, albedos = set(), set()
+    for item in range(8):
+        worker.pair(item)
+        lights.add(len(stage.scene.lights))
+        albedos.add(tuple(material.albedo for material in stage.scene.materials))
+    assert lights == {1, 2, 3} and len(albedos) == 8
+    plain = Worker(spec(scenes=[{"builtin": "three-spheres"}], randomise={}))
+    plain.pair(0)
+    assert [material.albedo for material in plain._stage(0).scene.materials] == own
+
+
+def test_orbits_go_round_what_they_look_at():
+    worker = Worker(spec(scenes=[{"builtin": "spheres"}], poses={"kind": "orbit", "rise": {"uniform": [10, 30]}, "distance": {"uniform": [1, 2]}}))
+    given = stereotrace.Scene.builtin("spheres").camera(size=(48, 32))
+    radius = np.linalg.norm(np.subtract(given.eye, given.target))
+    for item in range(4):
+        pair, _ = worker.pair(item)
+        way = np.subtract(pair.camera.eye, given.target)
+        assert radius * 0.999 <= np.linalg.norm(way) <= 2.001 * radius
+        raised = np.degrees(np.arcsin(way[1] / np.linalg.norm(way)) - np.arcsin(np.subtract(given.eye, given.target)[1] / radius))
+        assert 9.9 <= raised <= 30.1
+        assert np.allclose(np.array(pair.camera.forward), -way / np.linalg.norm(way), atol=1e-5)
+
+
+@pytest.mark.parametrize("layout", stereotrace.LAYOUTS)
+def test_layouts_are_folders(layout, tmp_path):
+    report = dataset.make(spec(format=layout, pairs=2, shard_pairs=1, scenes=[{"builtin": "hall"}]), str(tmp_path))
+    assert (report.made, report.errors, report.failed) == (2, [], [])
+    left = {"middlebury": "000001/im0.png", "kitti": "training/image_2/000001_10.png", "sceneflow": "frames_finalpass/stereotrace/left/0001.png"}
+    assert (tmp_path / "small-000001" / left[layout]).is_file()
+    assert not list(tmp_path.glob("*.part-*"))
+
+
+def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
+    path = tmp_path / "spec.json"
+    path.write_text(json.dumps({**SPEC, "pairs": 60}))
+    process = subprocess.Popen([sys.executable, "-m", "stereotrace.dataset", str(path), str(tmp_path / "out"), "--quiet"])
+    deadline = time.monotonic() + 120
+    while len(list((tmp_path / "out").glob("*.tar"))) < 2:
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    there = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "out").glob("*.tar") if file.with_suffix(".json").exists()}
+    assert 2 <= len(there) < 20
+    finished = command(path, tmp_path / "out")
+    assert finished.returncode == 0, finished.stderr
+    assert f"{len(there)} shards were there already" in finished.stdout
+    names = sorted(file.name for file in (tmp_path / "out").iterdir())
+    assert names == sorted([*(f"small-{n:06d}{end}" for n in range(20) for end in (".json", ".tar")), "dataset.json", "manifest.jsonl"])
+    assert all((tmp_path / "out" / name).stat().st_mtime_ns == at for name, at in there.items())
+    assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(60))
+    # The number of pairs changes none of those that there were.
+    for shard in range(2):
+        name = f"small-{shard:06d}.tar"
+        assert (tmp_path / "out" / name).read_bytes() == (made / name).read_bytes()
+
+
+def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, monkeypatch):
+    with pytest.raises(OtherDataSet, match="another spec: rig, seed"):
+        dataset.make(spec(seed=12, rig={}), str(made))
+    obj = tmp_path / "a.obj"
+    obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    one = spec(scenes=[{"file": str(obj)}], poses={"kind": "fixed"}, pairs=1)
+    dataset.make(one, str(tmp_path / "out"))
+    obj.write_text("# a comment changes nothing\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert dataset.make(one, str(tmp_path / "out")).kept == 1
+    obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
+    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+        dataset.make(one, str(tmp_path / "out"))
+    monkeypatch.setattr(stereotrace, "__version__", "99.0.0")
+    with pytest.raises(OtherDataSet, match="another version of stereotrace"):
+        dataset.make(spec(), str(made))
+
+
+def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
+    """A scene that does not load, and one in which there is no place: they are told of in the manifest, and the rest is there."""
+    (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 x\nf 1 2 3\n")
+    scenes = [{"builtin": "near"}, {"file": str(tmp_path / "broken.obj")}]
+    report = dataset.make(spec(scenes=scenes), str(tmp_path / "out"))
+    assert report.made == 3 and report.errors and report.pairs + len(report.errors) == 7
+    lines = manifest(tmp_path / "out")
+    assert "broken.obj:3" in lines[0]["scenes"][1]["error"]
+    errors = [line for line in lines if "error" in line]
+    assert len(errors) == len(report.errors) and all("broken.obj:3" in line["error"] and line["shard"] for line in errors)
+    # Mended, these pairs alone are missing.
+    (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert dataset.make(spec(scenes=scenes), str(tmp_path / "out")).made == 0
+    again = dataset.make(spec(scenes=scenes), str(tmp_path / "out"), retry_errors=True)
+    assert again.made == len({line["shard"] for line in errors}) and not again.errors
+    assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(7))
+
+    nowhere = dataset.make(spec(poses={"kind": "free", "clearance": 1e6}, scenes=[{"builtin": "hall"}], pairs=1), str(tmp_path / "nowhere"))
+    assert "no free place for item 0" in nowhere.errors[0]["error"]
+
+
+def test_a_full_disk_is_told_and_gone_on_from(tmp_path):
+    """No file may be over 20 kB: shards can't be written, heads can."""
+    path = tmp_path / "spec.json"
+    path.write_text(json.dumps(SPEC))
+
+    def limited() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    env = {**os.environ, "MESA_SHADER_CACHE_DISABLE": "true"}
+    full = command(path, tmp_path / "out", preexec_fn=limited, env=env)
+    assert full.returncode == 1 and "3 shards failed, the first is small-000000" in full.stdout, full.stdout + full.stderr
+    failed = [line for line in manifest(tmp_path / "out") if "error" in line]
+    assert [line["shard"] for line in failed] == [f"small-{shard:06d}" for shard in range(3)]
+    assert all("large" in line["error"] for line in failed)
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["dataset.json", "manifest.jsonl"]
+    assert command(path, tmp_path / "out").returncode == 0
+    assert not any("error" in line for line in manifest(tmp_path / "out"))
+
+
+class Flaky(MemoryFileSystem):
+    """A storage that can't be reached for some files."""
+
+    protocol = "flaky"
+    store: dict = {}
+    pseudo_dirs = [""]
+    away: tuple[str, ...] = ()
+
+    def _open(self, path, mode="rb", **more):
+        if any(name in path for name in type(self).away):
+            raise TimeoutError(f"{path}: the storage does not answer")
+        return super()._open(path, mode, **more)
+
+
+fsspec.register_implementation("flaky", Flaky)
+
+
+def test_any_storage_of_fsspec(made):
+    Flaky.away, store = ("small-000001",), dataset.Store("flaky://pairs/one")
+    report = dataset.make(spec(), "flaky://pairs/one")
+    assert report.made == 2 and [row["shard"] for row in report.failed] == ["small-000001"]
+    assert "does not answer" in report.failed[0]["error"]
+    lines = [json.loads(line) for line in store.read("manifest.jsonl").splitlines()]
+    assert "does not answer" in lines[-1]["error"]
+    Flaky.away = ()
+    report = dataset.make(spec(), "flaky://pairs/one")
+    assert (report.made, report.kept, report.failed) == (1, 2, [])
+    for shard in range(3):
+        name = f"small-{shard:06d}.tar"
+        assert store.read(name) == (made / name).read_bytes()
+    Flaky.away = ("dataset.json",)
+    with pytest.raises(OSError, match="does not answer"):
+        dataset.make(spec(), "flaky://pairs/two")
+    Flaky.away = ()
+    layout = spec(format="middlebury", pairs=1)
+    dataset.make(layout, "flaky://pairs/layout")
+    assert dataset.Store("flaky://pairs/layout").exists("small-000000/000000/im0.png")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"pear": 1}, "unknown key 'pear'; there are name, seed, pairs"),
+        ({"pairs": None}, "pairs is missing"),
+        ({"pairs": 0}, "pairs: 0 must be a whole number, 1 to"),
+        ({"pairs": 1.5}, "pairs: 1.5 must be a whole number"),
+        ({"name": "a/b"}, "name: 'a/b' must be letters"),
+        ({"format": "zip"}, "format: unknown 'zip'; use one of webdataset, parquet, middlebury"),
+        ({"size": [640]}, r"size: \[640\] must be a list of 2"),
+        ({"scenes": []}, "scenes: there is no scene to choose"),
+        ({"scenes": [{}]}, r"scenes\[0\]: give a file, or the name of a built-in scene"),
+        ({"scenes": [{"builtin": "halle"}]}, r"scenes\[0\].builtin: unknown 'halle'"),
+        ({"scenes": [{"builtin": "hall", "weight": -1}]}, r"scenes\[0\].weight"),
+        ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "eye and target go together"),
+        ({"scenes": [{"builtin": "hall", "lights": [{"intensity": 1}]}]}, r"scenes\[0\].lights\[0\]: give a position"),
+        ({"poses": {"kind": "walk"}}, "poses.kind: unknown 'walk'; use one of free, orbit, fixed"),
+        ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; there are kind"),
+        ({"rig": {"interaxial": {"uniform": [2, 1]}}}, "rig.interaxial.uniform: .* low and a high"),
+        ({"rig": {"interaxial": {"gauss": [2, 1]}}}, "rig.interaxial: .* one key: uniform, log_uniform, choice"),
+        ({"rig": {"interaxial": {"log_uniform": [0, 1]}}}, "above 0"),
+        ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "say the same"),
+        ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
+        ({"randomise": {"lights": {"count": 0}}}, "randomise.lights.count: 0 must be a whole number, 1 to 16"),
+        ({"randomise": {"materials": {"albedo": 1, "tint": 1}}}, "give one of them"),
+        ({"render": {"sample": 4}}, "render: unknown option 'sample'"),
+        ({"render": {"outputs": ["color"]}}, "render.outputs: it is the key outputs"),
+        ({"outputs": ["colour"]}, r"outputs\[0\]: unknown 'colour'; use one of color"),
+        ({"outputs": ["left.source"]}, "source is of the right view"),
+        ({"outputs": "color"}, "outputs: 'color' must be a list"),
+        ({"outputs": ["color"], "format": "kitti"}, "the layout kitti says which files"),
+        ({"compress": True, "format": "middlebury"}, "compress: the layout middlebury says"),
+        ({"compress": 1}, "compress: 1 must be true or false"),
+        ({"pairs": 10_001, "format": "sceneflow"}, "at most 10000"),
+    ],
+)
+def test_specs_that_say_something_wrong(changes, message):
+    with pytest.raises(SpecError, match=message):
+        Spec.load({key: value for key, value in {**SPEC, **changes}.items() if value is not None})
+
+
+def test_specs_of_files(tmp_path):
+    path = tmp_path / "spec.yaml"
+    path.write_text("pairs: 2\nscenes: [{builtin: hall}]\nrig: {screen_distance: inf, interaxial: 6e-2}\n")
+    found = Spec.load(path)
+    assert found["rig"] == {"screen_distance": "inf", "interaxial": 0.06} and found["outputs"] == ["color", "disparity", "occlusion"]
+    assert found.sha256() == Spec.load({**found.values}).sha256()
+    for text, message in (("pairs: [", "spec.yaml: no YAML"), ("- 1", "spec.yaml: it must be a mapping"), ("pairs: x", "spec.yaml: pairs: 'x'")):
+        path.write_text(text)
+        with pytest.raises(SpecError, match=message):
+            Spec.load(path)
+        failed = command(path, tmp_path / "out")
+        assert failed.returncode == 1 and message in failed.stderr and "Traceback" not in failed.stderr
+    assert not (tmp_path / "out").exists()
+    assert "No such file" in command(tmp_path / "none.yaml", tmp_path / "out").stderr
+    path.write_text("pairs: 2\nscenes: [{builtin: near}]\nsize: [32, 24]\n")
+    (tmp_path / "file").write_text("")
+    for arguments, message in (
+        ((path, tmp_path / "file" / "out"), "file"),
+        ((path, tmp_path / "out", "--adapter", "Voodoo2"), "no graphics adapter found"),
+        ((path, tmp_path / "out", "--shards", "0..3"), "the data set has 1"),
+        ((path, tmp_path / "out", "--item", "2"), "has the items 0 to 1"),
+        ((path, "nothing://x"), "nothing"),
+    ):
+        failed = command(*arguments)
+        assert failed.returncode == 1 and message in failed.stderr and "Traceback" not in failed.stderr, failed.stderr
+
+
+def test_outputs_of_eyes():
+    assert eye_outputs(["color", "left.normal", "source"]) == [("left", "color"), ("right", "color"), ("left", "normal"), ("right", "source")]

@@ -1,0 +1,205 @@
+"""Scenes from arrays and from trimesh: against files and other ways to say the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+import stereotrace
+from stereotrace import Camera, Light, Material, Scene
+
+VERTICES = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float64)
+FACES = np.array([(0, 1, 2), (0, 2, 3)])
+UV = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.float64)
+CAMERA = Camera((0.4, 0.3, 4), (0, 0, 0), size=(96, 72), interaxial=0.1)
+
+
+def picture(renderer, scene: Scene) -> np.ndarray:
+    if not scene.lights:
+        scene.add_light(Light.point((1, 2, 4), 0.8))
+    return renderer.render(scene, CAMERA).left.color
+
+
+def checker() -> np.ndarray:
+    random = np.random.default_rng(5)
+    return random.integers(0, 256, (8, 8, 3), np.uint8)
+
+
+def test_a_textured_mesh_is_that_of_a_file(renderer, tmp_path):
+    (tmp_path / "t.png").write_bytes(stereotrace.encode_png(checker()))
+    (tmp_path / "m.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd t.png\n")
+    lines = [f"v {x} {y} {z}" for x, y, z in VERTICES] + [f"vt {u} {v}" for u, v in UV]
+    lines += ["mtllib m.mtl", "usemtl a"] + ["f " + " ".join(f"{i + 1}/{i + 1}" for i in face) for face in FACES]
+    (tmp_path / "m.obj").write_text("\n".join(lines) + "\n")
+    scene = Scene()
+    material = scene.add_material(Material(albedo=1.0, texture=scene.add_texture(checker())))
+    for uv in (UV, UV[FACES], UV.astype(np.float32).tolist()):
+        one = scene.copy()
+        one.add_mesh(VERTICES, FACES, uv=uv, material=material, name="a")
+        assert np.array_equal(picture(renderer, one), picture(renderer, Scene.open(tmp_path / "m.obj")))
+    assert len(np.unique(picture(renderer, one).reshape(-1, 3), axis=0)) > 30
+
+
+@pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint8, np.uint32])
+def test_arrays_of_any_kind_are_taken(renderer, dtype):
+    scene, same = Scene(), Scene()
+    scene.add_mesh(VERTICES, FACES)
+    same.add_mesh(np.asfortranarray(VERTICES.astype(np.float32)), np.asfortranarray(FACES.astype(dtype)))
+    assert scene.sha256() == same.sha256()
+    assert scene.triangle_count == 2 and scene.bounds == [(-1, -1, 0), (1, 1, 0)]
+
+
+def test_colours_of_vertices(renderer):
+    """Bytes are sRGB: white times a colour is a material of its linear one."""
+    colored, plain = Scene(), Scene()
+    srgb = np.array([200, 100, 50], np.uint8)
+    linear = ((srgb / 255 + 0.055) / 1.055) ** 2.4
+    for colors in (np.tile(srgb, (4, 1)), np.tile(np.append(srgb, np.uint8(255)), (4, 1)), np.tile(linear, (4, 1)), np.tile(linear, (2, 3, 1))):
+        colored = Scene()
+        colored.add_mesh(VERTICES, FACES, colors=colors, material=colored.add_material(Material(albedo=1.0)))
+        plain = Scene()
+        plain.add_mesh(VERTICES, FACES, material=plain.add_material(Material(albedo=linear)))
+        assert np.abs(picture(renderer, colored).astype(int) - picture(renderer, plain)).max() <= 1
+
+
+def test_materials_and_normals(renderer):
+    scene = Scene()
+    ids = [scene.add_material(Material(albedo=color)) for color in ((0.8, 0.1, 0.1), (0.1, 0.1, 0.8))]
+    scene.add_mesh(VERTICES, FACES, material=ids, normals=np.tile((0, 0, 1), (4, 1)))
+    shown = renderer.render(scene, CAMERA, outputs=["material", "normal"]).left
+    assert set(np.unique(shown.material)) == {*ids, stereotrace.MISS}
+    assert np.allclose(shown.normal[36, 48], (0, 0, 1))
+    bumpy = Scene()
+    bumpy.add_mesh(*icosahedron(), crease_angle=80)
+    smooth = renderer.render(bumpy, CAMERA, outputs=["normal", "geometric_normal"]).left
+    assert np.abs(smooth.normal - smooth.geometric_normal).max() > 0.1
+    glass = Material(finish="glass", index=1.3, transmission=0.9)
+    assert (glass.finish, round(glass.index, 5), glass.fresnel) == ("glass", 1.3, True)
+    assert Material(finish="mirror", fresnel=True, specular=0.9).replace(albedo=0.2).fresnel is True
+
+
+def icosahedron():
+    ball = trimesh.creation.icosphere(subdivisions=1)
+    return ball.vertices, ball.faces
+
+
+def test_spheres_ellipsoids_and_planes(renderer):
+    one, all_at_once = Scene(), Scene()
+    centers = np.array([(x, 0, -x) for x in range(4)], np.float32)
+    for center in centers:
+        one.add_sphere(center, 0.4)
+    all_at_once.add_spheres(centers, 0.4)
+    assert one.sha256() == all_at_once.sha256()
+    with pytest.raises(ValueError, match="radii: 2 for 4 spheres"):
+        all_at_once.add_spheres(centers, [1.0, 2.0])
+    with pytest.raises(ValueError, match="radius"):
+        all_at_once.add_spheres(centers, [1.0, 2.0, 0.0, 1.0])
+    assert one.sha256() == all_at_once.sha256()  # all of them or none
+    ball, round_one = Scene(), Scene()
+    ball.add_sphere((0, 0, 0), 1.0)
+    round_one.add_ellipsoid((0, 0, 0), (1, 1, 1))
+    depths = [renderer.render(scene, CAMERA).left.depth for scene in (ball, round_one)]
+    assert np.allclose(*depths, atol=1e-5) and np.isfinite(depths[0]).any()
+    # Axes are columns, as NumPy multiplies them: this one is long along x + y.
+    turned = Scene()
+    turned.add_ellipsoid((0, 0, 0), [(1, -0.2, 0), (1, 0.2, 0), (0, 0, 0.3)])
+    seen = renderer.render(turned, Camera((0, 0, 9), (0, 0, 0), size=(64, 64))).left.depth < 100
+    rows, columns = np.nonzero(seen)
+    assert np.corrcoef(columns, -rows)[0, 1] > 0.8
+    ball.add_plane((0, -1, 0))
+    assert ball.object_count == 2 and renderer.render(ball, CAMERA).left.depth[-1].max() < 100
+
+
+def test_lights_and_sky(renderer):
+    scene = Scene()
+    scene.add_mesh(VERTICES, FACES)
+    lamps = [Light.point((0, 0, 3), 0.5), Light.sphere((0, 0, 3), 0.2, (0.5, 0.4, 0.3)), Light.rectangle((0, 0, 3), (1, 0, 0), (0, 1, 0), 0.5), Light.directional((0, 0, 1), 0.01, 0.5)]
+    scene.lights = lamps
+    assert [light.shape for light in scene.lights] == ["point", "sphere", "rectangle", "directional"]
+    assert scene.lights == lamps and scene.lights[1].radius == np.float32(0.2)
+    scene.set_sky((0.2, 0.3, 0.4))
+    corner = renderer.render(scene, CAMERA, outputs=["linear"]).left.linear[0, 0]
+    assert np.allclose(corner, (0.2, 0.3, 0.4), atol=1e-6)
+    sky = np.zeros((4, 8, 3), np.float32)
+    sky[..., 2] = 0.7
+    scene.set_sky_map(sky)
+    assert np.allclose(renderer.render(scene, CAMERA, outputs=["linear"]).left.linear[0, 0], (0, 0, 0.7), atol=1e-6)
+    placed = scene.lights_around(3, CAMERA)
+    assert len(placed) == 3 and scene.lights == lamps
+    assert scene.given_ambient is None
+    scene.place_lights(3, CAMERA)
+    assert scene.lights == placed
+
+
+def test_trimesh_shows_what_arrays_show(renderer):
+    mesh = trimesh.Trimesh(VERTICES, FACES, process=False)
+    ours, theirs = Scene(), stereotrace.from_trimesh(mesh)
+    ours.add_mesh(VERTICES, FACES)
+    outputs = ["depth", "geometric_normal", "primitive"]
+    a, b = (renderer.render(scene, CAMERA, outputs=outputs).left for scene in (ours, theirs))
+    for name in outputs:
+        assert np.array_equal(getattr(a, name), getattr(b, name)), name
+
+
+def test_trimesh_keeps_textures_colours_and_places(renderer):
+    from PIL import Image
+
+    visual = trimesh.visual.TextureVisuals(uv=UV, image=Image.fromarray(checker()))
+    textured = stereotrace.from_trimesh(trimesh.Trimesh(VERTICES, FACES, visual=visual, process=False))
+    ours = Scene()
+    ours.add_mesh(VERTICES, FACES, uv=UV, material=ours.add_material(Material(albedo=1.0, texture=ours.add_texture(checker()))))
+    shown, expected = (renderer.render(scene, CAMERA, outputs=["linear"]).left.linear for scene in (textured, ours))
+    colored = expected.reshape(-1, 3).std(axis=0).min() > 0
+    # trimesh's own material scales all of it; the pattern is the same.
+    scale = (shown * expected).sum() / (expected * expected).sum()
+    assert colored and np.abs(shown - scale * expected).max() < 0.02 * expected.max()
+
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.4)
+    ball.visual.vertex_colors = np.tile((255, 0, 0, 255), (len(ball.vertices), 1))
+    two = trimesh.Scene()
+    two.add_geometry(ball, transform=trimesh.transformations.translation_matrix((-1, 0, 0)))
+    two.add_geometry(ball, transform=trimesh.transformations.translation_matrix((1, 0, 0)))
+    scene = stereotrace.from_trimesh(two, crease_angle=60)
+    assert scene.object_count == 2 and np.allclose(scene.bounds, [(-1.4, -0.4, -0.4), (1.4, 0.4, 0.4)], atol=0.01)
+    shown = renderer.render(scene, Camera((0, 0, 6), (0, 0, 0), size=(64, 48))).left.color
+    assert (shown[..., 0] > 100).any() and shown[..., 1:].max() < 40
+
+    with pytest.raises(ValueError, match="no triangles"):
+        stereotrace.from_trimesh(trimesh.PointCloud(VERTICES))
+
+
+def test_wrong_arrays_are_refused_by_name():
+    def mesh(text, vertices=VERTICES, faces=FACES, **more):
+        scene = Scene()
+        with pytest.raises(ValueError, match=text):
+            scene.add_mesh(vertices, faces, **more)
+        assert scene.triangle_count == 0
+
+    mesh(r"vertices: their shape must be \(n, 3\)", vertices=VERTICES[:, :2])
+    mesh("vertices: they are <U1", vertices=np.array([["a", "b", "c"]]))
+    mesh("vertex 1: ", vertices=np.where(np.arange(4)[:, None] == 1, np.nan, VERTICES))
+    mesh("faces: they are float64", faces=FACES.astype(float))
+    mesh("face 1 has the corner -1", faces=np.array([(0, 1, 2), (0, 2, -1)]))
+    mesh("face 0 has the corner 4294967296", faces=np.array([(0, 1, 2**32)]))
+    mesh("corner 7 of 4 vertices", faces=np.array([(0, 1, 7)]))
+    mesh("faces: their shape", faces=np.array([(0, 1, 2, 3)]))
+    mesh("uv: 3 for 4 vertices", uv=UV[:3])
+    mesh("uv: their shape", uv=np.zeros((2, 2, 2)))
+    mesh("normals: 1 for 4 vertices", normals=np.array([(0, 0, 1)]))
+    mesh("colors: they are int64", colors=np.zeros((4, 3), np.int64))
+    mesh("material", material=7)
+    mesh("material: 'red' must be", material="red")
+    mesh("crease_angle would make others", normals=np.zeros((4, 3)), crease_angle=30)
+    scene = Scene()
+    for picture in (np.zeros((4, 4)), np.zeros((4, 4, 3)), np.zeros((4, 4, 2), np.uint8)):
+        with pytest.raises(ValueError, match="texture: it must be uint8"):
+            scene.add_texture(picture)
+    with pytest.raises(ValueError, match="sky: their shape"):
+        scene.set_sky_map(np.zeros((4, 4)))
+    with pytest.raises(ValueError, match="last row"):
+        scene.transform_object(0, np.ones((4, 4)))
+    with pytest.raises(ValueError, match="material 9: the scene has 1"):
+        scene.set_material(9, Material())
+    with pytest.raises(ValueError, match="empty"):
+        scene.camera()

@@ -1,0 +1,45 @@
+#!/bin/sh
+# Builds the Python package as a wheel, installs it as a user would and runs its tests: types, pictures, data sets, Ray.
+#   sh scripts/check_python.sh [ARGUMENTS OF pytest]
+# The wheel is left in target/python/wheels. Needs Python 3.10 or newer, which it installs with its venv where apt-get can, and the Python package
+# registry once: some 300 MB in target/python.
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+# shellcheck disable=SC2034 # setup.sh reads it
+adapter=software
+# shellcheck source=scripts/setup.sh
+. "$root/scripts/setup.sh"
+export STEREOTRACE_ADAPTER=software RAY_USAGE_STATS_ENABLED=0
+
+python_is_new_enough() { have python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))'; }
+python_has_venv() { python3 -c 'import ensurepip, venv' 2>/dev/null; }
+if ! python_is_new_enough || ! python_has_venv; then
+    have apt-get || fail "this needs Python 3.10 or newer with venv: see https://www.python.org"
+    apt_install python3 python3-venv
+    python_is_new_enough || fail "this needs Python 3.10 or newer, found $(python3 --version)"
+fi
+
+packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70.1 pyarrow==26.0.1 ray[data]==2.60.0 trimesh==5.2.0 pillow==13.0.0 scipy==1.17.1 webdataset==1.0.2 opencv-python-headless==5.0.0.93 pytest==9.2.0 mypy==2.4.1 types-pyyaml types-tqdm'
+venv=$root/target/python/venv
+if [ "$(cat "$venv/packages" 2>/dev/null)" != "$packages" ]; then
+    rm -rf "$venv"
+    mkdir -p "$root/target/python"
+    python3 -m venv "$venv" || fail "python3 could not make $venv"
+    # shellcheck disable=SC2086 # a list of packages
+    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: $packages ||
+        fail "pip could not install $packages: is the package registry within reach? Nothing was checked"
+    echo "$packages" >"$venv/packages"
+fi
+
+wheels=$root/target/python/wheels
+rm -rf "$wheels"
+(cd "$root/python" && PATH=$venv/bin:$PATH maturin build --quiet --release --locked --out "$wheels")
+"$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/*.whl
+cargo build --quiet --release --manifest-path "$root/Cargo.toml" --package stereotrace-cli
+export STEREOTRACE_COMMAND="$root/target/release/stereotrace"
+
+# From here: no folder named stereotrace may hide the package that was installed.
+cd "$root/target/python"
+"$venv/bin/mypy" --config-file "$root/python/pyproject.toml" --package stereotrace
+"$venv/bin/python" -m mypy.stubtest stereotrace._stereotrace --allowlist "$root/python/tests/stubtest-allow.txt"
+"$venv/bin/pytest" -p no:cacheprovider -q --durations=10 "$root/python/tests" "$@"
