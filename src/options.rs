@@ -1,6 +1,6 @@
 //! What to render with.
 
-use crate::{Error, Filter, Method, ShadowBuffer, Visibility, output};
+use crate::{Error, Filter, Method, ShadowBuffer, Visibility, output, samples};
 
 /// What to render with.
 #[derive(Clone, Debug, PartialEq)]
@@ -325,9 +325,19 @@ impl Options {
         self
     }
 
+    /// Checks all values without a device, as every frame does.
+    ///
+    /// ```
+    /// use stereotrace::{Method, Options};
+    ///
+    /// assert!(Options::new(Method::Auto).samples(9).check().is_ok());
+    /// assert!(Options::new(Method::Auto).samples(10).check().is_err());
+    /// ```
+    ///
     /// # Errors
-    /// [`Error::Options`] for a value out of its range.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// [`Error::Options`] for a value out of its range, [`Error::Samples`] for a number of samples that there isn't.
+    pub fn check(&self) -> Result<(), Error> {
+        samples::side_of(self.samples)?;
         let within = |option, value: u32, range: std::ops::RangeInclusive<u32>| match range.contains(&value) {
             true => Ok(()),
             false => {

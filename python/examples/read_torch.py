@@ -39,15 +39,16 @@ def carried(right: torch.Tensor, disparity: torch.Tensor) -> torch.Tensor:
 
 
 def main(urls: str) -> None:
-    pairs = webdataset.WebDataset(urls, shardshuffle=False, nodesplitter=webdataset.split_by_node, workersplitter=webdataset.split_by_worker)
+    pairs = webdataset.WebDataset(urls, shardshuffle=False, empty_check=False)
     loader = torch.utils.data.DataLoader(pairs.decode("rgb8").map(tensors), batch_size=4, num_workers=2)
     began, items = time.monotonic(), []
+    # A worker without a shard has no pairs (empty_check): there may be more workers than shards.
     for batch in loader:
         items += batch["item"].tolist()
         difference = (carried(batch["right"], batch["disparity"]) - batch["left"]).abs().mean(dim=1)
         seen = difference[batch["visible"]]
-        print(f"items {batch['item'].tolist()}: left {tuple(batch['left'].shape)}, {seen.median():.4f} of 1 differ where both see")
-        assert seen.median() < 0.02
+        print(f"items {batch['item'].tolist()}: left {tuple(batch['left'].shape)}; where both see, it differs by {seen.mean():.4f} of 1 from the right one, carried")
+        assert seen.mean() < 0.02
     assert len(set(items)) == len(items)
     print(f"{len(items)} pairs in {time.monotonic() - began:.1f} s")
 

@@ -8,7 +8,7 @@ use stereotrace::{Convergence, Pose, StereoCamera, camera::Intrinsics};
 use crate::{
     errors::{raised, refused},
     scene::Scene,
-    values::{Point, shown, tuple},
+    values::{Point, Size, shown, tuple},
 };
 
 /// The fields that the constructor and `replace` take beside eye and target.
@@ -77,8 +77,8 @@ impl Camera {
     /// and height in pixels. Raises ``ValueError`` for a scene that is empty or has only infinite planes, and for a size that no camera can
     /// have.
     #[staticmethod]
-    #[pyo3(signature = (scene, size = (640, 480)))]
-    fn fitting(scene: &Scene, size: (u32, u32)) -> PyResult<Self> {
+    #[pyo3(signature = (scene, size = Size(640, 480)))]
+    fn fitting(scene: &Scene, size: Size) -> PyResult<Self> {
         let bounds = scene.inner.bounds().ok_or_else(|| refused("the scene is empty, or has only infinite planes"))?;
         Self::checked(StereoCamera::fitting(bounds, size.0, size.1))
     }
@@ -94,8 +94,8 @@ impl Camera {
     /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field, if it is no JSON, has
     /// no such camera, or the camera is invalid.
     #[staticmethod]
-    #[pyo3(signature = (path, name, size = (640, 480)))]
-    fn from_json(path: PathBuf, name: &str, size: (u32, u32)) -> PyResult<Self> {
+    #[pyo3(signature = (path, name, size = Size(640, 480)))]
+    fn from_json(path: PathBuf, name: &str, size: Size) -> PyResult<Self> {
         StereoCamera::from_json(path, name, size.0, size.1).map(Self).map_err(raised)
     }
 
@@ -266,8 +266,8 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             "target" => camera.target(point()?),
             "up" => camera.up(point()?),
             "size" => {
-                let size = value.extract::<(u32, u32)>();
-                let (width, height) =
+                let size = value.extract::<Size>();
+                let Size(width, height) =
                     size.map_err(|_| refused(format!("camera: size: {} must be width and height", shown(&value))))?;
                 camera.size(width, height)
             }

@@ -6,8 +6,8 @@ use pyo3::{prelude::*, types::PyDict};
 use stereotrace::{Adaptive, AmbientOcclusion, GBuffer, Method, Options, Penumbra, ShadowBuffer, ShadowRule, Tone};
 
 use crate::{
-    errors::refused,
-    values::{named, shown},
+    errors::{raised, refused},
+    values::{named, shown, two},
 };
 
 /// An array that a picture may come with.
@@ -105,6 +105,18 @@ impl Request {
         self.outputs.iter().any(|output| output.is_ground_truth())
     }
 
+    /// For a rig, whose views have no disparities: those of two views follow from their depths.
+    pub(crate) fn of_rig(fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut request = Self::of(fields)?;
+        if fields.is_none_or(|fields| !fields.contains("outputs").unwrap_or(false)) {
+            request.outputs.retain(|output| *output != Output::Disparity);
+        }
+        match request.outputs.iter().find(|output| output.is_ground_truth() || **output == Output::Disparity) {
+            Some(output) => Err(refused(format!("outputs: {} is of pairs, not of rigs", output.name()))),
+            None => Ok(request),
+        }
+    }
+
     /// By the names that `stereotrace.RenderOptions` has.
     pub(crate) fn of(fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut options = Options::default();
@@ -131,8 +143,7 @@ impl Request {
                 "jitter" => options.jitter(flag()?),
                 "adaptive" if value.is_none() => options,
                 "adaptive" => {
-                    let (levels, tolerance) =
-                        value.extract().map_err(|_| wrong("levels and tolerance, as (4, 8.0)"))?;
+                    let (levels, tolerance) = two(&value).map_err(|_| wrong("levels and tolerance, as (4, 8.0)"))?;
                     options.adaptive(Adaptive::new(levels, tolerance))
                 }
                 "bounces" => options.bounces(count()?),
@@ -140,7 +151,7 @@ impl Request {
                 "ambient_occlusion" if value.is_none() => options,
                 "ambient_occlusion" => {
                     let (rays, radius) =
-                        value.extract().map_err(|_| wrong("rays and a radius in world units, as (16, 0.5)"))?;
+                        two(&value).map_err(|_| wrong("rays and a radius in world units, as (16, 0.5)"))?;
                     options.occlusion(AmbientOcclusion::new(rays, radius))
                 }
                 "sky_rays" if value.is_none() => options,
@@ -161,8 +172,8 @@ impl Request {
                 "visibility" => options.visibility(named(&text()?)?),
                 "shadow_buffer" if value.is_none() => options,
                 "shadow_buffer" => {
-                    let (rows, rule) =
-                        value.extract::<(u32, String)>().map_err(|_| wrong("rows and a rule, as (400, 'hybrid')"))?;
+                    let (rows, rule): (u32, String) =
+                        two(&value).map_err(|_| wrong("rows and a rule, as (400, 'hybrid')"))?;
                     options.shadow_buffer(ShadowBuffer::new(rows).rule(match &*rule {
                         "object" => ShadowRule::Object,
                         "depth" => ShadowRule::DEPTH,
@@ -208,10 +219,9 @@ const NAMES: [&str; 18] = [
     "count",
 ];
 
-/// Checks the keywords that ``Renderer.render`` takes as options: their names, the types of their values and what these name, without a
-/// device. Ranges are checked when a pair is rendered. Raises ``ValueError``.
+/// Checks the keywords that ``Renderer.render`` takes as options: their names and values, without a device. Raises ``ValueError``.
 #[pyfunction]
 #[pyo3(signature = (**options))]
 pub(crate) fn check_options(options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-    Request::of(options).map(drop)
+    Request::of(options)?.options.check().map_err(raised)
 }

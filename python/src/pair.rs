@@ -371,6 +371,12 @@ impl StereoPair {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let frame = &self.frame;
+        if ending == "exr" && (frame.pair.left.linear.is_empty() || frame.pair.left.primitive.is_empty()) {
+            let shown = path.display();
+            return Err(refused(format!(
+                "{shown}: it has linear light and ids: name 'linear' and 'primitive' in outputs"
+            )));
+        }
         py.detach(|| {
             let mut batch = Batch::new();
             match &*ending {

@@ -3,10 +3,11 @@
 use std::{
     ops::ControlFlow,
     sync::{Mutex, MutexGuard, PoisonError},
+    thread::{self, ThreadId},
 };
 
 use numpy::PyArray1;
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::{exceptions::PyRuntimeError, prelude::*, types::PyDict};
 use stereotrace::{
     Adapter, BvhBuild, Error, Gpu, GroundTruth, Progress, Ray, Rig, Update, UploadedScene, dataset::FreePoses,
 };
@@ -37,9 +38,32 @@ type Hits<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u32>>);
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Renderer {
     stage: Mutex<Stage>,
+    /// Who uses it now.
+    at_work: Mutex<Option<ThreadId>>,
     adapter: String,
     driver: String,
     is_software: bool,
+}
+
+/// A lock that another thread's panic poisoned still guards whole values here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A thread's use of a renderer, until it is dropped.
+struct AtWork<'a>(&'a Mutex<Option<ThreadId>>);
+
+impl<'a> AtWork<'a> {
+    fn begin(who: &'a Mutex<Option<ThreadId>>, this: ThreadId) -> Self {
+        *lock(who) = Some(this);
+        Self(who)
+    }
+}
+
+impl Drop for AtWork<'_> {
+    fn drop(&mut self) {
+        *lock(self.0) = None;
+    }
 }
 
 /// What one thread at a time works with.
@@ -75,8 +99,24 @@ impl Stage {
 }
 
 impl Renderer {
-    fn stage(&self) -> MutexGuard<'_, Stage> {
-        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Does what takes the device without Python's lock, once no other thread uses it. A thread that is at it already, and now runs a callback or handles
+    /// a signal, would wait for itself: that is an error.
+    fn with_stage<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Stage) -> Result<T, Error> + Send,
+    ) -> PyResult<T> {
+        let this = thread::current().id();
+        if *lock(&self.at_work) == Some(this) {
+            let reason = "this renderer is making a picture, whose callback asks it for another: take another renderer";
+            return Err(PyRuntimeError::new_err(reason));
+        }
+        let done = py.detach(|| {
+            let mut stage = lock(&self.stage);
+            let _at_work = AtWork::begin(&self.at_work, this);
+            work(&mut stage)
+        });
+        done.map_err(raised)
     }
 
     /// Does a frame's work without Python's lock. Between bands of rows Python may handle signals, and `progress` is called.
@@ -94,10 +134,9 @@ impl Renderer {
     ) -> PyResult<T> {
         let mut stopped = None;
         let (inner, state) = (&scene.inner, scene.state);
-        let done = py.detach(|| {
-            let mut stage = self.stage();
+        let done = self.with_stage(py, |stage| {
             stage.bring(inner, state)?;
-            let Stage { renderer, scenes, .. } = &mut *stage;
+            let Stage { renderer, scenes, .. } = stage;
             let Some((_, uploaded)) = scenes.last() else { unreachable!("a scene was brought") };
             work(renderer, uploaded, &mut |now: Progress| {
                 let told = Python::attach(|py| {
@@ -113,10 +152,8 @@ impl Renderer {
                 }
             })
         });
-        match (done, stopped) {
-            (Err(Error::Cancelled), Some(error)) => Err(error),
-            (done, _) => done.map_err(raised),
-        }
+        // What stopped it is the error to tell.
+        stopped.map_or(done, Err)
     }
 }
 
@@ -137,8 +174,8 @@ impl Renderer {
         let (name, driver) = (gpu.adapter_name(), gpu.driver());
         let is_software = gpu.adapter_info().device_type == stereotrace::wgpu::DeviceType::Cpu;
         let renderer = stereotrace::Renderer::new(gpu);
-        let stage = Stage { renderer, scenes: Vec::new(), kept: kept_scenes };
-        Ok(Self { stage: Mutex::new(stage), adapter: name, driver, is_software })
+        let stage = Mutex::new(Stage { renderer, scenes: Vec::new(), kept: kept_scenes });
+        Ok(Self { stage, at_work: Mutex::default(), adapter: name, driver, is_software })
     }
 
     /// The name of the adapter.
@@ -238,12 +275,7 @@ impl Renderer {
         progress: Option<Py<PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Views> {
-        let request = Request::of(options)?;
-        if request.needs_ground_truth() {
-            return Err(refused(
-                "outputs: ground truth (distance, occlusion, normals, material) is of pairs, not of rigs",
-            ));
-        }
+        let request = Request::of_rig(options)?;
         let rig = match (eyes.extract::<usize>(), eyes.extract::<Vec<f32>>()) {
             (Ok(count), _) => Rig::row(camera.0, count),
             (_, Ok(offsets)) => Rig::at(camera.0, offsets),
@@ -353,8 +385,7 @@ impl Renderer {
             other => return Err(refused(format!("build: '{other}' is none; there are fast, balanced and best"))),
         };
         let (inner, state) = (&scene.inner, scene.state);
-        py.detach(|| {
-            let mut stage = self.stage();
+        self.with_stage(py, |stage| {
             let uploaded = stage.renderer.upload_with(inner, build)?;
             stage.scenes.retain(|(known, _)| !known.is_of_scene(state));
             if stage.scenes.len() >= stage.kept {
@@ -363,7 +394,6 @@ impl Renderer {
             stage.scenes.push((state, uploaded));
             Ok(())
         })
-        .map_err(raised)
     }
 
     fn __repr__(&self) -> String {

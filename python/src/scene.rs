@@ -18,7 +18,7 @@ use crate::{
     errors::{raised, refused},
     light::Light,
     material::Material,
-    values::{self, Color, Point, named, tuple},
+    values::{self, Color, Point, Size, named, tuple},
 };
 
 /// Of all scenes and their states, so that a renderer knows which of them stands on its device.
@@ -140,8 +140,8 @@ impl Scene {
     /// ``size`` is a tuple of width and height in pixels. The eyes of a built-in scene's camera are 15 pixels apart in a picture 600 pixels
     /// wide, and so in proportion. Raises ``ValueError`` for a name that is not there, for a size that no camera can have, and where the
     /// scene has no camera and is empty or has only infinite planes.
-    #[pyo3(signature = (name = None, size = (640, 480)))]
-    fn camera(&self, name: Option<&str>, size: (u32, u32)) -> PyResult<Camera> {
+    #[pyo3(signature = (name = None, size = Size(640, 480)))]
+    fn camera(&self, name: Option<&str>, size: Size) -> PyResult<Camera> {
         let own = match name {
             None => self.cameras.first(),
             Some(name) => match self.cameras.iter().find(|(own, _)| own == name) {
@@ -223,9 +223,12 @@ impl Scene {
         if let Some(degrees) = crease_angle {
             mesh = mesh.smooth(degrees).map_err(raised)?;
         }
-        self.changed().add_mesh(&mesh).map_err(raised)?;
-        // Meshes count first among objects: those behind this one are spheres, ellipsoids and planes.
-        Ok(self.inner.object_of(self.inner.triangles().len().saturating_sub(1) as u32))
+        // Meshes count first among objects.
+        let scene = self.changed();
+        let others = scene.spheres().len() + scene.ellipsoids().len() + scene.planes().len();
+        let object = scene.object_count() - others;
+        scene.add_mesh(&mesh).map_err(raised)?;
+        Ok(object as u32)
     }
 
     /// Adds a sphere about a world position as an object of its own; the radius is in world units, above 0. Raises ``ValueError`` for a
@@ -256,14 +259,17 @@ impl Scene {
                 return Err(refused(format!("{what}: {found} for {} spheres", centers.len())));
             }
         }
-        // All of them or none.
-        let mut scene = self.inner.clone();
-        for (index, (&center, &radius)) in centers.iter().zip(&radii).enumerate() {
-            let material = MaterialId(materials[if materials.len() == 1 { 0 } else { index }]);
-            scene.add_sphere(Sphere::new(center, radius, material)).map_err(raised)?;
+        let spheres = centers.iter().zip(&radii).enumerate().map(|(index, (&center, &radius))| {
+            Sphere::new(center, radius, MaterialId(materials[if materials.len() == 1 { 0 } else { index }]))
+        });
+        // All of them or none: a scene of the same materials says whether they can be added.
+        let mut trial = stereotrace::Scene::new();
+        for material in &self.inner.materials()[1..] {
+            trial.add_material(material.clone());
         }
-        *self.changed() = scene;
-        Ok(())
+        spheres.clone().try_for_each(|sphere| trial.add_sphere(sphere)).map_err(raised)?;
+        let scene = self.changed();
+        spheres.into_iter().try_for_each(|sphere| scene.add_sphere(sphere)).map_err(raised)
     }
 
     /// Adds an ellipsoid as an object of its own: all points ``center + axes @ v`` of vectors ``v`` of length 1.
@@ -430,7 +436,8 @@ impl Scene {
     /// or not finite.
     fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>) -> PyResult<()> {
         let map = match picture.extract::<PathBuf>() {
-            Ok(path) if path.as_os_str() == "procedural" => SkyMap::procedural(1024),
+            // A text, not a path: a file of that name is Path("procedural").
+            Ok(_) if picture.eq("procedural")? => SkyMap::procedural(1024),
             Ok(path) => SkyMap::open(path),
             Err(_) => {
                 let (width, height, pixels) = values::linear_pixels("sky", picture)?;

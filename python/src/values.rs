@@ -6,7 +6,7 @@ use numpy::{
     PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArray,
     PyUntypedArrayMethods,
 };
-use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use pyo3::{conversion::FromPyObjectOwned, exceptions::PyTypeError, prelude::*, types::PyDict};
 use stereotrace::{
     Error,
     glam::{Vec2, Vec3},
@@ -45,6 +45,29 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Color {
             Err(_) => Err(PyTypeError::new_err(format!("{} must be a number, or red, green and blue", shown(&value)))),
         }
     }
+}
+
+/// Width and height in pixels: a tuple, a list or an array.
+#[derive(Clone, Copy)]
+pub(crate) struct Size(pub(crate) u32, pub(crate) u32);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Size {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<[u32; 2]>() {
+            Ok([width, height]) => Ok(Self(width, height)),
+            Err(_) => Err(PyTypeError::new_err(format!("{} must be width and height", shown(&value)))),
+        }
+    }
+}
+
+/// Two values of a tuple or a list.
+pub(crate) fn two<'py, A: FromPyObjectOwned<'py>, B: FromPyObjectOwned<'py>>(
+    value: &Bound<'py, PyAny>,
+) -> PyResult<(A, B)> {
+    let [first, second]: [Bound<'py, PyAny>; 2] = value.extract()?;
+    Ok((first.extract().map_err(Into::into)?, second.extract().map_err(Into::into)?))
 }
 
 /// A value as messages show it.
@@ -236,6 +259,9 @@ pub(crate) fn linear_pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u
     let [height, width, 3] = *array.shape() else {
         return Err(misshapen(what, "(height, width, 3)", array.shape()));
     };
+    if !is_of_kind(&array, b"f") {
+        return Err(refused(format!("{what}: they are {}, and must be floats in linear light", array.dtype())));
+    }
     let found: PyReadonlyArray3<'_, f32> = of_type(&array, "float32")?.extract()?;
     let pixels = found.as_slice()?.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect();
     let side = |length: usize| u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels a side")));

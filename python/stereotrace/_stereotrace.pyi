@@ -1,13 +1,37 @@
 """Types of the part of ``stereotrace`` that is written in Rust. Its docstrings, by ``help``, say what things are."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal, SupportsIndex, TypeAlias, TypedDict, final, type_check_only
 
 import numpy as np
 import numpy.typing as npt
 from typing_extensions import NotRequired, Required, Self, Unpack
+
+__all__ = [
+    "ANAGLYPHS",
+    "BUILTINS",
+    "LAYOUTS",
+    "METHODS",
+    "MISS",
+    "OUTPUTS",
+    "PACKINGS",
+    "AdapterError",
+    "Camera",
+    "DeviceLostError",
+    "Light",
+    "LimitError",
+    "Material",
+    "Renderer",
+    "Scene",
+    "StereoPair",
+    "View",
+    "Views",
+    "__version__",
+    "check_options",
+    "encode_png",
+]
 
 __version__: Final[str]
 MISS: Final[int]
@@ -47,13 +71,13 @@ class RenderOptions(TypedDict, total=False):
     # Whether samples stand aside of the middles of their cells; True.
     jitter: bool
     # More samples only where a pixel's differ: levels, 2 to 5, and the tolerance in values of an 8-bit channel, 0 to 255; None.
-    adaptive: tuple[int, float] | None
+    adaptive: Sequence[float] | None
     # Surfaces, one behind the other, that a ray may come from, 0 to 8; 5.
     bounces: int
     # Rays to each light that is not a point, 1 to 32; 16.
     shadow_rays: int
     # Whether what stands near keeps ambient light off: rays, 1 to 32, and a radius in world units, above 0; None.
-    ambient_occlusion: tuple[int, float] | None
+    ambient_occlusion: Sequence[float] | None
     # By how many rays, 1 to 32, the sky lights surfaces, in place of ambient light; None, by none.
     sky_rays: int | None
     # What a view takes over of these rays' answers: of places that are fully lit or not at all, or penumbrae too; "shared".
@@ -107,7 +131,7 @@ class CameraFields(TypedDict, total=False):
     # The direction that is up in the picture, of any length; (0, 1, 0).
     up: Point
     # Width and height in pixels, 1 to 131072 each; (640, 480).
-    size: tuple[int, int]
+    size: Sequence[int]
     # Vertical field of view in degrees, between 0 and 180; 45.
     fov: float
     # Width of the screen rectangle in world units, in place of the field of view.
@@ -254,7 +278,7 @@ class Scene:
     def copy(self) -> Scene: ...
     def __copy__(self) -> Scene: ...
     def __deepcopy__(self, _memo: Any, /) -> Scene: ...
-    def camera(self, name: str | None = None, size: tuple[int, int] = (640, 480)) -> Camera: ...
+    def camera(self, name: str | None = None, size: Sequence[int] = ...) -> Camera: ...  # size: (640, 480)
     @property
     def camera_names(self) -> list[str]: ...
     def add_mesh(
@@ -277,7 +301,7 @@ class Scene:
         materials: int | Sequence[int] | npt.NDArray[np.integer[Any]] | None = None,
     ) -> None: ...
     def add_ellipsoid(self, center: Point, axes: npt.ArrayLike, material: int = 0) -> None: ...
-    def add_plane(self, point: Point, normal: Point = ..., material: int = 0, *, tile: float = 1.0) -> None: ...
+    def add_plane(self, point: Point, normal: Point = ..., material: int = 0, *, tile: float = 1.0) -> None: ...  # normal: (0, 1, 0)
     def add_material(self, material: Material) -> int: ...
     def set_material(self, id: int, material: Material) -> None: ...
     @property
@@ -325,9 +349,9 @@ class Camera:
     __hash__: ClassVar[None]  # type: ignore[assignment]
     def __new__(cls, eye: Point, target: Point, **fields: Unpack[CameraFields]) -> Self: ...
     @staticmethod
-    def fitting(scene: Scene, size: tuple[int, int] = (640, 480)) -> Camera: ...
+    def fitting(scene: Scene, size: Sequence[int] = ...) -> Camera: ...  # size: (640, 480)
     @staticmethod
-    def from_json(path: _Path, name: str, size: tuple[int, int] = (640, 480)) -> Camera: ...
+    def from_json(path: _Path, name: str, size: Sequence[int] = ...) -> Camera: ...  # size: (640, 480)
     def replace(self, **fields: Unpack[CameraReplaceFields]) -> Camera: ...
     def orbited(self, degrees: float) -> Camera: ...
     @property
@@ -491,13 +515,14 @@ class Views:
     def work(self) -> list[Work]: ...
     def quilt(self, columns: int, rows: int) -> npt.NDArray[np.uint8]: ...
     def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[View]: ...
     def __getitem__(self, index: SupportsIndex, /) -> View: ...
 
 @final
 class Renderer:
     """A graphics device that renders, and the scenes that stand on it."""
 
-    def __new__(cls, adapter: str | None = None, *, kept_scenes: int = 4) -> Self: ...
+    def __new__(cls, adapter: str | None = None, *, kept_scenes: int = ...) -> Self: ...  # kept_scenes: 4
     @property
     def adapter(self) -> str: ...
     @property

@@ -18,7 +18,7 @@ def from_trimesh(mesh: Any, *, crease_angle: float | None = None) -> Scene:
     """
     import trimesh
 
-    scene = mesh if isinstance(mesh, trimesh.Scene) else trimesh.Scene(mesh)
+    scene: Any = mesh if isinstance(mesh, trimesh.Scene) else trimesh.Scene(mesh)
     triangles = [name for name, part in scene.geometry.items() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not triangles:
         raise ValueError(f"there are no triangles in {mesh!r}")

@@ -165,6 +165,13 @@ def test_a_callback_is_told_and_may_stop(renderer, hall):
         renderer.render(hall, hall.camera(size=(320, 240)), progress=stop)
 
 
+def test_a_callback_cannot_render_with_its_own_renderer(renderer, hall):
+    """It would wait for itself."""
+    with pytest.raises(RuntimeError, match="take another renderer"):
+        renderer.render(hall, hall.camera(size=(64, 48)), progress=lambda *_: renderer.render(hall, hall.camera()))
+    renderer.render(hall, hall.camera(size=(64, 48)))
+
+
 def test_scenes_that_change_show_what_they_are(renderer):
     scene = Scene.builtin("three-spheres")
     camera = scene.camera(size=(80, 60))
@@ -187,8 +194,9 @@ def test_views_of_a_rig(renderer, hall):
         views[6]
     with pytest.raises(ValueError, match="quilt of 4x2"):
         views.quilt(4, 2)
-    with pytest.raises(ValueError, match="ground truth"):
-        renderer.render_views(hall, hall.camera(), 3, outputs=["normal"])
+    for output in ("normal", "disparity"):
+        with pytest.raises(ValueError, match=f"{output} is of pairs"):
+            renderer.render_views(hall, hall.camera(), 3, outputs=[output])
 
 
 def test_notebooks_show_the_anaglyph(renderer, hall):
@@ -226,6 +234,7 @@ def test_files_of_both_eyes(renderer, hall, tmp_path):
     for ending in ("png", "jpg", "jps", "mpo"):
         pair.save(tmp_path / f"pair.{ending}")
     assert np.array_equal(read(tmp_path / "pair.png"), pair.anaglyph())
+    renderer.render(hall, hall.camera(size=[64, 48]), outputs=["linear", "primitive"]).save(tmp_path / "pair.exr")
     assert pair.packed("top-bottom").shape == (96, 64, 3)
     assert pair.retrace_map().shape == (48, 64, 3)
 
@@ -260,6 +269,9 @@ def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     raises(ValueError, "ground truth, which was not asked for", lambda: renderer.render(hall, camera).write(tmp_path))
     raises(ValueError, "parallel", lambda: renderer.render(hall, camera, outputs="occlusion").write(tmp_path, "kitti"))
     raises(ValueError, "pair.bmp: pairs are written as", lambda: renderer.render(hall, camera).save(tmp_path / "pair.bmp"))
+    raises(ValueError, "pair.exr: .*'linear' and 'primitive' in outputs", lambda: renderer.render(hall, camera).save(tmp_path / "pair.exr"))
+    raises(ValueError, "bounces: 99; there can be 0 to 8", lambda: stereotrace.check_options(bounces=99))
+    raises(ValueError, "samples: 3 a pixel", lambda: stereotrace.check_options(samples=3))
     raises(FileNotFoundError, "nowhere", lambda: renderer.render(hall, camera).save(tmp_path / "nowhere" / "pair.png"))
     raises(stereotrace.AdapterError, "no graphics adapter found for the name 'Voodoo2'", lambda: Renderer("Voodoo2"))
     raises(stereotrace.LimitError, "max_texture|max_buffer|limit", lambda: renderer.render(hall, camera.replace(size=(131072, 16)), method="bracket"))

@@ -47,6 +47,7 @@ def test_arrays_of_any_kind_are_taken(renderer, dtype):
     scene.add_mesh(VERTICES, FACES)
     same.add_mesh(np.asfortranarray(VERTICES.astype(np.float32)), np.asfortranarray(FACES.astype(dtype)))
     assert scene.sha256() == same.sha256()
+    assert same.add_mesh(VERTICES, FACES[:0]) == 1 and same.add_mesh(VERTICES, FACES) == 2
     assert scene.triangle_count == 2 and scene.bounds == [(-1, -1, 0), (1, 1, 0)]
 
 
@@ -197,6 +198,8 @@ def test_wrong_arrays_are_refused_by_name():
             scene.add_texture(picture)
     with pytest.raises(ValueError, match="sky: their shape"):
         scene.set_sky_map(np.zeros((4, 4)))
+    with pytest.raises(ValueError, match="sky: they are uint8"):
+        scene.set_sky_map(np.zeros((4, 8, 3), np.uint8))
     with pytest.raises(ValueError, match="last row"):
         scene.transform_object(0, np.ones((4, 4)))
     with pytest.raises(ValueError, match="material 9: the scene has 1"):

@@ -45,7 +45,7 @@ class Tar:
     """A shard as a tar file, as ``webdataset`` reads it: files that have a name in common up to its first dot are one sample. The same pairs make the same bytes."""
 
     def __init__(self, file: Written) -> None:
-        self._tar = tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT)  # type: ignore[call-overload]
+        self._tar = tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT)
 
     def add(self, key: str, item: int, files: dict[str, bytes]) -> None:
         for name, data in files.items():

@@ -54,7 +54,7 @@ class ShardMaker:
             if self._worker is None:
                 self._worker = Worker(self._spec, self._hashes, self._adapter)
             record = self._worker.shard(shard, self._store)
-            return {**record, "worker": f"{socket.gethostname()}:{os.getpid()}", "tries": tries, "memory": peak_memory(), "ended": time.time()}
+            return {**record, "worker": _here(), "tries": tries, "memory": peak_memory(), "ended": time.time()}
         except AdapterError as error:
             # There is nothing to render with here, so that no shard can be made: the run must stop.
             return {**failure(name, error), "error": f"worker on {socket.gethostname()}: {error}", "stop": True}
@@ -67,6 +67,13 @@ class ShardMaker:
         tries = 1 + sum(mark.startswith(f"{name}.") for mark in marks)
         self._store.mark(f"{_marks(self._run)}/{name}.{tries}")
         return tries
+
+
+def _here() -> str:
+    """This worker, by its host, Ray's name of the node, and process."""
+    import ray
+
+    return f"{socket.gethostname()}:{ray.get_runtime_context().get_node_id()[:8]}:{os.getpid()}"
 
 
 def _marks(run: str) -> str:
@@ -106,6 +113,8 @@ def make(
     if not ray.is_initialized():
         ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
     ray.data.DataContext.get_current().enable_progress_bars = progress
+    if not progress:
+        logging.getLogger("ray.data").setLevel(logging.ERROR)
     workers = min(workers, len(pending))
     shards = ray.data.from_items([{"shard": shard} for shard in pending], override_num_blocks=len(pending))
     records = shards.map_batches(

@@ -288,7 +288,7 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
 
 
 def _scenes(value: Any, at: str) -> list[dict[str, Any]]:
-    scenes = _list(None, _scene)(value, at)
+    scenes: list[dict[str, Any]] = _list(None, _scene)(value, at)
     if not any(scene["weight"] for scene in scenes):
         raise SpecError(f"{at}: there is no scene to choose")
     return scenes
@@ -373,7 +373,7 @@ _OF_RIGHT = ("source", "shadow_source")
 
 
 def _outputs(value: Any, at: str) -> list[str]:
-    names = _list(None, _text)(value, at)
+    names: list[str] = _list(None, _text)(value, at)
     for index, name in enumerate(names):
         eye, dot, output = name.rpartition(".")
         if output not in stereotrace.OUTPUTS or (dot and eye not in EYES):

@@ -110,7 +110,7 @@ class Worker:
 
     def _record(self, number: int, scene: int, pair: StereoPair, tries: int) -> dict[str, Any]:
         camera = pair.camera
-        record = {
+        record: dict[str, Any] = {
             "item": number,
             "scene": self.spec["scenes"][scene].get("file") or "builtin:" + self.spec["scenes"][scene]["builtin"],
             "eye": camera.eye,
@@ -145,7 +145,7 @@ class Worker:
         began = time.monotonic()
         name = self.spec.shard_name(number)
         store.remove_parts(name)
-        record = {
+        record: dict[str, Any] = {
             "shard": name,
             "items": [self.spec.shard_items(number).start, self.spec.shard_items(number).stop],
             "adapter": self.renderer.adapter,
