@@ -107,8 +107,8 @@ def test_disparities_carry_one_view_to_the_other(renderer):
 
 def test_block_matching_finds_the_disparities(renderer):
     scene = Scene.builtin("hall-finished")
-    camera = scene.camera(size=(480, 360))
-    pair = renderer.render(scene, camera, outputs=["color", "disparity", "occlusion"], samples=4)
+    camera = scene.camera(size=(400, 300))
+    pair = renderer.render(scene, camera, outputs=["color", "disparity", "occlusion"], shadow_rays=4)
     low = int(np.floor(pair.left.disparity.min())) - 2
     matcher = cv2.StereoSGBM_create(minDisparity=low, numDisparities=64, blockSize=5, P1=600, P2=2400, uniquenessRatio=5)
     grey = [cv2.cvtColor(view.color, cv2.COLOR_RGB2GRAY) for view in (pair.left, pair.right)]
@@ -274,7 +274,8 @@ def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     raises(ValueError, "samples: 3 a pixel", lambda: stereotrace.check_options(samples=3))
     raises(FileNotFoundError, "nowhere", lambda: renderer.render(hall, camera).save(tmp_path / "nowhere" / "pair.png"))
     raises(stereotrace.AdapterError, "no graphics adapter found for the name 'Voodoo2'", lambda: Renderer("Voodoo2"))
-    raises(stereotrace.LimitError, "max_texture|max_buffer|limit", lambda: renderer.render(hall, camera.replace(size=(131072, 16)), method="bracket"))
+    wide = camera.replace(size=(20_000, 20), fov=0.066)
+    raises(stereotrace.LimitError, "max_texture_dimension_2d", lambda: renderer.render(hall, wide, method="bracket"))
     raises(ValueError, "kept_scenes", lambda: Renderer(kept_scenes=0))
     assert issubclass(stereotrace.LimitError, stereotrace.AdapterError) and issubclass(stereotrace.AdapterError, RuntimeError)
     with pytest.raises(ValueError, match="albedo"):
