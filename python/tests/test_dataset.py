@@ -157,6 +157,15 @@ def test_lights_and_materials_are_drawn():
     assert [material.albedo for material in plain._stage(0).scene.materials] == own
 
 
+def test_skies_are_given(tmp_path):
+    (tmp_path / "sky.png").write_bytes(stereotrace.encode_png(np.full((4, 8, 3), (255, 0, 0), np.uint8)))
+    corners = []
+    for sky in ([0, 0, 1], str(tmp_path / "sky.png"), "procedural"):
+        worker = Worker(spec(scenes=[{"builtin": "random-20", "sky": sky}], poses={"kind": "fixed"}, randomise={}))
+        corners.append(worker.pair(0)[0].left.color[0, 24].tolist())
+    assert corners[0] == [0, 0, 255] and corners[1] == [255, 0, 0] and len({tuple(corner) for corner in corners}) == 3
+
+
 def test_orbits_go_round_what_they_look_at():
     worker = Worker(spec(scenes=[{"builtin": "spheres"}], poses={"kind": "orbit", "rise": {"uniform": [10, 30]}, "distance": {"uniform": [1, 2]}}))
     given = stereotrace.Scene.builtin("spheres").camera(size=(48, 32))
@@ -317,6 +326,7 @@ def test_any_storage_of_fsspec(made):
         ({"scenes": [{"builtin": "hall", "weight": -1}]}, r"scenes\[0\].weight"),
         ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "eye and target go together"),
         ({"scenes": [{"builtin": "hall", "lights": [{"intensity": 1}]}]}, r"scenes\[0\].lights\[0\]: give a position"),
+        ({"scenes": [{"builtin": "hall", "sky": [1, 2]}]}, r"scenes\[0\].sky: \[1, 2\] must be a list of 3"),
         ({"poses": {"kind": "walk"}}, "poses.kind: unknown 'walk'; use one of free, orbit, fixed"),
         ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; there are kind"),
         ({"rig": {"interaxial": {"uniform": [2, 1]}}}, "rig.interaxial.uniform: .* low and a high"),

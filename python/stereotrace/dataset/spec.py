@@ -266,6 +266,11 @@ def _lights(value: Any, at: str) -> Any:
     return _list(None, _light)(value, at)
 
 
+def _sky(value: Any, at: str) -> Any:
+    """A colour, a picture's file, or ``procedural``."""
+    return _text(value, at) if isinstance(value, str) else _color(value, at)
+
+
 def _scene(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
         "file": (_text, None),
@@ -276,6 +281,7 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
         "camera": (_camera, None),
         "lights": (_lights, None),
         "ambient": (_color, None),
+        "sky": (_sky, None),
     }
     found = _keys(value, at, known)
     if ("file" in found) == ("builtin" in found):

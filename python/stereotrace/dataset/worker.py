@@ -27,10 +27,18 @@ def open_scene(spec: Spec, scene: int) -> Scene:
     """A scene of a spec as it is before anything is drawn."""
     entry, path = spec["scenes"][scene], spec.scene_path(scene)
     if path is None:
-        return Scene.builtin(entry["builtin"])
-    return Scene.open(
-        path, crease_angle=entry.get("crease_angle"), missing_textures=entry.get("missing_textures", "error")
-    )
+        found = Scene.builtin(entry["builtin"])
+    else:
+        textures = entry.get("missing_textures", "error")
+        found = Scene.open(path, crease_angle=entry.get("crease_angle"), missing_textures=textures)
+    sky = entry.get("sky")
+    if sky == "procedural":
+        found.set_sky_map(sky)
+    elif isinstance(sky, str):
+        found.set_sky_map(spec.folder / sky)
+    elif sky is not None:
+        found.set_sky(sky)
+    return found
 
 
 class SceneChanged(ValueError):
