@@ -247,6 +247,14 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     assert again.made == len({line["shard"] for line in errors}) and not again.errors
     assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(7))
 
+    # Arrays that there are not, in any pair of a shard.
+    for kind in ("webdataset", "parquet"):
+        none = dataset.make(spec(pairs=2, format=kind, render={"method": "naive"}, outputs=["color", "shadow_source"]), str(tmp_path / kind))
+        assert none.pairs == 0 and len(none.errors) == 2 and "only brackets know it" in none.errors[0]["error"]
+    import pyarrow.parquet
+
+    assert pyarrow.parquet.read_table(tmp_path / "parquet" / "small-000000.parquet").num_rows == 0
+
     nowhere = dataset.make(spec(poses={"kind": "free", "clearance": 1e6}, scenes=[{"builtin": "hall"}], pairs=1), str(tmp_path / "nowhere"))
     assert "no free place for item 0" in nowhere.errors[0]["error"]
 
@@ -334,6 +342,7 @@ def test_any_storage_of_fsspec(made):
         ({"rig": {"interaxial": {"log_uniform": [0, 1]}}}, "above 0"),
         ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "say the same"),
         ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
+        ({"randomise": {"lights": {"count": {"uniform": [1, 40]}}}}, r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16"),
         ({"randomise": {"lights": {"count": 0}}}, "randomise.lights.count: 0 must be a whole number, 1 to 16"),
         ({"randomise": {"materials": {"albedo": 1, "tint": 1}}}, "give one of them"),
         ({"render": {"sample": 4}}, "render: unknown option 'sample'"),

@@ -66,20 +66,25 @@ class Parquet:
         self._writer: Any = None
 
     def add(self, key: str, item: int, files: dict[str, bytes]) -> None:
+        self._write({"item": [item], "key": [key]}, {name: [data] for name, data in files.items()})
+
+    def _write(self, named: dict[str, list[Any]], files: dict[str, list[bytes]]) -> None:
         import pyarrow
         import pyarrow.parquet
 
-        columns = {"item": pyarrow.array([item], pyarrow.int64()), "key": pyarrow.array([key])}
-        columns |= {name: pyarrow.array([data], pyarrow.binary()) for name, data in files.items()}
+        columns = {"item": pyarrow.array(named["item"], pyarrow.int64()), "key": pyarrow.array(named["key"], pyarrow.string())}
+        columns |= {name: pyarrow.array(data, pyarrow.binary()) for name, data in files.items()}
         table = pyarrow.table(columns)
         if self._writer is None:
             # PNG does not get smaller, and NPY hardly.
-            self._writer = pyarrow.parquet.ParquetWriter(pyarrow.PythonFile(self._file, "w"), table.schema, compression="none")
+            file = pyarrow.PythonFile(self._file, "w")
+            self._writer = pyarrow.parquet.ParquetWriter(file, table.schema, compression="none")
         self._writer.write_table(table)
 
     def close(self) -> None:
-        if self._writer is not None:
-            self._writer.close()
+        if self._writer is None:  # no pair could be made
+            self._write({"item": [], "key": []}, {})
+        self._writer.close()
 
 
 ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}

@@ -201,8 +201,7 @@ def _drawn(of: Check) -> Check:
             positive = " above 0" if kind == "log_uniform" else ""
             raise SpecError(f"{at}.{kind}: {_shown(given)} must be a low and a high number{positive}")
         # Both ends must be values that may be drawn.
-        of(type(given[0])(low) if isinstance(given[0], int) else low, f"{at}.{kind}[0]")
-        return {kind: [low, high]}
+        return {kind: [of(low, f"{at}.{kind}[0]"), of(high, f"{at}.{kind}[1]")]}
 
     return check
 

@@ -173,7 +173,7 @@ class Worker:
             try:
                 pair, of_pair = self._pair_once_more(item)
                 used = use(item, pair, of_pair)
-            except (ValueError, OSError, RuntimeError, MemoryError) as error:
+            except (ValueError, OSError, RuntimeError, MemoryError, AttributeError) as error:
                 text = str(error) or type(error).__name__
                 log.warning("item %d: %s", item, text)
                 record["errors"].append({"item": item, "error": text, "kind": type(error).__name__})
