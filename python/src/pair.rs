@@ -134,7 +134,7 @@ impl View {
     fn get(&self, py: Python<'_>, output: Output) -> PyResult<Py<PyAny>> {
         if !self.source.request().has(output) {
             let name = output.name();
-            let advice = format!("'{name}' was not asked for: name it in outputs, as outputs=['color', '{name}']");
+            let advice = format!("'{name}' was not asked for: name it in outputs, as outputs=['{name}']");
             return Err(PyAttributeError::new_err(advice));
         }
         if let Some(made) = self.made.lock().unwrap_or_else(PoisonError::into_inner).get(output.name()) {

@@ -2,7 +2,11 @@
 
 use std::{
     ops::ControlFlow,
-    sync::{Mutex, MutexGuard, PoisonError},
+    process,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU32, Ordering},
+    },
     thread::{self, ThreadId},
 };
 
@@ -48,6 +52,20 @@ pub(crate) struct Renderer {
 /// A lock that another thread's panic poisoned still guards whole values here.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Which process opened the first device; 0 before.
+static OPENED_BY: AtomicU32 = AtomicU32::new(0);
+
+/// Drivers don't survive a fork: in a child of a process that has opened a device all that uses one, a new one too, waits for ever.
+fn check_process() -> PyResult<()> {
+    match OPENED_BY.load(Ordering::Relaxed) {
+        opened_by if opened_by == 0 || opened_by == process::id() => Ok(()),
+        _ => Err(PyRuntimeError::new_err(
+            "this process was forked from one that had opened a graphics device, which drivers don't survive: start processes by spawn, \
+             as multiprocessing.get_context('spawn') does, or render in none before",
+        )),
+    }
 }
 
 /// A thread's use of a renderer, until it is dropped.
@@ -106,6 +124,7 @@ impl Renderer {
         py: Python<'_>,
         work: impl FnOnce(&mut Stage) -> Result<T, Error> + Send,
     ) -> PyResult<T> {
+        check_process()?;
         let this = thread::current().id();
         if *lock(&self.at_work) == Some(this) {
             let reason = "this renderer is making a picture, whose callback asks it for another: take another renderer";
@@ -170,7 +189,9 @@ impl Renderer {
             Some("fastest") => Adapter::Fastest,
             Some(name) => Adapter::from(name),
         };
+        check_process()?;
         let gpu = py.detach(|| Gpu::open(adapter)).map_err(raised)?;
+        OPENED_BY.store(process::id(), Ordering::Relaxed);
         let (name, driver) = (gpu.adapter_name(), gpu.driver());
         let is_software = gpu.adapter_info().device_type == stereotrace::wgpu::DeviceType::Cpu;
         let renderer = stereotrace::Renderer::new(gpu);

@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from ._needs import needs
 from ._stereotrace import Scene
 
 
@@ -16,8 +17,7 @@ def from_trimesh(mesh: Any, *, crease_angle: float | None = None) -> Scene:
     ``crease_angle`` in degrees gives meshes without normals smooth ones: see ``Scene.open``. The scene has no lights but those of
     ``trimesh.Scene``'s file: see ``Scene.place_lights``. Raises ``ValueError`` for what has no triangles, such as point clouds and paths.
     """
-    import trimesh
-
+    trimesh = needs("trimesh", "trimesh")
     scene: Any = mesh if isinstance(mesh, trimesh.Scene) else trimesh.Scene(mesh)
     triangles = [name for name, part in scene.geometry.items() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not triangles:

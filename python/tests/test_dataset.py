@@ -132,11 +132,13 @@ def test_draws_fill_their_ranges():
     units = np.array([item.unit("x") for item in items])
     assert units.min() < 0.01 and units.max() > 0.99 and abs(units.mean() - 0.5) < 0.03
     assert np.corrcoef(units, [item.unit("y") for item in items])[0, 1] < 0.06
-    counts = [item.draw({"uniform": [1, 3]}, "lights.count") for item in items]
-    assert set(counts) == {1, 2, 3} and max(counts.count(n) for n in (1, 2, 3)) < 800
+    for kind, most in (("uniform", 800), ("log_uniform", 1100)):
+        counts = [item.draw({kind: [1, 3]}, "lights.count") for item in items]
+        assert set(counts) == {1, 2, 3} and max(counts.count(n) for n in (1, 2, 3)) < most
     assert set(item.draw({"choice": [1, 2, 5]}, "z") for item in items) == {1, 2, 5}
-    logs = np.log([item.draw({"log_uniform": [0.01, 1]}, "z") for item in items])
+    logs = np.log([item.draw({"log_uniform": [0.01, 1.0]}, "z") for item in items])
     assert abs(logs.mean() - np.log(0.1)) < 0.1
+    assert any(item.draw({"uniform": [1.0, 3.0]}, "x") % 1 for item in items)
     assert abs(np.mean([item.scene() for item in items]) - 2 / 3) < 0.04
     # On every machine.
     assert Item(spec(), 5).unit("scene") == 0.09947573058063397
@@ -225,6 +227,12 @@ def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, mon
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
     with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
         dataset.make(one, str(tmp_path / "out"))
+    # A file that is away for a while, and comes back as another one.
+    obj.unlink()
+    assert dataset.make(one, str(tmp_path / "out")).kept == 1
+    obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
+    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+        dataset.make(one, str(tmp_path / "out"))
     monkeypatch.setattr(stereotrace, "__version__", "99.0.0")
     with pytest.raises(OtherDataSet, match="another version of stereotrace"):
         dataset.make(spec(), str(made))
@@ -240,7 +248,8 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     assert "broken.obj:3" in lines[0]["scenes"][1]["error"]
     errors = [line for line in lines if "error" in line]
     assert len(errors) == len(report.errors) and all("broken.obj:3" in line["error"] and line["shard"] for line in errors)
-    # Mended, these pairs alone are missing.
+    # They are missing until they are made, and every run says so.
+    assert [error["item"] for error in dataset.make(spec(scenes=scenes), str(tmp_path / "out")).errors] == [line["item"] for line in errors]
     (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     assert dataset.make(spec(scenes=scenes), str(tmp_path / "out")).made == 0
     again = dataset.make(spec(scenes=scenes), str(tmp_path / "out"), retry_errors=True)
@@ -249,7 +258,9 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
 
     # Arrays that there are not, in any pair of a shard.
     for kind in ("webdataset", "parquet"):
-        none = dataset.make(spec(pairs=2, format=kind, render={"method": "naive"}, outputs=["color", "shadow_source"]), str(tmp_path / kind))
+        # Without lights `auto` chooses naive, which has none of these.
+        dark = [{"builtin": "near", "lights": 0}]
+        none = dataset.make(spec(pairs=2, format=kind, scenes=dark, randomise={}, outputs=["color", "shadow_source"]), str(tmp_path / kind))
         assert none.pairs == 0 and len(none.errors) == 2 and "only brackets know it" in none.errors[0]["error"]
     import pyarrow.parquet
 
@@ -341,6 +352,14 @@ def test_any_storage_of_fsspec(made):
         ({"rig": {"interaxial": {"gauss": [2, 1]}}}, "rig.interaxial: .* one key: uniform, log_uniform, choice"),
         ({"rig": {"interaxial": {"log_uniform": [0, 1]}}}, "above 0"),
         ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "say the same"),
+        ({"rig": {"interaxial_px": 2, "screen_distance": "inf"}}, "parallel cameras have none of"),
+        ({"rig": {"interaxial_px": 2}, "format": "kitti"}, "parallel cameras have none of"),
+        ({"rig": {"fov": 10**400}}, "rig.fov: .* must be a number"),
+        ({"render": {"method": "atomic"}}, "render.method: atomic shows points up to half a pixel aside, and occlusion"),
+        ({"render": {"method": "atomic"}, "format": "kitti"}, "render.method: atomic"),
+        ({"render": {"method": "naive"}, "outputs": ["shadow_source"]}, "shadow_source is known by brackets, not by naive"),
+        ({"randomise": {"lights": {"radius": {"uniform": [-1, 1]}}}}, "radius.uniform.0.: -1 must be 0 or more"),
+        ({"randomise": {"materials": {"albedo": 5}}}, "randomise.materials.albedo: 5 must be 0 to 1"),
         ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
         ({"randomise": {"lights": {"count": {"uniform": [1, 40]}}}}, r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16"),
         ({"randomise": {"lights": {"count": 0}}}, "randomise.lights.count: 0 must be a whole number, 1 to 16"),
@@ -380,12 +399,35 @@ def test_specs_of_files(tmp_path):
     for arguments, message in (
         ((path, tmp_path / "file" / "out"), "file"),
         ((path, tmp_path / "out", "--adapter", "Voodoo2"), "no graphics adapter found"),
-        ((path, tmp_path / "out", "--shards", "0..3"), "the data set has 1"),
+        ((path, tmp_path / "out", "--shards", "0..3"), "shard 1: the data set has 1"),
         ((path, tmp_path / "out", "--item", "2"), "has the items 0 to 1"),
         ((path, "nothing://x"), "nothing"),
     ):
         failed = command(*arguments)
         assert failed.returncode == 1 and message in failed.stderr and "Traceback" not in failed.stderr, failed.stderr
+
+
+def test_places_with_colons_and_one_pair_of_a_layout(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    dataset.make(spec(pairs=1), "a::b %")
+    assert (tmp_path / "a::b %" / "small-000000.tar").is_file()
+    path = tmp_path / "spec.json"
+    path.write_text(json.dumps({**SPEC, "format": "middlebury"}))
+    found = command(path, "memory://x", "--item", 5)
+    assert found.returncode == 0 and "memory:///x/000005/im0.png" in found.stdout, found.stdout + found.stderr
+    assert not (tmp_path / "memory:").exists()
+
+
+def test_packages_that_are_not_there_are_named(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("import sys\nfor name in ('yaml', 'tqdm', 'fsspec', 'ray', 'pyarrow', 'trimesh'):\n    sys.modules[name] = None\n")
+    env = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    run = lambda text: subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True)  # noqa: E731
+    assert run("import stereotrace, stereotrace.dataset").returncode == 0
+    assert "pip install 'stereotrace[trimesh]'" in run("import stereotrace; stereotrace.from_trimesh(None)").stderr
+    path = tmp_path / "spec.yaml"
+    path.write_text("pairs: 1\nscenes: [{builtin: near}]\n")
+    failed = command(path, tmp_path / "out", env=env)
+    assert failed.returncode == 1 and "pip install 'stereotrace[dataset]'" in failed.stderr and "Traceback" not in failed.stderr
 
 
 def test_outputs_of_eyes():

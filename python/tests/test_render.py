@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -163,6 +164,30 @@ def test_a_callback_is_told_and_may_stop(renderer, hall):
 
     with pytest.raises(Enough):
         renderer.render(hall, hall.camera(size=(320, 240)), progress=stop)
+
+
+def test_a_fork_does_not_take_the_device_along():
+    """As by torch's DataLoader: errors, where drivers would wait for ever."""
+    text = """if 1:
+        import os, stereotrace
+        scene = stereotrace.Scene.builtin("near")
+        camera, renderer = scene.camera(size=(32, 24)), stereotrace.Renderer()
+        renderer.render(scene, camera)
+        child = os.fork()
+        if child == 0:
+            wrong = 0
+            for call in (lambda: renderer.render(scene, camera), lambda: stereotrace.render(scene, camera), stereotrace.Renderer):
+                try:
+                    call()
+                except RuntimeError as error:
+                    wrong += "by spawn" not in str(error)
+                else:
+                    wrong += 1
+            os._exit(wrong)
+        assert os.waitpid(child, 0)[1] == 0
+    """
+    found = subprocess.run([sys.executable, "-c", text], timeout=120, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
 
 
 def test_a_callback_cannot_render_with_its_own_renderer(renderer, hall):

@@ -5,7 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import signal
 import sys
+import tempfile
+from pathlib import Path
 from typing import Any
 
 from stereotrace import AdapterError
@@ -30,7 +33,8 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--storage-option", metavar="KEY=VALUE", action="append", default=[], type=_pair, help="of the fsspec file system; may be given again")
     found.add_argument("--quiet", action="store_true", help="no progress bar")
     ray = found.add_argument_group("on Ray")
-    ray.add_argument("--ray", nargs="?", const="", metavar="ADDRESS", help="make shards by workers of Ray: of the cluster there (auto: the one that this machine is part of), or of a Ray of this machine")
+    ray.add_argument("--ray", action="store_true", help="make shards by workers of Ray: of a Ray that is started on this machine, or of a cluster")
+    ray.add_argument("--address", metavar="ADDRESS", help="the cluster's; auto for the one that this machine is part of")
     ray.add_argument("--workers", type=int, default=2, metavar="N", help="workers [default: 2]")
     ray.add_argument("--cpus", type=float, default=1, metavar="N", help="cores a worker [default: 1]")
     ray.add_argument("--gpus", type=float, default=0, metavar="N", help="GPUs a worker [default: 0]")
@@ -54,9 +58,15 @@ def _pair(text: str) -> tuple[str, Any]:
         return key, value
 
 
+def _interrupted(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Returns 0 if all is there, 1 if something is missing or wrong, 130 if it was interrupted."""
     given = parser().parse_args(arguments)
+    # What ends a process cleanly removes what is half written.
+    signal.signal(signal.SIGTERM, _interrupted)
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
     try:
         spec = Spec.load(given.spec)
@@ -64,17 +74,19 @@ def main(arguments: list[str] | None = None) -> int:
         if given.item is not None:
             return _one_item(spec, given, storage)
         common = {"adapter": given.adapter, "retry_errors": given.retry_errors, "storage_options": storage, "progress": not given.quiet}
-        if given.ray is None:
+        if not given.ray:
+            if given.address is not None:
+                raise ValueError("--address: it is that of a cluster of Ray; give --ray too")
             report = make(spec, given.out, shards=given.shards, **common)
         else:
             if given.shards is not None:
                 raise ValueError("--shards: Ray makes all that are missing")
-            report = make_on_ray(spec, given.out, address=given.ray or None, workers=given.workers, num_cpus=given.cpus, num_gpus=given.gpus, **common)
+            report = make_on_ray(spec, given.out, address=given.address, workers=given.workers, num_cpus=given.cpus, num_gpus=given.gpus, **common)
     except KeyboardInterrupt:
         print("interrupted; the same command goes on with it", file=sys.stderr)
         return 130
     except ImportError as error:
-        print(f"error: {error}; install it with: pip install 'stereotrace[dataset]', 'stereotrace[parquet]' or 'stereotrace[ray]'", file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 1
     except (ValueError, OSError, AdapterError) as error:
         print(f"error: {error}", file=sys.stderr)
@@ -88,12 +100,14 @@ def _one_item(spec: Spec, given: argparse.Namespace, storage: dict[str, Any]) ->
         raise ValueError(f"--item {given.item}: the data set has the items 0 to {spec['pairs'] - 1}")
     worker = Worker(spec, adapter=given.adapter)
     pair, record = worker.pair(given.item)
-    if spec.is_layout:
-        written = pair.write(given.out, spec["format"], given.item)
-        print("\n".join(str(path) for path in written))
-        return 0
     store = Store(given.out, storage)
     store.make_folder()
+    if spec.is_layout:
+        with tempfile.TemporaryDirectory(prefix="stereotrace-") as folder:
+            written = pair.write(folder, spec["format"], given.item)
+            store.put_files(Path(folder))
+            print("\n".join(store.place(Path(path).relative_to(folder).as_posix()) for path in written))
+        return 0
     for name, data in files(pair, spec, record).items():
         store.write(f"{given.item:08d}.{name}", data)
         print(store.place(f"{given.item:08d}.{name}"))

@@ -12,6 +12,7 @@ import numpy as np
 
 from stereotrace import StereoPair, encode_png
 
+from .._needs import needs
 from .spec import Spec, eye_outputs
 from .store import Written
 
@@ -62,6 +63,7 @@ class Parquet:
     """A shard as a Parquet file: a row a pair, a column of bytes for each of its files, named as in a tar file."""
 
     def __init__(self, file: Written) -> None:
+        self._parquet = needs("pyarrow.parquet", "parquet")
         self._file = file
         self._writer: Any = None
 
@@ -70,7 +72,6 @@ class Parquet:
 
     def _write(self, named: dict[str, list[Any]], files: dict[str, list[bytes]]) -> None:
         import pyarrow
-        import pyarrow.parquet
 
         columns = {"item": pyarrow.array(named["item"], pyarrow.int64()), "key": pyarrow.array(named["key"], pyarrow.string())}
         columns |= {name: pyarrow.array(data, pyarrow.binary()) for name, data in files.items()}
@@ -78,7 +79,7 @@ class Parquet:
         if self._writer is None:
             # PNG does not get smaller, and NPY hardly.
             file = pyarrow.PythonFile(self._file, "w")
-            self._writer = pyarrow.parquet.ParquetWriter(file, table.schema, compression="none")
+            self._writer = self._parquet.ParquetWriter(file, table.schema, compression="none")
         self._writer.write_table(table)
 
     def close(self) -> None:

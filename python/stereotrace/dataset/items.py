@@ -38,8 +38,9 @@ class Item:
         if kind == "choice":
             return given[int(unit * len(given))]
         low, high = given
-        if isinstance(low, int) and isinstance(high, int) and kind == "uniform" and name.endswith("count"):
-            return low + int(unit * (high - low + 1))
+        if isinstance(low, int):  # whole numbers, as the spec's checks leave them
+            drawn = low + unit * (high + 1 - low) if kind == "uniform" else low * ((high + 1) / low) ** unit
+            return min(int(drawn), high)
         drawn = low + unit * (high - low) if kind == "uniform" else math.exp(math.log(low) + unit * math.log(high / low))
         # As many digits as f32 has: the last bits of exp and log are not the same on all machines.
         return float(f"{drawn:.7g}")
@@ -54,16 +55,19 @@ class Item:
             left -= weight
         return max(index for index, weight in enumerate(weights) if weight)
 
+    @staticmethod
+    def camera_of(spec: Spec, place: int, scene: Scene) -> Camera:
+        """The camera that a scene of a spec has or is given."""
+        given = spec["scenes"][place].get("camera", {})
+        camera = scene.camera(given.get("name"), size=spec["size"])
+        if "eye" in given:
+            camera = Camera(given["eye"], given["target"], size=spec["size"])
+        return camera.replace(up=given["up"]) if "up" in given else camera
+
     def given_camera(self, scene: Scene) -> Camera:
         """The camera that the scene has or is given, with the item's rig: where poses begin."""
-        entry = self.spec["scenes"][self.scene()]
-        given, rig = entry.get("camera", {}), self.spec["rig"]
-        size = tuple(self.spec["size"])
-        camera = scene.camera(given.get("name"), size=size)
-        if "eye" in given:
-            camera = Camera(given["eye"], given["target"], size=size)
-        if "up" in given:
-            camera = camera.replace(up=given["up"])
+        rig = self.spec["rig"]
+        camera = self.camera_of(self.spec, self.scene(), scene)
         fields = {name: self.draw(value, f"rig.{name}") for name, value in rig.items()}
         if self.spec["format"] in PARALLEL_LAYOUTS:
             fields.setdefault("screen_distance", "inf")

@@ -12,8 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from stereotrace import AdapterError
+from stereotrace import AdapterError, DeviceLostError
 
+from .._needs import needs
 from .run import DataSet, Report, failure, peak_memory
 from .spec import Spec
 from .store import Store
@@ -51,10 +52,15 @@ class ShardMaker:
             if tries > MOST_TRIES:
                 reason = f"given up after {MOST_TRIES} tries: each time its worker died, as one does that is out of memory"
                 return {"shard": name, "error": reason, "kind": "WorkerDied"}
+            if tries > 1:
+                self._store.remove_parts([name])
             if self._worker is None:
                 self._worker = Worker(self._spec, self._hashes, self._adapter)
             record = self._worker.shard(shard, self._store)
             return {**record, "worker": _here(), "tries": tries, "memory": peak_memory(), "ended": time.time()}
+        except DeviceLostError as error:
+            self._worker = None  # the next shard opens another one
+            return failure(name, error)
         except AdapterError as error:
             # There is nothing to render with here, so that no shard can be made: the run must stop.
             return {**failure(name, error), "error": f"worker on {socket.gethostname()}: {error}", "stop": True}
@@ -98,15 +104,14 @@ def make(
     spec's scene files.
 
     Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
-    import ray
-    import ray.data
-
+    ray, _ = needs("ray", "ray"), needs("ray.data", "ray")
     began, clock = time.monotonic(), time.time()
     if "://" not in out:
         out = os.path.abspath(out)
     store = Store(out, storage_options)
     data_set = DataSet(spec, store)
     pending = data_set.pending(range(spec.shards), retry_errors)
+    data_set.clear(pending)
     kept, run = spec.shards - len(pending), uuid.uuid4().hex[:12]
     if not pending:
         return data_set.run(pending, [], kept, began)

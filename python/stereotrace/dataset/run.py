@@ -14,11 +14,13 @@ from dataclasses import dataclass, field
 from typing import Any, Callable
 
 import stereotrace
+from stereotrace import DeviceLostError
 
+from .._needs import needs
 from .encode import ENDINGS
 from .spec import Spec, canonical
 from .store import Store
-from .worker import Worker, open_scene
+from .worker import Worker, open_scene, scene_hash
 
 log = logging.getLogger("stereotrace.dataset")
 
@@ -41,7 +43,7 @@ class Report:
     pairs: int = 0
     """Pairs in the shards that were made."""
     errors: list[dict[str, Any]] = field(default_factory=list)
-    """Pairs that could not be made: ``item`` and ``error``."""
+    """Pairs of all shards that could not be made, now or before: ``item`` and ``error``."""
     failed: list[dict[str, Any]] = field(default_factory=list)
     """Shards that could not be made or written: ``shard`` and ``error``. A run that goes on makes them."""
     seconds: float = 0.0
@@ -65,7 +67,7 @@ class Report:
         if self.retried:
             text += f"; {self.retried} were made again, their workers having died"
         if self.errors:
-            text += f"; {len(self.errors)} pairs could not be made, the first is item {self.errors[0]['item']}: {self.errors[0]['error']}"
+            text += f"; {len(self.errors)} pairs are missing that could not be made, the first is item {self.errors[0]['item']}: {self.errors[0]['error']}"
         if self.failed:
             text += f"; {len(self.failed)} shards failed, the first is {self.failed[0]['shard']}: {self.failed[0]['error']}"
         return text
@@ -89,7 +91,7 @@ class DataSet:
         for index, entry in enumerate(self.spec["scenes"]):
             known: dict[str, Any] = {"scene": entry.get("file") or "builtin:" + entry["builtin"]}
             try:
-                known["sha256"] = open_scene(self.spec, index).sha256()
+                known["sha256"] = scene_hash(self.spec, index, open_scene(self.spec, index))
             except (ValueError, OSError) as error:
                 log.warning("%s", error)
                 known["error"] = str(error)
@@ -114,7 +116,11 @@ class DataSet:
             raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
         if differing:
             raise OtherDataSet(f"{self.store.place(HEAD)}: the data set there has another {differing}; take another folder")
-        if there != self.head:  # a scene that could not be read then, or can't now
+        # A scene that can't be read now is still the one that it was; one that could not be read then is known from now on.
+        for then, now in zip(there["scenes"], self.head["scenes"]):
+            if "sha256" in then:
+                now["sha256"] = then["sha256"]
+        if [scene.get("sha256") for scene in there["scenes"]] != self.hashes:
             self.store.write(HEAD, (json.dumps(self.head, indent=1, sort_keys=True) + "\n").encode())
 
     def _differing(self, there: dict[str, Any]) -> str | None:
@@ -158,13 +164,21 @@ class DataSet:
                 pending.append(shard)
         return pending
 
-    def write_manifest(self, failed: list[dict[str, Any]]) -> None:
+    def clear(self, shards: Iterable[int]) -> None:
+        """Removes what processes that were killed left of these shards, and of the manifest."""
+        names = [self.spec.shard_name(shard) for shard in shards]
+        self.store.remove_parts([*names, HEAD.partition(".")[0], MANIFEST.partition(".")[0]])
+
+    def write_manifest(self, failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Puts the manifest together from the shards' records: a line of JSON for the data set, one for each shard, each pair, each pair that
-        could not be made, and each shard that failed in this run."""
-        there = self.store.names()
+        could not be made, and each shard that failed in this run. Returns the lines of all pairs that could not be made."""
+        there, missing = self.store.names(), []
         with self.store.writing(MANIFEST) as file:
             for line in self._manifest(there, failed):
                 file.write((json.dumps(line, sort_keys=True) + "\n").encode())
+                if "error" in line and "item" in line:
+                    missing.append(line)
+        return missing
 
     def _manifest(self, there: set[str], failed: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         yield self.head
@@ -190,11 +204,11 @@ class DataSet:
                     continue
                 report.made += 1
                 report.pairs += len(row["pairs"])
-                report.errors += row["errors"]
+                report.errors += row["errors"]  # until the manifest tells of all shards
         finally:
             report.seconds = time.monotonic() - began
             try:
-                self.write_manifest(report.failed)
+                report.errors = self.write_manifest(report.failed)
             except OSError as error:  # a full disk; what led here is the error to tell
                 log.error("%s: %s", self.store.place(MANIFEST), error)
         return report
@@ -219,7 +233,7 @@ def make(
     spec: Spec,
     out: str,
     *,
-    shards: range | None = None,
+    shards: Iterable[int] | None = None,
     adapter: str | None = None,
     retry_errors: bool = False,
     storage_options: dict[str, Any] | None = None,
@@ -230,11 +244,12 @@ def make(
     Raises ``OtherDataSet`` where another data set lies there, ``OSError`` where nothing can be written there, and ``AdapterError`` where there is nothing to render with. What is wrong with a
     pair or a shard is in the report, and in the manifest."""
     began = time.monotonic()
+    asked = list(range(spec.shards) if shards is None else shards)
+    if wrong := [shard for shard in asked if not 0 <= shard < spec.shards]:
+        raise ValueError(f"shard {wrong[0]}: the data set has {spec.shards}, counted from 0")
     data_set = DataSet(spec, Store(out, storage_options))
-    asked = range(spec.shards) if shards is None else shards
-    if asked.stop > spec.shards:
-        raise ValueError(f"shards {asked.start} to {asked.stop}: the data set has {spec.shards}")
     pending = data_set.pending(asked, retry_errors)
+    data_set.clear(pending)
     first: list[float] = []
 
     def rows(tell: Callable[[int], None]) -> Iterator[dict[str, Any]]:
@@ -243,8 +258,9 @@ def make(
             try:
                 assert worker is not None
                 yield worker.shard(shard, data_set.store, tell)
-            except OSError as error:
-                yield failure(spec.shard_name(shard), error)
+            except (OSError, DeviceLostError) as error:
+                # Another process may have made it meanwhile, and renamed or removed what this one wrote.
+                yield data_set.record(shard) or failure(spec.shard_name(shard), error)
 
     count = sum(len(spec.shard_items(shard)) for shard in pending)
     with closing(_Bar(count, progress)) as bar:
@@ -265,9 +281,7 @@ class _Bar:
     def __init__(self, count: int, shown: bool) -> None:
         self._bar: Any = None
         if shown:
-            import tqdm
-
-            self._bar = tqdm.tqdm(total=count, unit="pair", smoothing=0.1)
+            self._bar = needs("tqdm", "dataset").tqdm(total=count, unit="pair", smoothing=0.1)
 
     def next(self, count: int = 1) -> None:
         if self._bar is not None:

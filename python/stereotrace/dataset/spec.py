@@ -5,12 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import operator
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 import stereotrace
+
+from .._needs import needs
 
 FORMATS = ("webdataset", "parquet", *stereotrace.LAYOUTS)
 POSES = ("free", "orbit", "fixed")
@@ -44,8 +47,7 @@ class Spec:
         ``OSError`` for a file that can't be read."""
         if isinstance(source, Mapping):
             return Spec(_checked(source), Path.cwd())
-        import yaml
-
+        yaml = needs("yaml", "dataset")
         path = Path(source)
         try:
             values = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -136,9 +138,13 @@ def _number(value: Any, at: str) -> float:
             value = float(value)
         except ValueError:
             pass
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or math.isnan(value):
+    try:
+        number = math.nan if isinstance(value, (bool, str)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if math.isnan(number):
         raise SpecError(f"{at}: {_shown(value)} must be a number")
-    return value
+    return number
 
 
 def _finite(value: Any, at: str) -> float:
@@ -150,9 +156,23 @@ def _finite(value: Any, at: str) -> float:
 
 def _whole(low: int, high: int) -> Check:
     def check(value: Any, at: str) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        try:
+            whole = operator.index(value)
+        except TypeError:
+            whole = low - 1
+        if isinstance(value, bool) or not low <= whole <= high:
             raise SpecError(f"{at}: {_shown(value)} must be a whole number, {low} to {high}")
-        return value
+        return whole
+
+    return check
+
+
+def _within(low: float, high: float = math.inf) -> Check:
+    def check(value: Any, at: str) -> float:
+        number = _finite(value, at)
+        if not low <= number <= high:
+            raise SpecError(f"{at}: {_shown(value)} must be " + (f"{low:g} or more" if high == math.inf else f"{low:g} to {high:g}"))
+        return number
 
     return check
 
@@ -177,9 +197,9 @@ def _list(count: int | None, of: Check) -> Check:
 
 
 def _color(value: Any, at: str) -> list[float]:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        value = [value] * 3
-    return list(_list(3, _finite)(value, at))
+    if isinstance(value, (int, float, str)) and not isinstance(value, bool):
+        value = [_finite(value, at)] * 3
+    return list(_list(3, _within(0))(value, at))
 
 
 def _drawn(of: Check) -> Check:
@@ -196,8 +216,8 @@ def _drawn(of: Check) -> Check:
             if not choices:
                 raise SpecError(f"{at}.choice: there is nothing to choose from")
             return {kind: choices}
-        low, high = _list(2, _finite)(given, f"{at}.{kind}")
-        if low > high or (kind == "log_uniform" and low <= 0):
+        low, high = given = _list(2, lambda end, _: end)(given, f"{at}.{kind}")
+        if _finite(low, f"{at}.{kind}[0]") > _finite(high, f"{at}.{kind}[1]") or (kind == "log_uniform" and _finite(low, at) <= 0):
             positive = " above 0" if kind == "log_uniform" else ""
             raise SpecError(f"{at}.{kind}: {_shown(given)} must be a low and a high number{positive}")
         # Both ends must be values that may be drawn.
@@ -251,7 +271,7 @@ def _light(value: Any, at: str) -> dict[str, Any]:
         "position": (_list(3, _finite), None),
         "towards": (_list(3, _finite), None),
         "intensity": (_color, _NEEDED),
-        "radius": (_finite, None),
+        "radius": (_within(0), None),
     }
     found = _keys(value, at, known)
     if ("position" in found) == ("towards" in found):
@@ -267,14 +287,19 @@ def _lights(value: Any, at: str) -> Any:
 
 def _sky(value: Any, at: str) -> Any:
     """A colour, a picture's file, or ``procedural``."""
-    return _text(value, at) if isinstance(value, str) else _color(value, at)
+    try:
+        return _color(value, at)
+    except SpecError:
+        if isinstance(value, str):
+            return value
+        raise
 
 
 def _scene(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
         "file": (_text, None),
         "builtin": (_one_of(*stereotrace.BUILTINS), None),
-        "weight": (_finite, 1),
+        "weight": (_within(0), 1),
         "crease_angle": (_finite, None),
         "missing_textures": (_one_of("error", "warn"), None),
         "camera": (_camera, None),
@@ -287,8 +312,6 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
         raise SpecError(f"{at}: give a file, or the name of a built-in scene")
     if "builtin" in found and ("crease_angle" in found or "missing_textures" in found):
         raise SpecError(f"{at}: crease_angle and missing_textures are of files")
-    if found["weight"] < 0:
-        raise SpecError(f"{at}.weight: {found['weight']} must be 0 or more")
     return found
 
 
@@ -329,20 +352,20 @@ def _rig(value: Any, at: str) -> dict[str, Any]:
 def _random_lights(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
         "count": (_drawn(_whole(1, 16)), 3),
-        "strength": (_drawn(_finite), 0.85),
-        "tint": (_drawn(_finite), 1),
-        "radius": (_drawn(_finite), None),
+        "strength": (_drawn(_within(0)), 0.85),
+        "tint": (_drawn(_within(0)), 1),
+        "radius": (_drawn(_within(0)), None),
     }
     return _keys(value, at, known)
 
 
 def _random_materials(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
-        "share": (_finite, 1),
-        "albedo": (_drawn(_finite), None),
-        "tint": (_drawn(_finite), None),
-        "specular": (_drawn(_finite), None),
-        "exponent": (_drawn(_finite), None),
+        "share": (_within(0, 1), 1),
+        "albedo": (_drawn(_within(0, 1)), None),
+        "tint": (_drawn(_within(0)), None),
+        "specular": (_drawn(_within(0, 1)), None),
+        "exponent": (_drawn(_within(0, 10_000)), None),
     }
     found = _keys(value, at, known)
     if "albedo" in found and "tint" in found:
@@ -354,7 +377,7 @@ def _randomise(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
         "lights": (_random_lights, None),
         "materials": (_random_materials, None),
-        "ambient": (_drawn(_finite), None),
+        "ambient": (_drawn(_within(0)), None),
         "exposure": (_drawn(_finite), None),
     }
     return _keys(value, at, known)
@@ -414,9 +437,29 @@ def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
             raise SpecError(f"{key}: the layout {found['format']} says which files there are")
     if not layout:
         found = {"outputs": ["color", "disparity", "occlusion"], "compress": False, **found}
+    _check_together(found)
     if found["format"] == "sceneflow" and found["pairs"] > 10_000:
         raise SpecError("pairs: the files of sceneflow have numbers of four digits: at most 10000")
     return found
+
+
+EXACT_METHODS = ("auto", "naive", "bracket", "verified", "bracket-rays")
+"""Methods whose pixels show their own centres, of which there is ground truth."""
+_TRUTH = ("distance", "occlusion", "normal", "geometric_normal", "material")
+
+
+def _check_together(found: Mapping[str, Any]) -> None:
+    """What no pair could be made with, though each of it is right."""
+    method = found["render"].get("method", "auto")
+    outputs = [name.rpartition(".")[2] for name in found.get("outputs", ["occlusion"])]
+    truth = [output for output in outputs if output in _TRUTH]
+    if truth and method not in EXACT_METHODS:
+        raise SpecError(f"render.method: {method} shows points up to half a pixel aside, and {truth[0]} is that of pixels' centres; use one of {', '.join(EXACT_METHODS)}")
+    if "shadow_source" in outputs and (method == "naive" or method not in EXACT_METHODS):
+        raise SpecError(f"outputs: shadow_source is known by brackets, not by {method}")
+    distance = found["rig"].get("screen_distance", "inf" if found["format"] in PARALLEL_LAYOUTS else None)
+    if "interaxial_px" in found["rig"] and (distance == "inf" or distance == {"choice": ["inf"]}):
+        raise SpecError("rig.interaxial_px: it is the parallax at infinity, which parallel cameras have none of; give interaxial")
 
 
 def eye_outputs(outputs: Sequence[str]) -> list[tuple[str, str]]:

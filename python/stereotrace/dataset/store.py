@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 import posixpath
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import fsspec
-from fsspec.implementations.local import LocalFileSystem
+from .._needs import needs
 
 PART = ".part-"
 """In the names of what is not whole yet."""
@@ -55,16 +55,18 @@ class Store:
 
     def __init__(self, url: str, options: dict[str, Any] | None = None) -> None:
         """``url`` is a path, or a place like ``s3://bucket/folder``; ``options`` are those of its fsspec file system."""
+        fsspec = needs("fsspec", "dataset")
         self.url = url
         self.options = options or {}
-        self._files, root = fsspec.core.url_to_fs(url, **self.options)
+        # A path is one, whatever is in it; fsspec would take its colons for a chain of file systems.
+        self.is_local = "://" not in url
+        if self.is_local:
+            self._files, root = fsspec.filesystem("file", **self.options), os.path.abspath(url)
+        else:
+            self._files, root = fsspec.core.url_to_fs(url, **self.options)
         # A listing that is kept would not show what other workers wrote.
         self._files.use_listings_cache = False
         self._root = str(root).rstrip("/")
-
-    @property
-    def is_local(self) -> bool:
-        return isinstance(self._files, LocalFileSystem)
 
     def place(self, name: str) -> str:
         """The whole name of a file, for messages."""
@@ -100,10 +102,11 @@ class Store:
         if self.exists(name):
             self._files.rm(self._path(name), recursive=True)
 
-    def remove_parts(self, name: str) -> None:
-        """What a process that was killed left of a shard: of its data and of its record."""
+    def remove_parts(self, names: Iterable[str]) -> None:
+        """What processes that were killed left of files of these names, whatever their endings."""
+        wanted = set(names)
         for part in self.names():
-            if part.startswith(f"{name}.") and PART in part:
+            if PART in part and part.partition(".")[0] in wanted:
                 self.remove(part)
 
     def write(self, name: str, data: bytes) -> None:
@@ -146,6 +149,10 @@ class Store:
             self._discard(part)
             raise
         return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+
+    def put_files(self, folder: Path) -> None:
+        """All files of a folder of this machine, where they lie in it."""
+        self._files.put(f"{folder}/", self._root, recursive=True)
 
     def _discard(self, path: str) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 import tempfile
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 import stereotrace
-from stereotrace import DeviceLostError, Material, Renderer, Scene, StereoPair
+from stereotrace import AdapterError, DeviceLostError, LimitError, Material, Renderer, Scene, StereoPair
 
 from . import encode
 from .items import Item
@@ -41,6 +42,12 @@ def open_scene(spec: Spec, scene: int) -> Scene:
     return found
 
 
+def scene_hash(spec: Spec, scene: int, found: Scene) -> str:
+    """Of all that pictures of a scene depend on: what it shows, and the camera that it has for the spec."""
+    camera = Item.camera_of(spec, scene, found).to_json()
+    return hashlib.sha256(f"{found.sha256()} {camera}".encode()).hexdigest()
+
+
 class SceneChanged(ValueError):
     """A scene file is not what it was when the data set was begun."""
 
@@ -50,7 +57,7 @@ class Stage:
 
     def __init__(self, spec: Spec, scene: int, sha256: str | None) -> None:
         self.scene = open_scene(spec, scene)
-        if sha256 is not None and self.scene.sha256() != sha256:
+        if sha256 is not None and scene_hash(spec, scene, self.scene) != sha256:
             raise SceneChanged(f"{spec.scene_path(scene)}: it shows something else than when the data set was begun")
         self._materials: list[Material] = self.scene.materials
         self._shown = list(self._materials)
@@ -83,7 +90,7 @@ class Worker:
 
     def _stage(self, scene: int) -> Stage:
         if scene in self._faults:
-            raise self._faults[scene]
+            raise self._faults[scene].with_traceback(None)
         stage = self._stages.pop(scene, None)
         if stage is None:
             if len(self._stages) >= self._kept:
@@ -152,7 +159,8 @@ class Worker:
         goes wrong with the storage is raised. ``done`` is told of each pair."""
         began = time.monotonic()
         name = self.spec.shard_name(number)
-        store.remove_parts(name)
+        # While its data is replaced, no record says that it is there.
+        store.remove(f"{name}.json")
         record: dict[str, Any] = {
             "shard": name,
             "items": [self.spec.shard_items(number).start, self.spec.shard_items(number).stop],
@@ -172,15 +180,30 @@ class Worker:
         for item in self.spec.shard_items(number):
             try:
                 pair, of_pair = self._pair_once_more(item)
+            except Exception as error:
+                # Without a device there is nothing to make the others with.
+                if isinstance(error, AdapterError) and not isinstance(error, LimitError):
+                    raise
+                self._note(record, item, error)
+                done(item)
+                continue
+            try:
                 used = use(item, pair, of_pair)
-            except (ValueError, OSError, RuntimeError, MemoryError, AttributeError) as error:
-                text = str(error) or type(error).__name__
-                log.warning("item %d: %s", item, text)
-                record["errors"].append({"item": item, "error": text, "kind": type(error).__name__})
+            except OSError:  # the disk's, not the pair's
+                raise
+            except Exception as error:
+                self._note(record, item, error)
             else:
                 yield item, used
                 record["pairs"].append(of_pair)
             done(item)
+
+    @staticmethod
+    def _note(record: dict[str, Any], item: int, error: Exception) -> None:
+        """An error of a pair, in its shard's record."""
+        text = str(error) or type(error).__name__
+        log.warning("item %d: %s", item, text)
+        record["errors"].append({"item": item, "error": text, "kind": type(error).__name__})
 
     def _file_shard(self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]) -> dict[str, Any]:
         def use(item: int, pair: StereoPair, of_pair: dict[str, Any]) -> dict[str, bytes]:

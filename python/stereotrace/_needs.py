@@ -1,0 +1,15 @@
+"""What is not needed by all, and is installed by an extra."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+
+def needs(module: str, extra: str) -> Any:
+    """A module of another package. Raises ``ImportError`` that says how it is installed."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        name = module.partition(".")[0]
+        raise ImportError(f"{name} can't be imported ({error}); install it with: pip install 'stereotrace[{extra}]'") from error
