@@ -19,7 +19,7 @@ if ! python_is_new_enough || ! python_has_venv; then
     python_is_new_enough || fail "this needs Python 3.10 or newer, found $(python3 --version)"
 fi
 
-packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70.1 pyarrow==26.0.1 ray[data]==2.60.0 trimesh==5.2.0 pillow==13.0.0 scipy==1.17.1 webdataset==1.0.2 opencv-python-headless==5.0.0.93 pytest==9.2.0 mypy==2.4.1 types-pyyaml types-tqdm'
+packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70.1 pyarrow==26.0.1 ray[data]==2.60.0 trimesh==5.2.0 pillow==13.0.0 scipy==1.17.1 webdataset==1.0.2 opencv-python-headless==5.0.0.93 pytest==9.2.0 pytest-xdist mypy==2.4.1 types-pyyaml types-tqdm'
 venv=$root/target/python/venv
 if [ "$(cat "$venv/packages" 2>/dev/null)" != "$packages" ]; then
     rm -rf "$venv"
@@ -42,4 +42,4 @@ export STEREOTRACE_COMMAND="$root/target/release/stereotrace"
 cd "$root/target/python"
 "$venv/bin/mypy" --config-file "$root/python/pyproject.toml" --package stereotrace
 "$venv/bin/python" -m mypy.stubtest stereotrace._stereotrace --allowlist "$root/python/tests/stubtest-allow.txt"
-"$venv/bin/pytest" -p no:cacheprovider -q --durations=10 "$root/python/tests" "$@"
+"$venv/bin/pytest" -p no:cacheprovider -q --durations=5 -n 2 --dist loadfile "$root/python/tests" "$@"
