@@ -9,26 +9,12 @@ root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 adapter=software
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
-
-python_is_new_enough() { have python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))'; }
-python_has_venv() { python3 -c 'import ensurepip, venv' 2>/dev/null; }
-if ! python_is_new_enough || ! python_has_venv; then
-    have apt-get || fail "this needs Python 3.11 or newer with venv: see https://www.python.org"
-    apt_install python3 python3-venv
-    python_is_new_enough || fail "this needs Python 3.11 or newer, found $(python3 --version)"
-fi
+# shellcheck source=scripts/venv.sh
+. "$root/scripts/venv.sh"
 
 packages='numpy==2.4.6 opencv-python-headless==5.0.0.93 OpenEXR==3.5.3 pillow==13.0.0 imageio-ffmpeg==0.8.1'
 venv=$root/target/outputs/venv
-if [ "$(cat "$venv/packages" 2>/dev/null)" != "$packages" ]; then
-    rm -rf "$venv"
-    mkdir -p "$root/target/outputs"
-    python3 -m venv "$venv" || fail "python3 could not make $venv"
-    # shellcheck disable=SC2086 # a list of packages
-    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: $packages ||
-        fail "pip could not install $packages: is the package registry within reach? Nothing was checked"
-    echo "$packages" >"$venv/packages"
-fi
+python_venv 3.11 "$venv" "$packages"
 
 cargo build --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --features exr --example ground_truth
 out=$root/target/outputs/pairs

@@ -10,26 +10,12 @@ adapter=software
 # shellcheck source=scripts/setup.sh
 . "$root/scripts/setup.sh"
 export STEREOTRACE_ADAPTER=software RAY_USAGE_STATS_ENABLED=0
+# shellcheck source=scripts/venv.sh
+. "$root/scripts/venv.sh"
 
-python_is_new_enough() { have python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))'; }
-python_has_venv() { python3 -c 'import ensurepip, venv' 2>/dev/null; }
-if ! python_is_new_enough || ! python_has_venv; then
-    have apt-get || fail "this needs Python 3.10 or newer with venv: see https://www.python.org"
-    apt_install python3 python3-venv
-    python_is_new_enough || fail "this needs Python 3.10 or newer, found $(python3 --version)"
-fi
-
-packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70.1 pyarrow==26.0.1 ray[data]==2.60.0 trimesh==5.2.0 pillow==13.0.0 scipy==1.17.1 webdataset==1.0.2 opencv-python-headless==5.0.0.93 pytest==9.2.0 pytest-xdist mypy==2.4.1 types-pyyaml types-tqdm'
+packages='maturin==1.16.0 numpy==2.4.6 pyyaml==6.0.3 fsspec==2026.9.0 tqdm==4.70.1 pyarrow==26.0.1 ray[data]==2.60.0 trimesh==5.2.0 pillow==13.0.0 scipy==1.17.1 webdataset==1.0.2 opencv-python-headless==5.0.0.93 pytest==9.2.0 pytest-xdist==3.8.0 mypy==2.4.1 types-pyyaml==6.0.12.20261113 types-tqdm==4.70.0.20261106'
 venv=$root/target/python/venv
-if [ "$(cat "$venv/packages" 2>/dev/null)" != "$packages" ]; then
-    rm -rf "$venv"
-    mkdir -p "$root/target/python"
-    python3 -m venv "$venv" || fail "python3 could not make $venv"
-    # shellcheck disable=SC2086 # a list of packages
-    "$venv/bin/pip" install --quiet --disable-pip-version-check --only-binary :all: $packages ||
-        fail "pip could not install $packages: is the package registry within reach? Nothing was checked"
-    echo "$packages" >"$venv/packages"
-fi
+python_venv 3.10 "$venv" "$packages"
 
 wheels=$root/target/python/wheels
 rm -rf "$wheels"

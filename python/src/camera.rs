@@ -78,7 +78,7 @@ impl Camera {
     /// have.
     #[staticmethod]
     #[pyo3(signature = (scene, size = Size(640, 480)))]
-    fn fitting(scene: &Scene, size: Size) -> PyResult<Self> {
+    pub(crate) fn fitting(scene: &Scene, size: Size) -> PyResult<Self> {
         let bounds = scene.inner.bounds().ok_or_else(|| refused("the scene is empty, or has only infinite planes"))?;
         Self::checked(StereoCamera::fitting(bounds, size.0, size.1))
     }

@@ -93,13 +93,18 @@ struct Stage {
 }
 
 impl Stage {
+    /// Lets go of the scene that was used longest ago, where there is no place for one more.
+    fn make_room(&mut self) {
+        if self.scenes.len() >= self.kept {
+            self.scenes.remove(0);
+        }
+    }
+
     /// The scene on the device as it is now, the last of the list then.
     fn bring(&mut self, scene: &stereotrace::Scene, state: State) -> Result<(), Error> {
         let place = self.scenes.iter().position(|(known, _)| known.is_of_scene(state));
         let Some(place) = place else {
-            if self.scenes.len() >= self.kept {
-                self.scenes.remove(0);
-            }
+            self.make_room();
             let uploaded = self.renderer.upload(scene)?;
             self.scenes.push((state, uploaded));
             return Ok(());
@@ -409,9 +414,7 @@ impl Renderer {
         self.with_stage(py, |stage| {
             let uploaded = stage.renderer.upload_with(inner, build)?;
             stage.scenes.retain(|(known, _)| !known.is_of_scene(state));
-            if stage.scenes.len() >= stage.kept {
-                stage.scenes.remove(0);
-            }
+            stage.make_room();
             stage.scenes.push((state, uploaded));
             Ok(())
         })

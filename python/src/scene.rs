@@ -156,11 +156,7 @@ impl Scene {
         match (self.builtin, own) {
             (Some(builtin), _) => Camera::checked(builtin.camera(size.0, size.1)),
             (None, Some((_, camera))) => Camera::checked(camera.size(size.0, size.1)),
-            (None, None) => {
-                let bounds = self.inner.bounds();
-                let bounds = bounds.ok_or_else(|| refused("the scene is empty, or has only infinite planes"))?;
-                Camera::checked(StereoCamera::fitting(bounds, size.0, size.1))
-            }
+            (None, None) => Camera::fitting(self, size),
         }
     }
 

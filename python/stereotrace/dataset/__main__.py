@@ -85,10 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted; the same command goes on with it", file=sys.stderr)
         return 130
-    except ImportError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    except (ValueError, OSError, AdapterError) as error:
+    except (ImportError, ValueError, OSError, AdapterError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     print(f"{given.out}: {report.summary()}")

@@ -114,7 +114,7 @@ def make(
     data_set.clear(pending)
     kept, run = spec.shards - len(pending), uuid.uuid4().hex[:12]
     if not pending:
-        return data_set.run(pending, [], kept, began)
+        return data_set.run([], kept, began)
     if not ray.is_initialized():
         ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
     ray.data.DataContext.get_current().enable_progress_bars = progress
@@ -143,7 +143,7 @@ def make(
             yield row
 
     try:
-        report = data_set.run(pending, rows(), kept, began)
+        report = data_set.run(rows(), kept, began)
     finally:
         store.remove(_marks(run))
     if ended:

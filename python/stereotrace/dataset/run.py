@@ -88,8 +88,8 @@ class DataSet:
     def _head(self) -> dict[str, Any]:
         """What the data set is made with. A scene that can't be read has its error in place of a hash."""
         scenes = []
-        for index, entry in enumerate(self.spec["scenes"]):
-            known: dict[str, Any] = {"scene": entry.get("file") or "builtin:" + entry["builtin"]}
+        for index in range(len(self.spec["scenes"])):
+            known: dict[str, Any] = {"scene": self.spec.scene_name(index)}
             try:
                 known["sha256"] = scene_hash(self.spec, index, open_scene(self.spec, index))
             except (ValueError, OSError) as error:
@@ -107,7 +107,7 @@ class DataSet:
 
     def _begin(self) -> None:
         if not self.store.exists(HEAD):
-            self.store.write(HEAD, (json.dumps(self.head, indent=1, sort_keys=True) + "\n").encode())
+            self._write_head()
             return
         try:
             there = json.loads(self.store.read(HEAD))
@@ -121,7 +121,10 @@ class DataSet:
             if "sha256" in then:
                 now["sha256"] = then["sha256"]
         if [scene.get("sha256") for scene in there["scenes"]] != self.hashes:
-            self.store.write(HEAD, (json.dumps(self.head, indent=1, sort_keys=True) + "\n").encode())
+            self._write_head()
+
+    def _write_head(self) -> None:
+        self.store.write(HEAD, (json.dumps(self.head, indent=1, sort_keys=True) + "\n").encode())
 
     def _differing(self, there: dict[str, Any]) -> str | None:
         if there["version"] != self.head["version"]:
@@ -193,7 +196,7 @@ class DataSet:
             yield from ({**error, "shard": name} for error in errors)
         yield from failed
 
-    def run(self, pending: list[int], rows: Iterable[dict[str, Any]], kept: int, began: float) -> Report:
+    def run(self, rows: Iterable[dict[str, Any]], kept: int, began: float) -> Report:
         """Takes shards' records, or their errors, as they come; the manifest is written at the end, however that comes."""
         report = Report(kept=kept)
         try:
@@ -269,7 +272,7 @@ def make(
             first or first.append(time.monotonic() - began)  # type: ignore[func-returns-value]
             bar.next()
 
-        report = data_set.run(pending, rows(tell), len(asked) - len(pending), began)
+        report = data_set.run(rows(tell), len(asked) - len(pending), began)
     report.first_pair_seconds = first[0] if first else None
     report.workers = {f"{socket.gethostname()}:{os.getpid()}": peak_memory()}
     return report

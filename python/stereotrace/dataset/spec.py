@@ -77,6 +77,11 @@ class Spec:
         begin = shard * int(self["shard_pairs"])
         return range(begin, min(begin + int(self["shard_pairs"]), int(self["pairs"])))
 
+    def scene_name(self, scene: int) -> str:
+        """A scene as records name it."""
+        entry = self["scenes"][scene]
+        return str(entry.get("file") or f"builtin:{entry['builtin']}")
+
     def scene_path(self, scene: int) -> Path | None:
         """A scene's file, or ``None`` for a built-in one."""
         file = self["scenes"][scene].get("file")

@@ -91,9 +91,6 @@ class Store:
     def read(self, name: str) -> bytes:
         return bytes(self._files.cat_file(self._path(name)))
 
-    def size(self, name: str) -> int:
-        return int(self._files.size(self._path(name)))
-
     def make_folder(self) -> None:
         self._files.makedirs(self._root, exist_ok=True)
 

@@ -103,17 +103,16 @@ class Worker:
         self._stages[scene] = stage
         return stage
 
-    def pair(self, number: int, outputs: list[str] | None = None) -> tuple[StereoPair, dict[str, Any]]:
+    def pair(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
         """A pair, and its record: where its camera stood and what it shows. Raises what rendering raises."""
         item = Item(self.spec, number)
         place = item.scene()
         stage = self._stage(place)
         camera, tries = item.camera(self.renderer, stage.scene)
         stage.dress(item, camera)
-        wanted = outputs or self.outputs()
         options = {**self.spec["render"], "exposure": item.exposure()}
         options.setdefault("seed", (self.spec["seed"] + number) % 2**32)
-        pair = self.renderer.render(stage.scene, camera, outputs=wanted, **options)
+        pair = self.renderer.render(stage.scene, camera, outputs=self.outputs(), **options)
         return pair, self._record(number, place, pair, tries)
 
     def outputs(self) -> list[str]:
@@ -124,17 +123,17 @@ class Worker:
         return sorted({*names, "color", "disparity"}, key=stereotrace.OUTPUTS.index)
 
     def _record(self, number: int, scene: int, pair: StereoPair, tries: int) -> dict[str, Any]:
-        camera = pair.camera
+        camera, statistics = pair.camera, pair.statistics
         record: dict[str, Any] = {
             "item": number,
-            "scene": self.spec["scenes"][scene].get("file") or "builtin:" + self.spec["scenes"][scene]["builtin"],
+            "scene": self.spec.scene_name(scene),
             "eye": camera.eye,
             "forward": camera.forward,
             "up": camera.up,
             "interaxial": camera.interaxial,
             "tries": tries,
-            "method": pair.statistics["method"],
-            "retraced_share": pair.statistics["retraced_share"],
+            "method": statistics["method"],
+            "retraced_share": statistics["retraced_share"],
         }
         arrays = pair.left.arrays()
         disparity = arrays["disparity"]
