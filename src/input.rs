@@ -137,15 +137,21 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     let metadata = file.metadata().map_err(io)?;
     check_type(path, metadata.file_type())?;
     let bytes = metadata.len();
-    if bytes > limit {
-        return Err(Error::TooLarge {
-            path: path.into(),
-            size: format!("the file has {}", counted(bytes, "byte", "bytes")),
-            limit,
-            remedy: format!("raise it by {raised_by}, if it is right"),
-        });
-    }
+    check_size(path, bytes, limit, raised_by)?;
     Ok((file, bytes))
+}
+
+/// Refuses a file over the limit.
+pub(crate) fn check_size(path: &Path, bytes: u64, limit: u64, raised_by: &str) -> Result<(), Error> {
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        path: path.into(),
+        size: format!("the file has {}", counted(bytes, "byte", "bytes")),
+        limit,
+        remedy: format!("raise it by {raised_by}, if it is right"),
+    })
 }
 
 /// A file's bytes, as many of them as it said it had: what the system makes up as it is read (/proc) has no size.

@@ -149,6 +149,17 @@ impl Texture {
         Self::decode(path, std::io::BufReader::new(file), limits)
     }
 
+    /// Reads a PNG or JPEG file from memory, as [`Texture::open`] does from the disk. Messages name it `name`.
+    ///
+    /// # Errors
+    /// Those of [`Texture::open`] but [`Error::Io`].
+    #[cfg(feature = "textures")]
+    pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
+        let path = name.as_ref();
+        input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
+        Self::decode(path, std::io::Cursor::new(bytes), limits)
+    }
+
     /// Reads a picture that is, or is part of, the file `path`.
     #[cfg(feature = "textures")]
     pub(super) fn decode(
