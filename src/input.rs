@@ -1,11 +1,16 @@
 //! Opens files to be read: regular ones only, no larger than a limit.
 
+#[cfg(feature = "scene-files")]
+mod files;
+
 use std::{
     fs::{self, File, FileType},
     io::{self, ErrorKind},
     path::Path,
 };
 
+#[cfg(feature = "scene-files")]
+pub(crate) use self::files::{Files, Given};
 use crate::{Error, Gpu, message::counted};
 
 /// How large a file may be that the library reads. A larger one is an error, before it takes memory.
@@ -166,13 +171,20 @@ pub(crate) fn read_bytes(path: &Path, limit: u64, raised_by: &str) -> Result<Vec
 }
 
 /// A text's bytes. UTF-16 is an error.
-#[cfg(any(feature = "obj", feature = "json"))]
+#[cfg(feature = "json")]
 pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     let content = read_bytes(path, limit, raised_by)?;
-    let utf_16 = match content[..] {
+    check_text(path, &content)?;
+    Ok(content)
+}
+
+/// Refuses UTF-16.
+#[cfg(any(feature = "obj", feature = "json"))]
+fn check_text(path: &Path, content: &[u8]) -> Result<(), Error> {
+    let utf_16 = match content {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, by its byte order mark",
         [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",
-        _ => return Ok(content),
+        _ => return Ok(()),
     };
     Err(Error::parse(path, None, format!("it is {utf_16}; save it as UTF-8")))
 }

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Scene, checks::check_color};
+#[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+use crate::input::Files;
 use crate::{Error, message::counted};
 #[cfg(feature = "textures")]
 use crate::{Limits, input};
@@ -158,6 +160,15 @@ impl Texture {
         let path = name.as_ref();
         input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
         Self::decode(path, std::io::Cursor::new(bytes), limits)
+    }
+
+    /// Reads a file that a scene file names.
+    #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+    pub(super) fn open_from(files: Files, path: &std::path::Path, limits: &Limits) -> Result<Self, Error> {
+        match files.given(path)? {
+            Some(bytes) => Self::from_bytes(path, bytes, limits),
+            None => Self::open_within(path, limits),
+        }
     }
 
     /// Reads a picture that is, or is part of, the file `path`.
