@@ -164,8 +164,8 @@ pub enum Error {
         /// What a parser, a decoder or a check of the content said.
         source: Option<Source>,
     },
-    /// A file that could not be read or written: the system refused, it is no regular file, or what is to be written makes no
-    /// file of its kind.
+    /// A file that could not be read or written: the system refused, it is no regular file, it is not among those in memory, or what
+    /// is to be written makes no file of its kind.
     #[non_exhaustive]
     #[error("{}: {source}", shown(path))]
     Io {

@@ -1,11 +1,16 @@
 //! Opens files to be read: regular ones only, no larger than a limit.
 
+#[cfg(feature = "scene-files")]
+mod files;
+
 use std::{
     fs::{self, File, FileType},
     io::{self, ErrorKind},
     path::Path,
 };
 
+#[cfg(feature = "scene-files")]
+pub(crate) use self::files::{Files, Given};
 use crate::{Error, Gpu, message::counted};
 
 /// How large a file may be that the library reads. A larger one is an error, before it takes memory.
@@ -137,15 +142,21 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     let metadata = file.metadata().map_err(io)?;
     check_type(path, metadata.file_type())?;
     let bytes = metadata.len();
-    if bytes > limit {
-        return Err(Error::TooLarge {
-            path: path.into(),
-            size: format!("the file has {}", counted(bytes, "byte", "bytes")),
-            limit,
-            remedy: format!("raise it by {raised_by}, if it is right"),
-        });
-    }
+    check_size(path, bytes, limit, raised_by)?;
     Ok((file, bytes))
+}
+
+/// Refuses a file over the limit.
+pub(crate) fn check_size(path: &Path, bytes: u64, limit: u64, raised_by: &str) -> Result<(), Error> {
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        path: path.into(),
+        size: format!("the file has {}", counted(bytes, "byte", "bytes")),
+        limit,
+        remedy: format!("raise it by {raised_by}, if it is right"),
+    })
 }
 
 /// A file's bytes, as many of them as it said it had: what the system makes up as it is read (/proc) has no size.
@@ -160,13 +171,20 @@ pub(crate) fn read_bytes(path: &Path, limit: u64, raised_by: &str) -> Result<Vec
 }
 
 /// A text's bytes. UTF-16 is an error.
-#[cfg(any(feature = "obj", feature = "json"))]
+#[cfg(feature = "json")]
 pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     let content = read_bytes(path, limit, raised_by)?;
-    let utf_16 = match content[..] {
+    check_text(path, &content)?;
+    Ok(content)
+}
+
+/// Refuses UTF-16.
+#[cfg(any(feature = "obj", feature = "json"))]
+fn check_text(path: &Path, content: &[u8]) -> Result<(), Error> {
+    let utf_16 = match content {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, by its byte order mark",
         [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",
-        _ => return Ok(content),
+        _ => return Ok(()),
     };
     Err(Error::parse(path, None, format!("it is {utf_16}; save it as UTF-8")))
 }

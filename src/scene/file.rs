@@ -1,9 +1,12 @@
 //! One way to open a scene file, whatever its format.
 
-use std::{ffi::OsStr, io::Read, path::Path};
+use std::{collections::BTreeMap, ffi::OsStr, path::Path};
 
 use super::{Scene, SceneOptions};
-use crate::{Error, StereoCamera, input};
+use crate::{
+    Error, StereoCamera,
+    input::{Files, Given},
+};
 
 /// A file's format, and the cargo feature that reads it.
 #[derive(Clone, Copy, PartialEq)]
@@ -50,14 +53,50 @@ impl SceneFile {
     /// [`Error::UnknownName`] for a file of another format; those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and
     /// [`Scene::from_ply_with`]; [`Error::Parse`] where the feature that reads the format is not there.
     pub fn open(path: impl AsRef<Path>, options: &SceneOptions) -> Result<Self, Error> {
-        let path = path.as_ref();
-        match format_of(path, options)? {
+        Self::read(Files::Disk, path.as_ref(), options)
+    }
+
+    /// Reads a scene file from memory, as [`SceneFile::open`] does from the disk: in a browser, which has no disk to read from, what a user drops on a
+    /// page. `files` has the bytes of the file `name` and of those that it names (MTL files, pictures, buffers). Its keys are paths, `name` among them,
+    /// all from one folder, with `/` or `\` between their parts; files without folders have their names alone.
+    ///
+    /// What a file names is looked for at its path from that file's own folder. Where nothing is there, the file is taken whose last
+    /// component is the same, whatever folders stand before it and whether letters are upper or lower case, if it is the only one: drops may
+    /// come without their folders.
+    ///
+    /// ```no_run
+    /// use std::collections::BTreeMap;
+    ///
+    /// use stereotrace::{SceneFile, SceneOptions};
+    ///
+    /// # let (obj, mtl, png) = (vec![], vec![], vec![]);
+    /// let files = BTreeMap::from([
+    ///     ("spot/spot.obj".into(), obj),
+    ///     ("spot/spot.mtl".into(), mtl),
+    ///     ("spot/textures/spot.png".into(), png),
+    /// ]);
+    /// let SceneFile { scene, .. } = SceneFile::from_memory("spot/spot.obj", &files, &SceneOptions::default())?;
+    /// # let _ = scene;
+    /// # Ok::<(), stereotrace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`SceneFile::open`]: [`Error::Io`] of the kind [`NotFound`](std::io::ErrorKind::NotFound) where `name` is not among the files, and
+    /// for a file that it names and that is missing what there would be on the disk.
+    pub fn from_memory(name: &str, files: &BTreeMap<String, Vec<u8>>, options: &SceneOptions) -> Result<Self, Error> {
+        let given = Given::new(files.iter().map(|(name, bytes)| (&**name, &**bytes)));
+        // For its folder, which other names go by: most systems know `/` alone.
+        Self::read(Files::Memory(&given), Path::new(&name.replace('\\', "/")), options)
+    }
+
+    fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Self, Error> {
+        match format_of(files, path, options)? {
             #[cfg(feature = "obj")]
-            Format::Obj => Scene::from_obj_with(path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            Format::Obj => super::obj::read(files, path, options).map(|scene| Self { scene, cameras: Vec::new() }),
             #[cfg(feature = "gltf")]
-            Format::Gltf => super::gltf::read(path, options),
+            Format::Gltf => super::gltf::read(files, path, options),
             #[cfg(feature = "ply")]
-            Format::Ply => Scene::from_ply_with(path, options).map(|scene| Self { scene, cameras: Vec::new() }),
+            Format::Ply => super::ply::read(files, path, options).map(|scene| Self { scene, cameras: Vec::new() }),
             #[allow(unreachable_patterns, reason = "with all features there are no others")]
             format => {
                 let (name, _) = ENDINGS.into_iter().find(|(_, known)| *known == format).unwrap_or(ENDINGS[0]);
@@ -67,10 +106,8 @@ impl SceneFile {
     }
 }
 
-fn format_of(path: &Path, options: &SceneOptions) -> Result<Format, Error> {
-    let (file, _) = input::open(path, options.limits.file_bytes, options.limits.option_names[0])?;
-    let mut start = Vec::new();
-    file.take(64).read_to_end(&mut start).map_err(|source| Error::io(path, source))?;
+fn format_of(files: Files, path: &Path, options: &SceneOptions) -> Result<Format, Error> {
+    let start = files.start(path, 64, &options.limits)?;
     let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start).trim_ascii_start();
     if start.starts_with(b"glTF") || text.starts_with(b"{") {
         return Ok(Format::Gltf);
@@ -93,7 +130,8 @@ mod tests {
     #[test]
     fn content_tells_the_format_and_the_ending_where_it_does_not() {
         let folder = Folder::new("scene_file");
-        let format = |name: &str, content: &str| format_of(&folder.write(name, content), &SceneOptions::default());
+        let format =
+            |name: &str, content: &str| format_of(Files::Disk, &folder.write(name, content), &SceneOptions::default());
         for (name, content, expected) in [
             ("a.obj", "v 0 0 0", Format::Obj),
             ("A.OBJ", "", Format::Obj),
@@ -111,6 +149,9 @@ mod tests {
             let expected = format!("unknown ending of a scene file '{ending}'; use one of obj, gltf, glb, ply");
             assert_eq!(message, expected);
         }
-        assert!(matches!(format_of(&folder.file("none.obj"), &SceneOptions::default()), Err(Error::Io { .. })));
+        assert!(matches!(
+            format_of(Files::Disk, &folder.file("none.obj"), &SceneOptions::default()),
+            Err(Error::Io { .. })
+        ));
     }
 }

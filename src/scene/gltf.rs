@@ -23,16 +23,16 @@ use super::{
     smooth::check_crease,
     warnings::{Place, Warnings},
 };
-use crate::{Error, message::counted};
+use crate::{Error, input::Files, message::counted};
 
 /// Where something stands in the world.
 type Placed<T> = (T, DAffine3);
 
 /// See [`Scene::from_gltf_with`].
-pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<SceneFile, Error> {
+pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<SceneFile, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
-    let document = Document::open(path, options.limits)?;
+    let document = Document::open(files, path, options.limits)?;
     let mut warnings = Warnings::new(path);
     document.check_extensions(&warnings)?;
     note_left_out(&document, &mut warnings);

@@ -53,6 +53,8 @@ use self::{beside::Beside, mesh::Object};
 use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
+#[cfg(any(feature = "obj", feature = "gltf", feature = "ply"))]
+use crate::input::Files;
 
 /// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
@@ -236,7 +238,7 @@ impl Scene {
     /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "obj")]
     pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
-        obj::read(path.as_ref(), options)
+        obj::read(Files::Disk, path.as_ref(), options)
     }
 
     /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its nodes show them, with base colours,
@@ -258,7 +260,7 @@ impl Scene {
     /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "gltf")]
     pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        gltf::read(path.as_ref(), options).map(|file| file.scene)
+        gltf::read(Files::Disk, path.as_ref(), options).map(|file| file.scene)
     }
 
     /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture
@@ -280,7 +282,7 @@ impl Scene {
     /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "ply")]
     pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        ply::read(path.as_ref(), options)
+        ply::read(Files::Disk, path.as_ref(), options)
     }
 
     /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.

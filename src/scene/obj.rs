@@ -22,7 +22,7 @@ use super::{
     smooth::{check_crease, smooth_normals},
     warnings::Warnings,
 };
-use crate::{Error, Limits, input, message::counted};
+use crate::{Error, Limits, input::Files, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
@@ -74,10 +74,10 @@ struct Prepared {
 }
 
 /// See [`Scene::from_obj_with`].
-pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
+pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
-    let (text, _) = read_text(path, &options.limits)?;
+    let (text, _) = read_text(files, path, &options.limits)?;
     let mut warnings = Warnings::new(path);
     // Of a bad number and a bad index, the message names whichever comes first in the file.
     let prepared = prepare(&text, options.crease_angle.is_some(), &mut warnings).map_err(|bad_index| {
@@ -85,7 +85,7 @@ pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<Scene, Error> 
         let (line, reason) = bad_number.unwrap_or(bad_index);
         Error::parse(path, Some(line), reason)
     })?;
-    let library = mtl::read(path, &prepared, options, &mut warnings)?;
+    let library = mtl::read(files, path, &prepared, options, &mut warnings)?;
     let models = parse(path, &text, &prepared, &library)?;
 
     for (line, name) in &prepared.used_materials {
@@ -159,8 +159,8 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
 
 /// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
 /// not UTF-8 becomes a replacement character; a byte order mark goes.
-fn read_text(path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
-    let mut bytes = input::read(path, limits.file_bytes, limits.option_names[0])?;
+fn read_text(files: Files, path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
+    let mut bytes = files.read(path, limits.file_bytes, limits.option_names[0])?.into_owned();
     let count = bytes.len() as u64;
     // A carriage return alone ends a line, as it did on the Mac before its system X.
     for at in 0..bytes.len() {

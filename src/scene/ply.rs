@@ -20,7 +20,7 @@ use super::{
     smooth::{check_crease, smooth_normals, unit},
     warnings::{Place, Warnings},
 };
-use crate::{Error, input, message::counted};
+use crate::{Error, input::Files, message::counted};
 
 /// What is wrong, and on which line of a text where it is known.
 type Fault = (Option<usize>, String);
@@ -60,10 +60,10 @@ struct Content {
 }
 
 /// See [`Scene::from_ply_with`].
-pub(super) fn read(path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
+pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
-    let bytes = input::read_bytes(path, options.limits.file_bytes, options.limits.option_names[0])?;
+    let bytes = files.read_bytes(path, options.limits.file_bytes, options.limits.option_names[0])?;
     let mut warnings = Warnings::new(path);
     let fault = |(line, reason): Fault| Error::parse(path, line, reason);
     let (header, body) = header::read(&bytes).map_err(fault)?;

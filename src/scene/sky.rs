@@ -101,7 +101,27 @@ impl SkyMap {
     pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
-        let (width, height, pixels) = picture::decode(path, file, limits)?;
+        Self::decode(path, std::io::BufReader::new(file), limits)
+    }
+
+    /// Reads a picture from memory, as [`SkyMap::open`] does from the disk. Messages name it `name`.
+    ///
+    /// # Errors
+    /// Those of [`SkyMap::open`] but [`Error::Io`].
+    #[cfg(feature = "sky")]
+    pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
+        let path = name.as_ref();
+        input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
+        Self::decode(path, std::io::Cursor::new(bytes), limits)
+    }
+
+    #[cfg(feature = "sky")]
+    fn decode(
+        path: &std::path::Path,
+        source: impl std::io::BufRead + std::io::Seek,
+        limits: &Limits,
+    ) -> Result<Self, Error> {
+        let (width, height, pixels) = picture::decode(path, source, limits)?;
         Self::new(width, height, pixels).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
     }
 

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Scene, checks::check_color};
+#[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+use crate::input::Files;
 use crate::{Error, message::counted};
 #[cfg(feature = "textures")]
 use crate::{Limits, input};
@@ -147,6 +149,26 @@ impl Texture {
         let path = path.as_ref();
         let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
         Self::decode(path, std::io::BufReader::new(file), limits)
+    }
+
+    /// Reads a PNG or JPEG file from memory, as [`Texture::open`] does from the disk. Messages name it `name`.
+    ///
+    /// # Errors
+    /// Those of [`Texture::open`] but [`Error::Io`].
+    #[cfg(feature = "textures")]
+    pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
+        let path = name.as_ref();
+        input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
+        Self::decode(path, std::io::Cursor::new(bytes), limits)
+    }
+
+    /// Reads a file that a scene file names.
+    #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+    pub(super) fn open_from(files: Files, path: &std::path::Path, limits: &Limits) -> Result<Self, Error> {
+        match files.given(path)? {
+            Some(bytes) => Self::from_bytes(path, bytes, limits),
+            None => Self::open_within(path, limits),
+        }
     }
 
     /// Reads a picture that is, or is part of, the file `path`.

@@ -12,7 +12,7 @@ use base64::{Engine, alphabet, engine};
 use gltf_json::{Buffer, Index, Root, buffer::View};
 use percent_encoding::percent_decode_str;
 
-use crate::{Error, Limits, input, message::counted, scene::warnings::Warnings};
+use crate::{Error, Limits, input::Files, message::counted, scene::warnings::Warnings};
 
 /// What is read of extensions, or makes no difference to what is read.
 const EXTENSIONS: [&str; 7] = [
@@ -33,27 +33,28 @@ const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
 
 /// A file's JSON and what belongs to it.
 pub(super) struct Document<'a> {
+    pub(super) files: Files<'a>,
     pub(super) path: &'a Path,
     pub(super) root: Root,
     pub(super) limits: Limits,
     /// A binary file, and where its buffer is in it.
-    chunk: Option<(Vec<u8>, Range<usize>)>,
+    chunk: Option<(Cow<'a, [u8]>, Range<usize>)>,
     /// Each is read when it is first asked for.
-    buffers: Vec<OnceCell<Vec<u8>>>,
+    buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
     /// Bytes that further files may have.
     bytes_left: Cell<u64>,
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn open(path: &'a Path, limits: Limits) -> Result<Self, Error> {
-        let bytes = input::read_bytes(path, limits.file_bytes, limits.option_names[0])?;
+    pub(super) fn open(files: Files<'a>, path: &'a Path, limits: Limits) -> Result<Self, Error> {
+        let bytes = files.read_bytes(path, limits.file_bytes, limits.option_names[0])?;
         let is_binary = bytes.starts_with(b"glTF");
         let fault = |reason: String| Error::parse(path, None, reason);
         let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
         let root = parse(path, &bytes[json], is_binary, &limits)?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
         let chunk = chunk.map(|chunk| (bytes, chunk));
-        let document = Self { path, root, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
+        let document = Self { files, path, root, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
         match document.root.asset.version.split('.').next() {
             Some("2") => Ok(document),
             _ => Err(document.fault(format!("it is glTF {}; version 2 is read", document.root.asset.version))),
@@ -130,12 +131,12 @@ impl<'a> Document<'a> {
     }
 
     /// The bytes that a URI holds or names. All files together may have as many as the file itself.
-    fn resource(&self, uri: &str, by: &str) -> Result<Vec<u8>, Error> {
+    fn resource(&self, uri: &str, by: &str) -> Result<Cow<'a, [u8]>, Error> {
         if let Some(bytes) = self.decoded(uri, by)? {
-            return Ok(bytes);
+            return Ok(Cow::Owned(bytes));
         }
         let path = self.located(uri, by)?;
-        let read = input::read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0]);
+        let read = self.files.read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0]);
         let bytes = read.map_err(|error| match error {
             Error::Io { .. } => Error::parse_from(self.path, None, format!("{by}: {error}"), error),
             other => other,
@@ -155,7 +156,7 @@ impl<'a> Document<'a> {
         Ok(Some(bytes))
     }
 
-    /// The file that a URI names. Names are relative to this file; some come with the separators of another system.
+    /// The file that a URI names, relative to this file.
     pub(super) fn located(&self, uri: &str, by: &str) -> Result<PathBuf, Error> {
         // A drive's letter is no scheme.
         let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|scheme| {
@@ -165,9 +166,7 @@ impl<'a> Document<'a> {
             return Err(self.fault(format!("{by}: URIs of '{scheme}:' are not read; files and base64 data are")));
         }
         let name: Cow<'_, str> = percent_decode_str(uri).decode_utf8_lossy();
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let file = folder.join(&*name);
-        Ok(if file.is_file() { file } else { folder.join(name.replace('\\', "/")) })
+        Ok(self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name))
     }
 }
 

@@ -204,7 +204,7 @@ impl<'a> Textures<'a> {
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match document.decoded(uri, &name)? {
                 Some(bytes) => decode(&bytes),
-                None => Texture::open_within(document.located(uri, &name)?, &self.limits_left),
+                None => Texture::open_from(document.files, &document.located(uri, &name)?, &self.limits_left),
             },
             (None, Some(view)) => decode(document.view(view, &name)?.1),
             (None, None) => Err(document.fault(format!("{name} has no URI and no bufferView"))),

@@ -20,7 +20,7 @@ use self::{
     maps::Map,
 };
 use super::{Prepared, SceneOptions, lines, read_text, split_keyword};
-use crate::{Error, Material, Texture, TextureId, message::counted, scene::warnings::Warnings};
+use crate::{Error, Material, Texture, TextureId, input::Files, message::counted, scene::warnings::Warnings};
 
 /// The materials of all MTL files of an OBJ.
 #[derive(Default)]
@@ -36,6 +36,7 @@ pub(super) struct Library {
 /// Reads the files that `mtllib` lines name. Each line names one file, whose name may have spaces, or several. Grey
 /// replaces what can't be read: a picture in grey is more use than none. Of textures `options` says whether that holds.
 pub(super) fn read(
+    files: Files,
     obj: &Path,
     prepared: &Prepared,
     options: &SceneOptions,
@@ -43,18 +44,19 @@ pub(super) fn read(
 ) -> Result<Library, Error> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let used: HashSet<&str> = prepared.used_materials.iter().map(|(_, name)| &**name).collect();
-    let mut textures = Textures::new(obj, options);
+    let mut textures = Textures::new(files, obj, options);
     let mut library = Library::default();
     let mut read = HashSet::new();
     let mut limits_left = options.limits;
     let names = prepared.libraries.iter();
-    let files = names.flat_map(|(line, name)| locate(folder, name).into_iter().map(move |file| (*line, file)));
-    for (line, file) in files {
+    let libraries =
+        names.flat_map(|(line, name)| locate(files, folder, name).into_iter().map(move |file| (*line, file)));
+    for (line, file) in libraries {
         // A file may have several names.
-        if !read.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
+        if !read.insert(files.real(&file)) {
             continue;
         }
-        match read_text(&file, &limits_left) {
+        match read_text(files, &file, &limits_left) {
             Ok((text, bytes)) => {
                 limits_left.file_bytes -= bytes;
                 library.add(&file, &text, &used, &mut textures)?;
@@ -67,19 +69,14 @@ pub(super) fn read(
 }
 
 /// The files of one `mtllib` line: several where one of them is there, else the name as it stands.
-fn locate(folder: &Path, names: &str) -> Vec<PathBuf> {
-    let whole = locate_one(folder, names);
-    if whole.is_file() {
+fn locate(files: Files, folder: &Path, names: &str) -> Vec<PathBuf> {
+    // By its path: the last component of several names is that of the last one.
+    let whole = files.join(folder, names);
+    if files.is_file(&whole) {
         return vec![whole];
     }
-    let several: Vec<_> = names.split_whitespace().map(|name| locate_one(folder, name)).collect();
-    if several.iter().any(|file| file.is_file()) { several } else { vec![whole] }
-}
-
-/// Names are relative to the OBJ; some come with the separators of another system.
-fn locate_one(folder: &Path, name: &str) -> PathBuf {
-    let file = folder.join(name);
-    if file.is_file() { file } else { folder.join(name.replace('\\', "/")) }
+    let several: Vec<_> = names.split_whitespace().map(|name| files.locate(folder, name)).collect();
+    if several.iter().any(|file| files.is_file(file)) { several } else { vec![files.locate(folder, names)] }
 }
 
 impl Library {

@@ -1,6 +1,9 @@
 //! Pictures of skies, decoded into linear colours.
 
-use std::path::Path;
+use std::{
+    io::{BufRead, Seek},
+    path::Path,
+};
 
 use glam::Vec3;
 
@@ -32,10 +35,12 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
 }
 
 /// Reads a picture into linear colours.
-pub(super) fn decode(path: &Path, file: std::fs::File, limits: &Limits) -> Result<(u32, u32, Vec<Vec3>), Error> {
-    let mut reader = image::ImageReader::new(std::io::BufReader::new(file))
-        .with_guessed_format()
-        .map_err(|error| Error::io(path, error))?;
+pub(super) fn decode(
+    path: &Path,
+    source: impl BufRead + Seek,
+    limits: &Limits,
+) -> Result<(u32, u32, Vec<Vec3>), Error> {
+    let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
     if reader.format() == Some(image::ImageFormat::Hdr) {
         let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
         return colors(path, image::codecs::hdr::HdrDecoder::new(bytes), limits);

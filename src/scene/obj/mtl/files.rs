@@ -6,14 +6,16 @@ use std::{
     sync::Arc,
 };
 
-use super::{locate_one, maps::Map};
+use super::maps::Map;
 use crate::{
     Error, Limits, Texture, TextureId, TextureKind, Wrap,
+    input::Files,
     scene::{MissingTextures, SceneOptions, warnings::Warnings},
 };
 
 /// The textures of all MTL files of an OBJ.
 pub(super) struct Textures<'a> {
+    files: Files<'a>,
     obj: &'a Path,
     missing: MissingTextures,
     limits_left: Limits,
@@ -24,9 +26,9 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(obj: &'a Path, options: &SceneOptions) -> Self {
+    pub(super) fn new(files: Files<'a>, obj: &'a Path, options: &SceneOptions) -> Self {
         let (missing, limits_left) = (options.missing_textures, options.limits);
-        Self { obj, missing, limits_left, textures: Vec::new(), ids: HashMap::new(), read: HashMap::new() }
+        Self { files, obj, missing, limits_left, textures: Vec::new(), ids: HashMap::new(), read: HashMap::new() }
     }
 
     /// The texture that a statement of a material names.
@@ -59,19 +61,19 @@ impl<'a> Textures<'a> {
     }
 
     fn load(&mut self, mtl: &Path, map: &Map) -> Result<TextureId, Error> {
-        let file = locate_one(mtl.parent().unwrap_or(Path::new("")), &map.name);
+        let files = self.files;
+        let file = files.locate(mtl.parent().unwrap_or(Path::new("")), &map.name);
         // A file may have several names.
-        let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.into());
-        let key = real(&file);
+        let key = files.real(&file);
         for (kind, own) in [("MTL", mtl), ("OBJ", self.obj)] {
-            if real(own) == key {
+            if files.real(own) == key {
                 return Err(Error::parse(file, None, format!("it is the {kind} file itself")));
             }
         }
         let texture = match self.read.get(&key) {
             Some(texture) => texture.clone(),
             None => {
-                let texture = Texture::open_within(&file, &self.limits_left)?;
+                let texture = Texture::open_from(files, &file, &self.limits_left)?;
                 self.take_from_limit(&texture);
                 self.read.insert(key.clone(), texture.clone());
                 texture

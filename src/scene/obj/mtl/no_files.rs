@@ -5,6 +5,7 @@ use std::path::Path;
 use super::maps::Map;
 use crate::{
     Error, Texture, TextureId,
+    input::Files,
     scene::{SceneOptions, warnings::Warnings},
 };
 
@@ -13,7 +14,7 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    pub(super) fn new(_: &Path, _: &SceneOptions) -> Self {
+    pub(super) fn new(_: Files, _: &Path, _: &SceneOptions) -> Self {
         Self { textures: Vec::new() }
     }
 
