@@ -1,6 +1,7 @@
 # Looks for what building and running needs, and installs what apt-get can: a C linker and Mesa's software Vulkan driver.
-#   root=REPOSITORY adapter=any|software; . scripts/setup.sh     (or: sh scripts/setup.sh)
-# adapter=any wants something to render with, a GPU or not; adapter=software wants the software driver beside any GPU.
+#   root=REPOSITORY adapter=any|software|none; . scripts/setup.sh     (or: sh scripts/setup.sh)
+# adapter=any wants something to render with, a GPU or not; adapter=software wants the software driver beside any GPU;
+# adapter=none wants none.
 # Asks nothing, except that sudo may want a password at a terminal; a second run installs nothing.
 # shellcheck shell=sh
 set -eu
@@ -63,7 +64,13 @@ any_adapter() {
         { exists /dev/nvidia0 && icd 'nvidia*.json'; } || { exists /dev/dri/renderD* && icd '*.json'; }
     }; }
 }
-adapter_found() { if [ "$adapter" = software ]; then software_adapter; else any_adapter; fi; }
+adapter_found() {
+    case $adapter in
+    none) return 0 ;;
+    software) software_adapter ;;
+    *) any_adapter ;;
+    esac
+}
 
 # --- Install what is missing ---
 

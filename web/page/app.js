@@ -1,0 +1,590 @@
+// The page: settings and gestures in, pictures and figures out. What renders is engine.js, in a worker.
+// @ts-check
+import { plot, tabulate } from "./chart.js";
+import { dropped, source as sourceOf } from "./files.js";
+import { nearer, orbited, panned } from "./orbit.js";
+
+/** @typedef {import("./pkg/index.js").Camera} Camera */
+
+/** @param {string} id @returns {any} */
+const element = (id) => document.getElementById(id);
+const canvas = /** @type {HTMLCanvasElement} */ (element("picture"));
+const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+const query = new URLSearchParams(location.search);
+
+/** A frame while something is dragged should take no longer, milliseconds. */
+const DRAFT_MS = 80;
+const WIGGLE_MS = 180;
+/** The largest side of a picture as large as it is shown, on adapters that are software and on others. */
+const MOST_SIDE = { software: 512, hardware: 1600 };
+const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
+const ROUNDS = 3;
+const VIEWS = [...element("view").options].map((option) => option.value);
+const LEGENDS = {
+    retrace: "Of the right eye: green was taken over, or found no deeper than the left eye says; red and yellow were traced; grey was traced without asking the left eye.",
+    shadows: "Of the right eye, by bracket: green took over what the left eye knows of its lights, red traced shadow rays.",
+    difference: "Of the right eye, against naive's: dark is alike, yellow to red differs.",
+};
+/** Passes that are the left eye's alone, and those that both eyes share; all others are the right eye's. */
+const LEFT_PASSES = ["trace_left"];
+const SHARED_PASSES = ["trace_hits", "trace_soft", "shade_hits", "list_mirrors", "trace_mirrored", "pack"];
+
+/** The engine: asked by messages, each with an answer. */
+class Engine {
+    /** @param {string} url */
+    constructor(url) {
+        this.waiting = new Map();
+        this.last = 0;
+        this.worker = new Worker(url, { type: "module" });
+        this.ready = new Promise((done, failed) => {
+            this.worker.onerror = (event) => {
+                const error = new Error(`the engine could not be loaded: ${event.message ?? "see the browser's console"}`);
+                failed(error);
+                for (const { failed } of this.waiting.values()) failed(error);
+            };
+            this.worker.onmessage = ({ data }) => {
+                if (data.ready) return done(undefined);
+                const asked = this.waiting.get(data.id);
+                if (!asked) return;
+                if ("done" in data) return asked.tell?.(data.done);
+                this.waiting.delete(data.id);
+                if (data.error) asked.failed(Object.assign(new Error(data.error.message), { name: data.error.name }));
+                else asked.done(data.result);
+            };
+        });
+    }
+
+    /** @param {string} task @param {object} request @param {((done: number) => void) | undefined} [tell] @returns {Promise<any>} */
+    async ask(task, request = {}, tell) {
+        await this.ready;
+        const id = ++this.last;
+        return new Promise((done, failed) => {
+            this.waiting.set(id, { done, failed, tell });
+            this.worker.postMessage({ id, task, ...request });
+        });
+    }
+
+    /** Ends what is being rendered, with an AbortError. */
+    stop() {
+        this.worker.postMessage({ task: "stop" });
+    }
+}
+
+/** @type {Engine} */
+let engine;
+let adapter = { software: false };
+/** What is open; the camera that it came with, of which the sliders' values are multiples. */
+let open = { name: "", source: /** @type {any} */ (null), camera: /** @type {Camera | null} */ (null) };
+/** Where the eyes are now, before the sliders. */
+let camera = /** @type {Camera | null} */ (null);
+/** @type {ImageBitmap[]} */
+let images = [];
+/** Milliseconds a pixel of the last frame. */
+let pixelMs = 0;
+let lost = 0;
+
+// --- What is asked for ---
+
+const settings = () => ({
+    view: element("view").value,
+    glasses: element("glasses").value,
+    lights: Number(element("lights").value),
+    options: { method: element("method").value, samples: Number(element("samples").value) ** 2 },
+});
+
+/** Width and height of a whole picture. */
+function size() {
+    const chosen = element("size").value;
+    if (chosen !== "auto") return chosen.split("x").map(Number);
+    const { clientWidth: width } = element("stage");
+    const height = Math.max(200, Math.min(0.75 * width, 0.72 * innerHeight));
+    const most = adapter.software ? MOST_SIDE.software : MOST_SIDE.hardware;
+    const scale = Math.min(devicePixelRatio, most / Math.max(width, height));
+    return [width, height].map((side) => Math.max(16, Math.round(side * scale)));
+}
+
+/** The camera with what the sliders say. @param {number} scale @returns {Camera} */
+function seen(scale = 1) {
+    if (!camera) throw new Error("no scene is open");
+    const [e, d] = [Number(element("e").value), 2 ** Number(element("d").value)];
+    const [width, height] = size().map((side) => Math.max(16, Math.round(side * scale)));
+    return { ...camera, size: [width, height], interaxial: (camera.interaxial ?? 0) * e, screenDistance: (camera.screenDistance ?? 1) * d };
+}
+
+/** Numbers beside the sliders. */
+function label() {
+    if (!camera) return;
+    const { interaxial = 0, screenDistance = 1, size: [width, height] = [1, 1], fov = 45 } = seen();
+    const across = 2 * screenDistance * Math.tan(fov * Math.PI / 360) * width / height;
+    element("e-value").value = `${short(interaxial)}, ${short(interaxial * width / across)} px`;
+    element("d-value").value = short(screenDistance);
+    element("samples-value").value = String(settings().options.samples);
+    element("lights-value").value = settings().lights || "the scene's own";
+    element("glasses-row").hidden = settings().view !== "anaglyph";
+    const legend = LEGENDS[settings().view];
+    element("legend").hidden = !legend;
+    element("legend").textContent = legend ?? "";
+}
+
+/** @param {number} value */
+const short = (value) => Number(value.toPrecision(3)).toString();
+
+// --- What is rendered: the newest wish alone ---
+
+/** @type {"draft" | "whole" | "show" | null} */
+let wish = null;
+/** @type {"draft" | "whole" | "other" | null} */
+let running = null;
+let settle = 0;
+
+/** A picture soon, and a whole one once nothing moves. */
+function moved() {
+    label();
+    clearTimeout(settle);
+    settle = setTimeout(() => ask("whole"), 160);
+    ask("draft");
+}
+
+/** @param {"draft" | "whole" | "show"} what */
+function ask(what) {
+    if (!camera) return;
+    // What shows the last pair in another way is part of rendering it anew.
+    if (wish === null || what !== "show") wish = what;
+    if (running === "whole" && what !== "show") engine.stop();
+    if (running === null) void work();
+}
+
+async function work() {
+    while (wish) {
+        const what = wish;
+        wish = null;
+        running = what === "show" ? "other" : what;
+        try {
+            await (what === "show" ? show() : render(what === "draft"));
+        } catch (error) {
+            await failed(error);
+        }
+        running = null;
+    }
+}
+
+/** @param {boolean} draft */
+async function render(draft) {
+    const { view, glasses, lights, options } = settings();
+    const [width, height] = size();
+    const scale = draft ? draftScale(width * height * options.samples) : 1;
+    const busy = setTimeout(() => say("rendering…"), 400);
+    const request = {
+        camera: seen(scale), lights, glasses, view,
+        options: draft && scale < 1 ? { ...options, samples: 1 } : options,
+        compare: view === "difference" && !draft,
+    };
+    try {
+        const done = await engine.ask("render", request, (share) => say(`rendering… ${Math.round(100 * share)} %`));
+        put(done.images);
+        const pixels = request.camera.size[0] * request.camera.size[1] * request.options.samples;
+        pixelMs = done.ms / pixels;
+        figures(done, request.camera.size, scale);
+        compared(done.difference ? done : null);
+        if (done.lost > lost) notice("The graphics device was lost, and was opened again.");
+        lost = done.lost;
+        document.documentElement.dataset.state = draft ? "draft" : "whole";
+    } finally {
+        clearTimeout(busy);
+        say("");
+    }
+}
+
+/** Of a picture of so many samples, as a share of its side. @param {number} samples */
+function draftScale(samples) {
+    if (!pixelMs) return 0.5;
+    return [1, 0.5, 0.25].find((scale) => pixelMs * samples * scale ** 2 < DRAFT_MS) ?? 0.25;
+}
+
+/** The last pair in the view that is chosen now. */
+async function show() {
+    const { view, glasses } = settings();
+    if (view === "difference") compared(await engine.ask("compare"));
+    put((await engine.ask("show", { view, glasses })).images);
+}
+
+/** Runs a task of the engine while no picture is rendered. @param {string} text @param {(tell: (done: number) => void) => Promise<void>} task */
+async function alone(text, task) {
+    if (running) engine.stop();
+    while (running) await new Promise((done) => setTimeout(done, 20));
+    running = "other";
+    element("stop").hidden = false;
+    say(`${text}…`);
+    const buttons = ["compare", "measure", "save", "save-eyes", "quilt"].map(element);
+    for (const button of buttons) button.disabled = true;
+    try {
+        await task((share) => say(`${text}… ${Math.round(100 * share)} %`));
+    } catch (error) {
+        await failed(error);
+    } finally {
+        running = null;
+        element("stop").hidden = true;
+        for (const button of buttons) button.disabled = false;
+        say("");
+        if (wish) void work();
+    }
+}
+
+// --- What is shown ---
+
+/** @param {ImageBitmap[]} next */
+function put(next) {
+    for (const image of images) image.close();
+    images = next;
+    draw(0);
+}
+
+/** @param {number} index */
+function draw(index) {
+    const image = images[index % images.length];
+    if (!image) return;
+    if (canvas.width !== image.width || canvas.height !== image.height) [canvas.width, canvas.height] = [image.width, image.height];
+    context.drawImage(image, 0, 0);
+}
+
+let swing = 0;
+setInterval(() => {
+    if (images.length > 1 && !document.hidden) draw(++swing);
+}, WIGGLE_MS);
+
+/** @param {any} done @param {readonly number[]} pictureSize @param {number} scale */
+function figures({ ms, statistics, deviceMs }, pictureSize, scale) {
+    const { method, choice, retracedShare, passes, left, right } = statistics;
+    const rays = (eye) => eye.primary + eye.verification + eye.shadow + eye.secondary;
+    const rows = [
+        ["both eyes", `${ms.toFixed(ms < 100 ? 1 : 0)} ms`],
+        ["right eye traced anew", `${(100 * retracedShare).toFixed(1)} %`],
+        ["right eye's rays, of the left's", `${(100 * rays(right) / Math.max(1, rays(left))).toFixed(0)} %`],
+    ];
+    const shared = passes?.some(({ name, ms }) => ms > 0 && name !== "pack" && SHARED_PASSES.includes(name));
+    if (passes && !shared) {
+        const sum = (of) => passes.filter(of).reduce((total, pass) => total + pass.ms, 0);
+        const [first, second] = [sum(({ name }) => LEFT_PASSES.includes(name)), sum(({ name }) => ![...LEFT_PASSES, ...SHARED_PASSES].includes(name))];
+        rows.push(["left + right, on the device", `${first.toFixed(1)} + ${second.toFixed(1)} ms`]);
+        if (first > 0) rows.push(["second eye's time, of the first's", `${(100 * second / first).toFixed(0)} %`]);
+    } else if (deviceMs !== undefined) {
+        rows.push(["on the device", `${deviceMs.toFixed(1)} ms`]);
+    }
+    rows.push(["method", method], ["picture", `${pictureSize.join("x")}${scale < 1 ? ", a draft" : ""}`]);
+    element("figures").replaceChildren(...rows.map(([name, value]) => {
+        const group = document.createElement("div");
+        group.append(Object.assign(document.createElement("dt"), { textContent: name }), Object.assign(document.createElement("dd"), { textContent: value }));
+        return group;
+    }));
+    element("figures").title = choice ?? "";
+}
+
+/** @param {any} found */
+function compared(found) {
+    const text = element("compared");
+    if (!found) {
+        text.textContent = "";
+        return;
+    }
+    const { difference: { identicalPercent, wrongSurfacePercent, psnr, largestParallaxError }, naiveMs } = found;
+    text.textContent = `${identicalPercent.toFixed(3)} % of the right eye's pixels are identical to naive's; ${wrongSurfacePercent.toFixed(3)} % show another surface.\n`
+        + `PSNR ${Number.isFinite(psnr) ? `${psnr.toFixed(1)} dB` : "∞: no difference"}; largest error of a parallax ${short(largestParallaxError)} px.\n`
+        + `naive took ${naiveMs.toFixed(0)} ms for both eyes.`;
+}
+
+/** @param {string} text */
+function say(text) {
+    element("busy").hidden = !text;
+    element("busy").textContent = text;
+}
+
+/** @param {string} text */
+function notice(text) {
+    element("message").hidden = !text;
+    element("message").firstElementChild.textContent = text;
+}
+
+/** @param {any} error */
+async function failed(error) {
+    if (error.name === "AbortError") return;
+    console.error(error);
+    if (error.name !== "RuntimeError") return notice(error.message);
+    // The engine's memory is in no known state any more.
+    notice(`The engine broke off (${error.message}), for want of memory or by a defect. It was started anew, with the first scene.`);
+    engine.worker.terminate();
+    engine = new Engine("engine.js");
+    await openScene({ builtin: element("scene").options[0].value });
+}
+
+/** @param {any} source */
+async function openScene(source) {
+    if (running === "whole") engine.stop();
+    const before = open;
+    say("reading…");
+    try {
+        const { camera: own, info, warnings } = await engine.ask("open", { source, size: size() });
+        open = { name: source.builtin ?? source.name, source, camera: own };
+        camera = own;
+        for (const [id, value] of [["e", 1], ["d", 0], ["lights", 0]]) element(id).value = value;
+        element("scene").value = source.builtin ?? "";
+        const counted = (count, one, many) => (count === 1 ? `1 ${one}` : `${count.toLocaleString("en")} ${many}`);
+        const others = info.primitives - info.triangles;
+        element("about").textContent = [source.builtin ? "" : open.name, counted(info.triangles, "triangle", "triangles"), others ? counted(others, "other shape", "other shapes") : ""].filter(Boolean).join(", ");
+        element("warnings").hidden = !warnings.length;
+        element("warnings").firstElementChild.textContent = `${counted(warnings.length, "thing is", "things are")} not shown as the file says`;
+        element("warnings").lastElementChild.replaceChildren(...warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+        notice("");
+        label();
+        ask("whole");
+    } catch (error) {
+        // What was open still is.
+        element("scene").value = before.source?.builtin ?? "";
+        await failed(error);
+    } finally {
+        say("");
+    }
+}
+
+/** @param {{ path: string, file: File }[]} files */
+async function openFiles(files) {
+    try {
+        await openScene(sourceOf(files));
+    } catch (error) {
+        await failed(error);
+    }
+}
+
+/** @param {Blob} blob @param {string} name */
+function download(blob, name) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+// --- Gestures ---
+
+/** @type {Map<number, { x: number, y: number }>} */
+const pointers = new Map();
+
+canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+});
+canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => pointers.delete(/** @type {PointerEvent} */ (event).pointerId));
+canvas.addEventListener("pointermove", (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before || !camera) return;
+    const after = { x: event.clientX, y: event.clientY };
+    const height = canvas.clientHeight;
+    const [dx, dy] = [(after.x - before.x) / height, (after.y - before.y) / height];
+    const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
+    if (other) {
+        const apart = (point) => Math.max(1, Math.hypot(point.x - other.x, point.y - other.y));
+        // Each of two fingers moves the middle by half of its own way.
+        camera = panned(nearer(camera, apart(before) / apart(after)), dx / 2, dy / 2);
+    } else if (event.shiftKey || event.buttons & 6) {
+        camera = panned(camera, dx, dy);
+    } else {
+        camera = orbited(camera, -Math.PI * dx, Math.PI * dy);
+    }
+    pointers.set(event.pointerId, after);
+    moved();
+});
+canvas.addEventListener("wheel", (event) => {
+    if (!camera) return;
+    event.preventDefault();
+    camera = nearer(camera, Math.exp(Math.max(-0.3, Math.min(0.3, event.deltaY * (event.deltaMode ? 0.04 : 0.0012)))));
+    moved();
+}, { passive: false });
+
+/** @param {HTMLInputElement} slider @param {number} steps */
+function step(slider, steps) {
+    slider.valueAsNumber += steps * Number(slider.step);
+    moved();
+}
+
+/** @param {HTMLSelectElement} list */
+function next(list) {
+    list.selectedIndex = (list.selectedIndex + 1) % list.options.length;
+    list.dispatchEvent(new Event("change"));
+}
+
+const KEYS = {
+    ArrowLeft: () => turn(-0.08, 0), ArrowRight: () => turn(0.08, 0), ArrowUp: () => turn(0, 0.08), ArrowDown: () => turn(0, -0.08),
+    "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1 / 0.9),
+    "[": () => step(element("e"), -2), "]": () => step(element("e"), 2), ",": () => step(element("d"), -1), ".": () => step(element("d"), 1),
+    v: () => next(element("view")), m: () => next(element("method")), r: () => reset(),
+};
+
+/** @param {number} right @param {number} up */
+function turn(right, up) {
+    if (camera) camera = orbited(camera, right, up);
+    moved();
+}
+
+/** @param {number} factor */
+function zoom(factor) {
+    if (camera) camera = nearer(camera, factor);
+    moved();
+}
+
+function reset() {
+    camera = open.camera;
+    for (const id of ["e", "d"]) element(id).value = element(id).defaultValue;
+    moved();
+}
+
+addEventListener("keydown", (event) => {
+    const target = /** @type {HTMLElement} */ (event.target);
+    if (event.ctrlKey || event.metaKey || event.altKey || !camera) return;
+    // Fields have keys of their own.
+    if (target.matches("input, select, textarea") || (target !== canvas && event.key.startsWith("Arrow"))) return;
+    const view = VIEWS[Number(event.key) - 1];
+    if (view) {
+        element("view").value = view;
+        element("view").dispatchEvent(new Event("change"));
+    } else if (KEYS[event.key]) {
+        KEYS[event.key]();
+    } else {
+        return;
+    }
+    event.preventDefault();
+});
+
+// --- Files ---
+
+let over = 0;
+addEventListener("dragenter", (event) => {
+    event.preventDefault();
+    over += 1;
+    element("drop").hidden = false;
+});
+addEventListener("dragleave", () => {
+    over = Math.max(0, over - 1);
+    element("drop").hidden = over === 0;
+});
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", async (event) => {
+    event.preventDefault();
+    over = 0;
+    element("drop").hidden = true;
+    if (event.dataTransfer) await openFiles(await dropped(event.dataTransfer));
+});
+element("files").addEventListener("change", async () => {
+    const files = [...element("files").files].map((file) => ({ path: file.webkitRelativePath || file.name, file }));
+    element("files").value = "";
+    if (files.length) await openFiles(files);
+});
+
+// --- Settings and buttons ---
+
+element("panel").addEventListener("submit", (event) => event.preventDefault());
+element("scene").addEventListener("change", () => void openScene({ builtin: element("scene").value }));
+for (const id of ["e", "d"]) element(id).addEventListener("input", moved);
+for (const id of ["samples", "lights"]) {
+    element(id).addEventListener("input", label);
+    element(id).addEventListener("change", () => ask("whole"));
+}
+for (const id of ["method", "size"]) element(id).addEventListener("change", () => { label(); ask("whole"); });
+for (const id of ["view", "glasses"]) element(id).addEventListener("change", () => { label(); ask("show"); });
+element("message").lastElementChild.addEventListener("click", () => notice(""));
+element("stop").addEventListener("click", () => engine.stop());
+
+element("compare").addEventListener("click", () => alone("comparing", async () => {
+    const found = await engine.ask("compare");
+    compared(found);
+    element("view").value = "difference";
+    label();
+    put((await engine.ask("show", settings())).images);
+}));
+element("save").addEventListener("click", () => alone("writing", async () => {
+    download(await engine.ask("png", settings()), `${open.name}_${settings().view}.png`);
+}));
+element("save-eyes").addEventListener("click", () => alone("writing", async () => {
+    for (const view of ["left", "right"]) download(await engine.ask("png", { view }), `${open.name}_${view}.png`);
+}));
+element("quilt").addEventListener("click", () => alone("rendering a quilt", async (tell) => {
+    const { columns, rows, size: quiltSize, interaxialPixels } = QUILT;
+    const { interaxial: _, ...rest } = seen();
+    const request = { camera: { ...rest, size: quiltSize, interaxialPixels }, options: settings().options, columns, rows, name: open.name };
+    const { blob, name } = await engine.ask("quilt", request, tell);
+    download(blob, name);
+}));
+element("measure").addEventListener("click", () => alone("measuring", async (tell) => {
+    const { samples } = settings().options;
+    const found = await engine.ask("measure", { camera: seen(), options: { samples }, rounds: ROUNDS }, tell);
+    element("chart").hidden = false;
+    element("plot").replaceChildren(plot(found));
+    tabulate(found, element("chart").querySelector("table"));
+    element("json").value = JSON.stringify(found, null, 1);
+    element("chart").scrollIntoView({ behavior: "smooth" });
+}));
+element("copy").addEventListener("click", async () => {
+    try {
+        await navigator.clipboard.writeText(element("json").value);
+        element("copied").textContent = "copied";
+    } catch {
+        element("json").select();
+        element("copied").textContent = "select and copy the text below";
+    }
+});
+let resized = 0;
+addEventListener("resize", () => {
+    clearTimeout(resized);
+    resized = setTimeout(() => { if (element("size").value === "auto") ask("whole"); }, 300);
+});
+
+// --- Begin ---
+
+/** What is missing, where nothing can be rendered. */
+function missing() {
+    if (!isSecureContext) return "This page renders by WebGPU, which browsers give to pages over https or on localhost alone. Open it by such an address.";
+    if (!("gpu" in navigator)) {
+        return "This browser has no WebGPU, by which this page renders. Chrome and Edge have it from version 113 on, Safari from 26, Firefox from 141 on Windows (elsewhere it may have to be switched on).";
+    }
+    return "";
+}
+
+/** @param {HTMLSelectElement} list @param {string[]} names @param {string | null} chosen */
+function fill(list, names, chosen) {
+    list.replaceChildren(...names.map((name) => new Option(name)));
+    if (chosen && names.includes(chosen)) list.value = chosen;
+}
+
+async function begin() {
+    const fault = missing();
+    if (fault) return nothing(fault);
+    engine = new Engine("engine.js");
+    const { adapter: found, builtins, methods, anaglyphs, version } = await engine.ask("begin");
+    if (!found) {
+        return nothing("This browser has WebGPU, but no graphics adapter for it: the driver may be too old or blocked, or hardware acceleration switched off in the browser's settings.");
+    }
+    adapter = found;
+    fill(element("scene"), builtins, query.get("scene"));
+    fill(element("method"), methods, query.get("method") ?? "auto");
+    fill(element("glasses"), anaglyphs, query.get("glasses"));
+    if (VIEWS.includes(query.get("view") ?? "")) element("view").value = query.get("view");
+    const asked = query.get("size");
+    if (asked && /^\d{2,4}x\d{2,4}$/.test(asked)) {
+        if (![...element("size").options].some((option) => option.value === asked)) element("size").add(new Option(asked));
+        element("size").value = asked;
+    }
+    const { vendor, architecture, device, description, software, timestamps } = found;
+    const name = [vendor, architecture, device, description].filter(Boolean).join(" ") || "an adapter that the browser does not name";
+    element("adapter").textContent = `stereotrace ${version} on ${name}.`
+        + (software ? " It is a software adapter: pictures take a second or more, where a GPU takes milliseconds." : "")
+        + (timestamps ? "" : " It has no timestamps: times are those of whole frames, with what the browser adds.");
+    await openScene({ builtin: element("scene").value });
+}
+
+/** @param {string} text */
+function nothing(text) {
+    notice(text);
+    for (const field of element("panel").elements) field.disabled = true;
+    document.documentElement.dataset.state = "nothing";
+}
+
+begin().catch((error) => nothing(error.message));

@@ -1,0 +1,244 @@
+// A worker: all rendering happens here, so that the page answers however long a frame takes. It is asked by messages
+// { id, task, ... } and answers each with { id, result } or { id, error }, and with { id, done } on the way.
+// @ts-check
+import { Renderer, Scene, anaglyphs, builtins, methods, version } from "./pkg/index.js";
+
+/** @typedef {import("./pkg/index.js").Camera} Camera */
+/** @typedef {import("./pkg/index.js").RenderOptions} RenderOptions */
+
+const renderer = new Renderer();
+/** What is shown: a scene, where it came from, and how many lights were placed in it (0: its own). */
+let open = { scene: /** @type {Scene | null} */ (null), source: /** @type {any} */ (null), size: [640, 480], lights: 0 };
+/** The pair that was rendered last, what it was rendered with, and the same by naive once somebody asked. */
+let last = /** @type {{ pair: import("./pkg/index.js").Pair, camera: Camera, options: RenderOptions, truth?: import("./pkg/index.js").Pair, truthMs?: number } | null} */ (null);
+/** Ends what is being rendered. */
+let stopping = new AbortController();
+
+/** The sky behind a file that brings none, and how many lights stand beside the eyes where it has none of its own. */
+const BACKDROP = /** @type {const} */ ({ nadir: [0.26, 0.27, 0.29], zenith: [0.52, 0.56, 0.62], lights: 3 });
+/** Methods that are measured: a sweep on the host says nothing of a GPU. */
+const MEASURED = methods().filter((name) => name !== "adelson-hodges" && name !== "auto");
+
+async function adapter() {
+    const found = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
+    if (!found) return null;
+    const { vendor, architecture, device, description } = found.info;
+    const software = Boolean(found.info.isFallbackAdapter ?? /** @type {any} */ (found).isFallbackAdapter);
+    return { vendor, architecture, device, description, software, timestamps: found.features.has("timestamp-query") };
+}
+
+/** @param {any} source */
+async function sceneOf(source) {
+    if (source.builtin) return Scene.builtin(source.builtin);
+    /** @type {Record<string, Uint8Array>} */
+    const files = {};
+    for (const { path, file } of source.files) files[path] = new Uint8Array(await file.arrayBuffer());
+    const scene = Scene.fromFiles(files, source.main);
+    scene.setSky(BACKDROP.nadir, BACKDROP.zenith);
+    return scene;
+}
+
+/** Lights a scene that was just made, by its own camera. @param {Scene} scene @param {any} source @param {number} lights */
+function light(scene, source, lights, size = open.size) {
+    const count = lights || (!source.builtin && scene.info.lights === 0 ? BACKDROP.lights : 0);
+    if (count) scene.placeLights(count, scene.camera(size[0], size[1]));
+}
+
+/** @param {ImageData} image */
+async function png(image) {
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    /** @type {OffscreenCanvasRenderingContext2D} */ (canvas.getContext("2d")).putImageData(image, 0, 0);
+    return canvas.convertToBlob({ type: "image/png" });
+}
+
+/** The pictures that a view consists of: one, but of wiggle. @param {string} view @param {any} glasses @returns {ImageData[]} */
+function pictures(view, glasses) {
+    const { pair, truth } = shown();
+    switch (view) {
+        case "anaglyph": return [pair.anaglyph(glasses)];
+        case "side-by-side": case "cross-eyed": return [pair.packed(view)];
+        case "wiggle": return [pair.view("left"), pair.view("right")];
+        case "left": case "right": return [pair.view(view)];
+        case "retrace": return [pair.retraceMap()];
+        case "shadows": return [pair.shadowMap() ?? pair.retraceMap()];
+        case "difference": return [truth ? pair.differenceMap(truth) : pair.view("right")];
+        default: throw new Error(`no view '${view}'`);
+    }
+}
+
+function shown() {
+    if (!last) throw new Error("nothing has been rendered yet");
+    return last;
+}
+
+/** @param {string} view @param {any} glasses */
+async function bitmaps(view, glasses) {
+    return Promise.all(pictures(view, glasses).map((image) => createImageBitmap(image)));
+}
+
+/** @param {number[]} values */
+const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
+/** @param {import("./pkg/index.js").Statistics} statistics */
+const deviceMs = (statistics) => statistics.passes?.reduce((sum, pass) => sum + pass.ms, 0);
+
+/** @param {Camera} camera @param {RenderOptions} options */
+async function timed(camera, options) {
+    if (!open.scene) throw new Error("no scene is open");
+    const begin = performance.now();
+    const pair = await renderer.render(open.scene, camera, options);
+    return { pair, ms: performance.now() - begin };
+}
+
+async function compared() {
+    const frame = shown();
+    if (!frame.truth) {
+        const { signal: _, onProgress: __, ...options } = frame.options;
+        const { pair, ms } = await timed(frame.camera, { ...options, method: "naive", signal: stopping.signal });
+        [frame.truth, frame.truthMs] = [pair, ms];
+    }
+    return { difference: frame.pair.difference(frame.truth), naiveMs: frame.truthMs };
+}
+
+const tasks = {
+    async begin() {
+        return { adapter: await adapter(), builtins: builtins(), methods: methods(), anaglyphs: anaglyphs(), version: version() };
+    },
+
+    /** @param {any} request */
+    async open({ source, size }) {
+        const scene = await sceneOf(source);
+        const camera = scene.camera(size[0], size[1]);
+        light(scene, source, 0, size);
+        open.scene?.free();
+        open = { scene, source, size, lights: 0 };
+        forget();
+        await renderer.upload(scene);
+        return { camera, info: scene.info, warnings: scene.warnings };
+    },
+
+    /** @param {any} request */
+    async render({ camera, options, lights, view, glasses, compare }, tell) {
+        if (lights !== open.lights) {
+            if (!lights && open.source) {
+                // Its own lights come back with the scene.
+                const scene = await sceneOf(open.source);
+                open.scene?.free();
+                open.scene = scene;
+            }
+            if (open.scene) light(open.scene, open.source, lights);
+            open.lights = lights;
+        }
+        const { pair, ms } = await timed(camera, { ...options, signal: stopping.signal, onProgress: tell });
+        forget();
+        last = { pair, camera, options };
+        const truth = compare ? await compared() : undefined;
+        const images = await bitmaps(view, glasses);
+        const { statistics } = pair;
+        return [{ images, ms, statistics, deviceMs: deviceMs(statistics), lost: renderer.devicesLost, ...truth }, images];
+    },
+
+    /** The last pair in another view. @param {any} request */
+    async show({ view, glasses }) {
+        const images = await bitmaps(view, glasses);
+        return [{ images }, images];
+    },
+
+    async compare() {
+        return compared();
+    },
+
+    /** @param {any} request */
+    async png({ view, glasses }) {
+        const images = pictures(view, glasses);
+        return images.length === 1 ? png(images[0]) : png(shown().pair.packed("side-by-side"));
+    },
+
+    /** @param {any} request */
+    async quilt({ camera, options, columns, rows, name }, tell) {
+        if (!open.scene) throw new Error("no scene is open");
+        const views = await renderer.views(open.scene, camera, columns * rows, { ...options, signal: stopping.signal, onProgress: tell });
+        const result = { blob: await png(views.quilt(columns, rows)), name: views.quiltName(name, columns, rows), traced: views.traced };
+        views.free();
+        return result;
+    },
+
+    /** Accuracy and cost of each method, the methods by turns. @param {any} request */
+    async measure({ camera, options, rounds }, tell) {
+        if (!open.scene) throw new Error("no scene is open");
+        const signal = stopping.signal;
+        const steps = MEASURED.length * (rounds + 2);
+        let step = 0;
+        const next = () => tell(++step / steps);
+        const rows = [];
+        let truth;
+        for (const method of MEASURED) {
+            const { pair } = await timed(camera, { ...options, method, count: true, signal });
+            truth ??= pair;
+            const { secondEye, retracedShare } = pair.statistics;
+            rows.push({ method, secondEye, retracedShare, difference: pair.difference(truth), times: [], device: [] });
+            if (pair !== truth) pair.free();
+            next();
+        }
+        truth?.free();
+        for (let round = 0; round <= rounds; round += 1) {
+            for (const row of rows) {
+                const { pair, ms } = await timed(camera, { ...options, method: row.method, signal });
+                // The first one compiles what a frame that is not counted runs.
+                if (round > 0) {
+                    row.times.push(ms);
+                    const device = deviceMs(pair.statistics);
+                    if (device !== undefined) row.device.push(device);
+                }
+                pair.free();
+                next();
+            }
+        }
+        const naive = median(rows[0].times);
+        const found = rows.map(({ method, secondEye, retracedShare, difference, times, device }) => {
+            const ms = median(times);
+            return {
+                method, ms, msOfNaive: ms / naive, deviceMs: device.length ? median(device) : null, secondEye, retracedShare,
+                // JSON has no infinity.
+                ...difference, psnr: Number.isFinite(difference.psnr) ? difference.psnr : null,
+            };
+        });
+        const { triangles, primitives, lights } = open.scene.info;
+        return {
+            stereotrace: version(), date: new Date().toISOString(), browser: navigator.userAgent, adapter: await adapter(),
+            scene: open.source.builtin ?? open.source.name, triangles, primitives, lights, camera, samples: options.samples ?? 1, rounds,
+            methods: found,
+        };
+    },
+};
+
+function forget() {
+    last?.pair.free();
+    last?.truth?.free();
+    last = null;
+}
+
+self.onmessage = async ({ data: { id, task, ...request } }) => {
+    if (task === "stop") {
+        stopping.abort();
+        stopping = new AbortController();
+        return;
+    }
+    try {
+        let told = 0;
+        /** @param {number} done */
+        const tell = (done) => {
+            // Some dozen times a second at most.
+            if (performance.now() - told > 50) {
+                told = performance.now();
+                postMessage({ id, done });
+            }
+        };
+        const answer = await /** @type {any} */ (tasks)[task](request, tell);
+        const [result, transfer] = Array.isArray(answer) ? answer : [answer, []];
+        postMessage({ id, result }, transfer);
+    } catch (error) {
+        const { name, message } = error instanceof Error ? error : new Error(String(error));
+        postMessage({ id, error: { name, message } });
+    }
+};
+postMessage({ ready: true });

@@ -1,0 +1,48 @@
+// Files that are dropped, with those in folders, by their paths.
+// @ts-check
+
+/** All files together may be so large: a page's memory is 4 GiB, for all that becomes of them. */
+const MOST_BYTES = 1 << 30;
+const SCENES = /\.(obj|gltf|glb|ply)$/i;
+
+/** @param {DataTransfer} transfer @returns {Promise<{ path: string, file: File }[]>} */
+export async function dropped(transfer) {
+    // Entries are gone once the event is over: all are asked for before anything is awaited.
+    const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter((entry) => entry !== null && entry !== undefined);
+    if (!entries.length) return [...transfer.files].map((file) => ({ path: file.name, file }));
+    return (await Promise.all(entries.map(inside))).flat();
+}
+
+/** @param {FileSystemEntry} entry @returns {Promise<{ path: string, file: File }[]>} */
+async function inside(entry) {
+    if (entry.isFile) {
+        const file = await new Promise((done, failed) => /** @type {FileSystemFileEntry} */ (entry).file(done, failed));
+        return [{ path: entry.fullPath.replace(/^\//, ""), file }];
+    }
+    const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
+    const found = [];
+    // A reader gives a hundred at a time.
+    for (;;) {
+        const some = await new Promise((done, failed) => reader.readEntries(done, failed));
+        if (!some.length) break;
+        found.push(...some);
+    }
+    return (await Promise.all(found.map(inside))).flat();
+}
+
+/** What the engine opens. Throws where that is not plain. @param {{ path: string, file: File }[]} files */
+export function source(files) {
+    const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
+    if (bytes > MOST_BYTES) throw new Error(`the files have ${Math.round(bytes / 2 ** 20)} MiB; a page can take ${MOST_BYTES / 2 ** 20}`);
+    const scenes = files.filter(({ path }) => SCENES.test(path));
+    if (!scenes.length) {
+        const names = files.map(({ path }) => path).slice(0, 5).join(", ");
+        throw new Error(`${names || "nothing"}: no .obj, .gltf, .glb or .ply among what was dropped`);
+    }
+    if (scenes.length > 1) {
+        const names = scenes.map(({ path }) => path).slice(0, 5).join(", ");
+        throw new Error(`${names}: one model at a time, with its own files`);
+    }
+    const main = scenes[0].path;
+    return { files, main, name: main.replace(/^.*\//, "").replace(SCENES, "") };
+}

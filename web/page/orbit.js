@@ -1,0 +1,51 @@
+// How drags and keys move a camera around what it looks at: the middle of the screen, at `target`.
+// @ts-check
+
+/** @typedef {import("./pkg/index.js").Camera} Camera */
+/** @typedef {readonly number[]} Vector */
+
+/** @param {Vector} a @param {Vector} b @returns {[number, number, number]} */
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+/** @param {Vector} a @param {Vector} b @param {number} t @returns {[number, number, number]} */
+const along = (a, b, t) => [a[0] + b[0] * t, a[1] + b[1] * t, a[2] + b[2] * t];
+/** @param {Vector} a @param {Vector} b */
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/** @param {Vector} a @param {Vector} b @returns {[number, number, number]} */
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** @param {Vector} a @returns {[number, number, number]} */
+const unit = (a) => along([0, 0, 0], a, 1 / Math.hypot(...a));
+
+/** Turned around an axis by an angle (Rodrigues). @param {Vector} v @param {Vector} axis @param {number} angle */
+function turned(v, axis, angle) {
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    return along(along(along([0, 0, 0], v, c), cross(axis, v), s), axis, dot(axis, v) * (1 - c));
+}
+
+/** The least angle between the view and the direction that is up: the horizon is lost where they meet. */
+const LEAST_SLANT = 0.05;
+
+/** Moves the eyes around the target, to their right and upwards, in radians. @param {Camera} camera @param {number} right @param {number} up @returns {Camera} */
+export function orbited(camera, right, up) {
+    const axis = unit(camera.up ?? [0, 1, 0]);
+    const arm = sub(camera.eye, camera.target);
+    const slant = Math.acos(Math.max(-1, Math.min(1, dot(unit(arm), axis))));
+    const raised = Math.max(LEAST_SLANT, Math.min(Math.PI - LEAST_SLANT, slant - up)) - slant;
+    const across = unit(cross(axis, arm));
+    return { ...camera, eye: along(camera.target, turned(turned(arm, across, raised), axis, right), 1) };
+}
+
+/** Moves the eyes to a share of their distance. What is looked at keeps its depth, since all distances shrink alike. @param {Camera} camera @param {number} factor @returns {Camera} */
+export function nearer(camera, factor) {
+    const { eye, target, screenDistance = 1, interaxial = 1 } = camera;
+    return { ...camera, eye: along(target, sub(eye, target), factor), screenDistance: screenDistance * factor, interaxial: interaxial * factor };
+}
+
+/** Moves the camera so that what is on the screen follows by so many heights of the picture. @param {Camera} camera @param {number} right @param {number} down @returns {Camera} */
+export function panned(camera, right, down) {
+    const arm = sub(camera.target, camera.eye);
+    const height = 2 * Math.hypot(...arm) * Math.tan((camera.fov ?? 45) * Math.PI / 360);
+    const r = unit(cross(arm, camera.up ?? [0, 1, 0]));
+    const u = unit(cross(r, arm));
+    const way = along(along([0, 0, 0], r, -right * height), u, down * height);
+    return { ...camera, eye: along(camera.eye, way, 1), target: along(camera.target, way, 1) };
+}

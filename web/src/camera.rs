@@ -1,0 +1,70 @@
+//! Cameras: plain objects on JavaScript's side.
+
+use serde::{Deserialize, Serialize};
+use stereotrace::{Convergence, StereoCamera, glam::Vec3};
+use wasm_bindgen::JsValue;
+
+use crate::{
+    errors::{raised, refused},
+    values,
+};
+
+/// `Camera` of `types.d.ts`.
+#[derive(Deserialize, Serialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+struct Camera {
+    eye: [f32; 3],
+    target: [f32; 3],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    up: Option<[f32; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    size: Option<[u32; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fov: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    screen_distance: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interaxial: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interaxial_pixels: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    toe_in: Option<bool>,
+}
+
+/// The library's camera of a plain object.
+pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
+    let Camera { eye, target, up, size, fov, screen_distance, interaxial, interaxial_pixels, toe_in } =
+        values::read("camera", value)?;
+    let mut camera = StereoCamera::look_at(Vec3::from_array(eye), Vec3::from_array(target));
+    if interaxial.is_some() && interaxial_pixels.is_some() {
+        return Err(refused("camera: interaxial and interaxialPixels say the same; give one of them"));
+    }
+    camera = up.map_or(camera, |up| camera.up(Vec3::from_array(up)));
+    camera = size.map_or(camera, |[width, height]| camera.size(width, height));
+    camera = fov.map_or(camera, |degrees| camera.vertical_fov_degrees(degrees));
+    camera = screen_distance.map_or(camera, |distance| camera.screen_distance(distance));
+    camera = interaxial.map_or(camera, |distance| camera.interaxial(distance));
+    camera = interaxial_pixels.map_or(camera, |pixels| camera.interaxial_pixels(pixels));
+    if toe_in == Some(true) {
+        camera = camera.convergence(Convergence::ToeIn);
+    }
+    camera.pose().map_err(raised)?;
+    Ok(camera)
+}
+
+/// The plain object of a camera whose picture is centred before it, as those are that scenes come with.
+pub(crate) fn written(camera: &StereoCamera) -> Result<JsValue, JsValue> {
+    let pose = camera.pose().map_err(raised)?;
+    let [_, focal] = pose.focal_px();
+    values::written(&Camera {
+        eye: pose.eye.to_array(),
+        target: camera.target_position().to_array(),
+        up: Some(camera.up_direction().to_array()),
+        size: Some(pose.size),
+        fov: Some((2.0 * (0.5 * f64::from(pose.size[1]) / focal).atan()).to_degrees() as f32),
+        screen_distance: Some(pose.screen_distance),
+        interaxial: Some(pose.interaxial),
+        interaxial_pixels: None,
+        toe_in: (pose.convergence == Convergence::ToeIn).then_some(true),
+    })
+}

@@ -1,0 +1,29 @@
+//! The library's errors as JavaScript's: an `Error` whose text is the library's and whose `name` says what a program may do about it.
+
+use js_sys::Error as JsError;
+use stereotrace::Error;
+use wasm_bindgen::JsValue;
+
+/// An error of the library as JavaScript throws it.
+pub(crate) fn raised(error: Error) -> JsValue {
+    let name = match error {
+        Error::Cancelled => "AbortError",
+        Error::NoAdapter { .. } => "NoAdapterError",
+        Error::DeviceLost(_) => "DeviceLostError",
+        Error::Limit { .. } | Error::TooLarge { .. } | Error::OutOfMemory(_) => "LimitError",
+        Error::Gpu(_) => "GpuError",
+        _ => "Error",
+    };
+    named(name, &error.to_string())
+}
+
+/// Input that this package itself refuses.
+pub(crate) fn refused(text: &str) -> JsValue {
+    named("TypeError", text)
+}
+
+fn named(name: &str, text: &str) -> JsValue {
+    let error = JsError::new(text);
+    error.set_name(name);
+    error.into()
+}

@@ -1,0 +1,103 @@
+//! How pictures are rendered: plain objects on JavaScript's side.
+
+use std::ops::ControlFlow;
+
+use serde::Deserialize;
+use stereotrace::{AmbientOcclusion, Filter, Method, Options, Progress, Tone};
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::AbortSignal;
+
+use crate::{
+    errors::{raised, refused},
+    values,
+};
+
+/// `RenderOptions` of `types.d.ts`.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+struct Given {
+    method: Option<String>,
+    samples: Option<u32>,
+    filter: Option<String>,
+    count: Option<bool>,
+    bounces: Option<u32>,
+    shadow_rays: Option<u32>,
+    sky_rays: Option<u32>,
+    ambient_occlusion: Option<Occlusion>,
+    exposure: Option<f32>,
+    tone: Option<String>,
+    seed: Option<u32>,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    signal: JsValue,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    on_progress: JsValue,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Occlusion {
+    rays: u32,
+    radius: f32,
+}
+
+/// The library's options, and who is told of progress.
+pub(crate) struct Request {
+    pub(crate) options: Options,
+    signal: Option<AbortSignal>,
+    on_progress: Option<js_sys::Function>,
+}
+
+impl Request {
+    /// Of a plain object, or of nothing.
+    pub(crate) fn read(value: JsValue) -> Result<Self, JsValue> {
+        let given: Given = match value.is_undefined() || value.is_null() {
+            true => Given::default(),
+            false => values::read("options", value)?,
+        };
+        let mut options = Options::default();
+        if let Some(name) = given.method {
+            options = options.method(values::named::<Method>(&name)?);
+        }
+        if let Some(name) = given.filter {
+            options = options.filter(values::named::<Filter>(&name)?);
+        }
+        options = given.samples.map_or(options.clone(), |samples| options.samples(samples));
+        options = options.count(given.count.unwrap_or(false)).sky_rays(given.sky_rays);
+        options = options.occlusion(given.ambient_occlusion.map(|one| AmbientOcclusion::new(one.rays, one.radius)));
+        options.bounces = given.bounces.unwrap_or(options.bounces);
+        options.shadow_rays = given.shadow_rays.unwrap_or(options.shadow_rays);
+        options.exposure = given.exposure.unwrap_or(options.exposure);
+        options.seed = given.seed.unwrap_or(options.seed);
+        options.tone = match given.tone.as_deref() {
+            None | Some("clamp") => Tone::Clamp,
+            Some("filmic") => Tone::Filmic,
+            Some(_) => return Err(refused("options.tone: it must be clamp or filmic")),
+        };
+        options.check().map_err(raised)?;
+        let (signal, on_progress) = (given.signal, given.on_progress);
+        Ok(Self {
+            options,
+            signal: of_type(signal, "options.signal: it must be an AbortSignal")?,
+            on_progress: of_type(on_progress, "options.onProgress: it must be a function")?,
+        })
+    }
+
+    /// What a frame asks after each band of rows: whether to go on.
+    pub(crate) fn goes_on(&self, progress: Progress) -> ControlFlow<()> {
+        if let Some(callback) = &self.on_progress {
+            // What a callback throws is its own affair.
+            let _ = callback.call1(&JsValue::NULL, &JsValue::from(progress.done));
+        }
+        match self.signal.as_ref().is_some_and(AbortSignal::aborted) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+fn of_type<T: JsCast>(value: JsValue, fault: &str) -> Result<Option<T>, JsValue> {
+    match value.is_undefined() || value.is_null() {
+        true => Ok(None),
+        false => value.dyn_into().map(Some).map_err(|_| refused(fault)),
+    }
+}

@@ -1,0 +1,195 @@
+//! Rendered pairs.
+
+use serde::Serialize;
+use stereotrace::{Statistics, StereoPair, View, metrics, output::Anaglyph};
+use wasm_bindgen::prelude::*;
+use web_sys::ImageData;
+
+use crate::{
+    difference,
+    errors::{raised, refused},
+    values::{image, named, written},
+};
+
+/// What the left and the right eye see, how the right one was made, and what it cost.
+#[wasm_bindgen]
+pub struct Pair(pub(crate) StereoPair);
+
+#[wasm_bindgen]
+impl Pair {
+    /// Width of a view in pixels.
+    #[wasm_bindgen(getter)]
+    pub fn width(&self) -> u32 {
+        self.0.left.width
+    }
+
+    /// Height of a view in pixels.
+    #[wasm_bindgen(getter)]
+    pub fn height(&self) -> u32 {
+        self.0.left.height
+    }
+
+    /// What an eye sees, `"left"` or `"right"`, as canvases take it.
+    #[wasm_bindgen(unchecked_return_type = "ImageData")]
+    pub fn view(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<ImageData, JsValue> {
+        image(&self.eye(eye)?.picture())
+    }
+
+    /// Both eyes in one picture for coloured glasses, mixed in linear light; `"dubois"`, for red and cyan, where nothing is said.
+    pub fn anaglyph(
+        &self,
+        #[wasm_bindgen(unchecked_optional_param_type = "AnaglyphName")] kind: Option<String>,
+    ) -> Result<ImageData, JsValue> {
+        let kind: Anaglyph = kind.map_or(Ok(Anaglyph::Dubois), |kind| named(&kind))?;
+        image(&self.0.anaglyph(kind))
+    }
+
+    /// Both eyes beside or below each other in one picture.
+    pub fn packed(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "PackingName")] packing: &str,
+    ) -> Result<ImageData, JsValue> {
+        image(&self.0.packed(named(packing)?))
+    }
+
+    /// Where each right pixel came from: green were taken over from the left view, red and yellow ones traced, grey ones traced without
+    /// looking at it.
+    #[wasm_bindgen(js_name = retraceMap)]
+    pub fn retrace_map(&self) -> Result<ImageData, JsValue> {
+        image(&self.0.retrace_picture())
+    }
+
+    /// How right pixels got their shadows by `bracket`: green were taken over, red ones traced. Undefined by other methods.
+    #[wasm_bindgen(js_name = shadowMap, unchecked_return_type = "ImageData | undefined")]
+    pub fn shadow_map(&self) -> Result<JsValue, JsValue> {
+        self.0.shadow_picture().map_or(Ok(JsValue::UNDEFINED), |picture| Ok(image(&picture)?.into()))
+    }
+
+    /// Depths of an eye's pixels along the view direction, world units, row by row from the top; `Infinity` where there is sky.
+    pub fn depth(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
+        Ok(self.eye(eye)?.depth.clone())
+    }
+
+    /// Disparities of an eye's pixels, left column less right column of the point that is seen, in pixels: above 0 before the screen. Empty
+    /// of eyes that are toed in.
+    pub fn disparity(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
+        self.eye(eye)?;
+        Ok(if eye == "left" { self.0.disparity() } else { self.0.right_disparity() })
+    }
+
+    /// Ids of the primitives that an eye's pixels show; 4294967295 where there is sky.
+    pub fn primitives(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
+        Ok(self.eye(eye)?.primitive.clone())
+    }
+
+    /// Ids of the objects that an eye's pixels show; 4294967295 where there is sky.
+    pub fn objects(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
+        Ok(self.eye(eye)?.object.clone())
+    }
+
+    /// What the pair cost.
+    #[wasm_bindgen(getter, unchecked_return_type = "Statistics")]
+    pub fn statistics(&self) -> Result<JsValue, JsValue> {
+        written(&Costs::of(&self.0.statistics))
+    }
+
+    /// How far the right view is from another pair's: from a pair of the same camera by `"naive"`, how wrong it is.
+    #[wasm_bindgen(unchecked_return_type = "Difference")]
+    pub fn difference(&self, truth: &Self) -> Result<JsValue, JsValue> {
+        let found = metrics::compare(&self.0.right, &truth.0.right, &self.0.pose).map_err(raised)?;
+        written(&Differences {
+            identical_percent: found.identical_percent,
+            wrong_surface_percent: found.wrong_surface_percent,
+            psnr: found.psnr,
+            p999: found.p999,
+            mean_difference: found.mean_difference,
+            largest_parallax_error: found.largest_parallax_error_px,
+        })
+    }
+
+    /// The same as a picture: dark grey where both are alike, yellow to red where they differ.
+    #[wasm_bindgen(js_name = differenceMap)]
+    pub fn difference_map(&self, truth: &Self) -> Result<ImageData, JsValue> {
+        // For its checks.
+        metrics::compare(&self.0.right, &truth.0.right, &self.0.pose).map_err(raised)?;
+        image(&difference::picture(&self.0.right, &truth.0.right))
+    }
+}
+
+impl Pair {
+    fn eye(&self, eye: &str) -> Result<&View, JsValue> {
+        match eye {
+            "left" => Ok(&self.0.left),
+            "right" => Ok(&self.0.right),
+            other => Err(refused(&format!("eye: '{other}' is none; there are left and right"))),
+        }
+    }
+}
+
+/// `Difference` of `types.d.ts`.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Differences {
+    identical_percent: f64,
+    wrong_surface_percent: f64,
+    psnr: f64,
+    p999: f64,
+    mean_difference: f64,
+    largest_parallax_error: f64,
+}
+
+/// `Statistics` of `types.d.ts`.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Costs {
+    method: String,
+    choice: Option<String>,
+    in_steps: bool,
+    retraced_share: f64,
+    second_eye: Option<f64>,
+    left: Rays,
+    right: Rays,
+    passes: Option<Vec<Pass>>,
+}
+
+/// Numbers of rays: JavaScript's numbers hold them exactly up to 2^53.
+#[derive(Serialize)]
+struct Rays {
+    primary: f64,
+    verification: f64,
+    shadow: f64,
+    secondary: f64,
+}
+
+#[derive(Serialize)]
+struct Pass {
+    name: &'static str,
+    ms: f64,
+}
+
+impl Rays {
+    fn of(rays: &stereotrace::Rays) -> Self {
+        let [primary, verification, shadow, secondary] =
+            [rays.primary, rays.verification, rays.shadow, rays.secondary].map(|count| count as f64);
+        Self { primary, verification, shadow, secondary }
+    }
+}
+
+impl Costs {
+    fn of(statistics: &Statistics) -> Self {
+        let passes = statistics.times.as_ref().map(|times| {
+            let pass = |(name, time): &(&'static str, std::time::Duration)| Pass { name, ms: 1e3 * time.as_secs_f64() };
+            times.passes.iter().map(pass).collect()
+        });
+        Self {
+            method: statistics.method.to_string(),
+            choice: statistics.choice.map(|choice| choice.to_string()),
+            in_steps: statistics.in_steps,
+            retraced_share: statistics.retraced_share(),
+            second_eye: Some(statistics.second_eye()).filter(|cost| cost.is_finite()),
+            left: Rays::of(&statistics.left.rays),
+            right: Rays::of(&statistics.right.rays),
+            passes,
+        }
+    }
+}

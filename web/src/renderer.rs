@@ -1,0 +1,173 @@
+//! The renderer: a device that scenes are uploaded to, one picture after the other.
+
+use std::{
+    cell::{Cell, RefCell},
+    ops::AsyncFnMut,
+    rc::Rc,
+};
+
+use futures_util::lock::Mutex;
+use stereotrace::{BvhBuild, Error, Gpu, Rig, Update, UploadedScene};
+use wasm_bindgen::prelude::*;
+
+use crate::{camera, errors::raised, options::Request, pair::Pair, scene::{Changes, Scene, Shared}, views::Views};
+
+thread_local! {
+    /// Tells devices apart.
+    static DEVICES: Cell<u64> = const { Cell::new(0) };
+    static COMMON: RefCell<Option<Renderer>> = const { RefCell::new(None) };
+}
+
+/// Renders pairs and views; keeps the device, kernels and uploaded scenes from picture to picture. Pictures that are asked for at once are
+/// rendered one after the other.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Renderer {
+    device: Rc<Mutex<Option<Device>>>,
+    lost: Rc<Cell<u32>>,
+}
+
+/// A device that is open.
+struct Device {
+    renderer: stereotrace::Renderer,
+    id: u64,
+}
+
+/// A scene on a device.
+pub(crate) struct Uploaded {
+    scene: UploadedScene,
+    device: u64,
+    changes: Changes,
+}
+
+#[wasm_bindgen]
+impl Renderer {
+    /// A renderer on the adapter that the browser offers. The device is opened when it is first needed.
+    #[wasm_bindgen(constructor)]
+    #[expect(clippy::new_without_default, reason = "JavaScript's constructor")]
+    pub fn new() -> Self {
+        Self { device: Rc::default(), lost: Rc::default() }
+    }
+
+    /// Renders a pair. Without a camera it is the scene's own, 640x480.
+    ///
+    /// Rejects with an error whose `name` is `NoAdapterError` where the browser has no WebGPU or no adapter, `LimitError` for what the adapter
+    /// can't hold, `AbortError` where `options.signal` was aborted, `DeviceLostError` where the device was lost twice, `TypeError` for a
+    /// wrong field; the text names the value.
+    #[wasm_bindgen(unchecked_return_type = "Pair")]
+    pub async fn render(
+        &self,
+        scene: &Scene,
+        #[wasm_bindgen(unchecked_optional_param_type = "Camera")] camera: JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
+    ) -> Result<Pair, JsValue> {
+        let camera = if camera.is_undefined() || camera.is_null() { scene.own_camera(640, 480)? } else { camera::read(camera)? };
+        let request = Request::read(options)?;
+        let (this, shared) = (self.clone(), scene.shared.clone());
+        let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
+            renderer.render_async(uploaded, &camera, &request.options, &mut |now| request.goes_on(now)).await
+        };
+        Ok(Pair(this.with_scene(&shared, frame).await?))
+    }
+
+    /// Renders a row of `count` eyes from left to right, an interaxial between neighbours, the camera in their middle: few are traced, and the
+    /// others made from them. Rejects as `render` does.
+    #[wasm_bindgen(unchecked_return_type = "Views")]
+    pub async fn views(
+        &self,
+        scene: &Scene,
+        #[wasm_bindgen(unchecked_param_type = "Camera")] camera: JsValue,
+        count: u32,
+        #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
+    ) -> Result<Views, JsValue> {
+        let rig = Rig::row(camera::read(camera)?, count as usize);
+        let request = Request::read(options)?;
+        let (this, shared) = (self.clone(), scene.shared.clone());
+        let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
+            renderer.render_views_async(uploaded, &rig, &request.options, &mut |now| request.goes_on(now)).await
+        };
+        Ok(Views(this.with_scene(&shared, frame).await?))
+    }
+
+    /// Builds a scene's tree and brings it to the device, which `render` does by itself.
+    pub async fn upload(&self, scene: &Scene) -> Result<(), JsValue> {
+        let (this, shared) = (self.clone(), scene.shared.clone());
+        this.with_scene(&shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
+    }
+
+    /// How often the device was lost and opened again.
+    #[wasm_bindgen(getter, js_name = devicesLost)]
+    pub fn devices_lost(&self) -> u32 {
+        self.lost.get()
+    }
+}
+
+impl Renderer {
+    /// The one that all calls of `render` share.
+    pub(crate) fn common() -> Self {
+        COMMON.with_borrow_mut(|common| common.get_or_insert_with(Self::new).clone())
+    }
+
+    /// Does some work with a scene on the device. A device that is lost is opened again, once, and the work begun anew.
+    async fn with_scene<T>(
+        &self,
+        scene: &Shared,
+        mut work: impl AsyncFnMut(&mut stereotrace::Renderer, &UploadedScene) -> Result<T, Error>,
+    ) -> Result<T, JsValue> {
+        let mut slot = self.device.lock().await;
+        let mut again = false;
+        loop {
+            match attempt(&mut slot, scene, &mut work).await {
+                Err(Error::DeviceLost(reason)) => {
+                    *slot = None;
+                    self.lost.set(self.lost.get() + 1);
+                    if again {
+                        return Err(raised(Error::DeviceLost(reason)));
+                    }
+                    log::warn!("the graphics device was lost ({reason}); it is opened again");
+                    again = true;
+                }
+                done => return done.map_err(raised),
+            }
+        }
+    }
+}
+
+async fn attempt<T>(
+    slot: &mut Option<Device>,
+    scene: &Shared,
+    work: &mut impl AsyncFnMut(&mut stereotrace::Renderer, &UploadedScene) -> Result<T, Error>,
+) -> Result<T, Error> {
+    if slot.is_none() {
+        let renderer = stereotrace::Renderer::new(Gpu::new_async().await?);
+        let id = DEVICES.replace(DEVICES.get() + 1);
+        *slot = Some(Device { renderer, id });
+    }
+    let Some(device) = slot else { return Err(Error::Cancelled) };
+    let uploaded = brought(device, scene).await?;
+    let done = work(&mut device.renderer, &uploaded.scene).await;
+    scene.uploaded.replace(Some(uploaded));
+    done
+}
+
+/// The scene as it is now, on the device.
+async fn brought(device: &Device, scene: &Shared) -> Result<Uploaded, Error> {
+    let (now, changes) = (scene.scene(), scene.changes.get());
+    let renderer = &device.renderer;
+    // Taken, so that what fails half-way is uploaded anew.
+    match scene.uploaded.take().filter(|uploaded| uploaded.device == device.id) {
+        None => {
+            let uploaded = renderer.upload_async(&now, BvhBuild::Balanced).await?;
+            Ok(Uploaded { scene: uploaded, device: device.id, changes })
+        }
+        Some(mut uploaded) => {
+            if uploaded.changes != changes {
+                let same_shapes = uploaded.changes.shapes == changes.shapes;
+                let how = if same_shapes { Update::Refit } else { Update::Rebuild(BvhBuild::Balanced) };
+                renderer.update_async(&mut uploaded.scene, &now, how).await?;
+                uploaded.changes = changes;
+            }
+            Ok(uploaded)
+        }
+    }
+}

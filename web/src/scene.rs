@@ -1,0 +1,415 @@
+//! Scenes.
+
+use std::{
+    cell::{Cell, RefCell},
+    collections::BTreeMap,
+    rc::Rc,
+};
+
+use js_sys::{Float32Array, Object, Uint8Array, Uint32Array};
+use serde::{Deserialize, Serialize};
+use stereotrace::{
+    Builtin, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, SceneFile, SceneOptions, Sky,
+    Sphere, StereoCamera, Texture, TextureId, Wrap, glam::Vec3,
+};
+use wasm_bindgen::{JsCast, prelude::*};
+use web_sys::ImageData;
+
+use crate::{
+    camera,
+    errors::{raised, refused},
+    messages,
+    renderer::Uploaded,
+    values::{array, corners, named, pairs, points, read, written},
+};
+
+/// Largest scene file: a page has 4 GiB of memory for all that becomes of it.
+const MOST_BYTES: u64 = 512 << 20;
+/// Triangles that instances of a glTF file may become.
+const MOST_TRIANGLES: u64 = 4 << 20;
+
+/// What is rendered: shapes, materials, lights and a sky. World coordinates are right-handed, y up; colours are linear light.
+#[wasm_bindgen]
+pub struct Scene {
+    pub(crate) shared: Rc<Shared>,
+    /// A file's own cameras.
+    cameras: Vec<(String, StereoCamera)>,
+    builtin: Option<Builtin>,
+    warnings: Vec<String>,
+}
+
+/// What a renderer reads of a scene, while JavaScript may go on changing it.
+pub(crate) struct Shared {
+    scene: RefCell<Rc<stereotrace::Scene>>,
+    pub(crate) changes: Cell<Changes>,
+    /// On the device that rendered it last.
+    pub(crate) uploaded: RefCell<Option<Uploaded>>,
+}
+
+/// How often a scene was changed.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Changes {
+    /// What rays meet.
+    pub(crate) shapes: u32,
+    /// All else.
+    rest: u32,
+}
+
+impl Shared {
+    pub(crate) fn scene(&self) -> Rc<stereotrace::Scene> {
+        self.scene.borrow().clone()
+    }
+
+    /// Changes lights, materials or sky. (Of a scene that is just being uploaded it is a copy that changes.)
+    fn change<T>(&self, change: impl FnOnce(&mut stereotrace::Scene) -> T) -> T {
+        let changes = self.changes.get();
+        self.changes.set(Changes { rest: changes.rest + 1, ..changes });
+        change(Rc::make_mut(&mut self.scene.borrow_mut()))
+    }
+
+    /// Adds shapes.
+    fn add<T>(&self, add: impl FnOnce(&mut stereotrace::Scene) -> T) -> T {
+        let changes = self.changes.get();
+        self.changes.set(Changes { shapes: changes.shapes + 1, ..changes });
+        add(Rc::make_mut(&mut self.scene.borrow_mut()))
+    }
+}
+
+#[wasm_bindgen]
+impl Scene {
+    /// An empty scene: black sky, no lights, one grey material, 0.
+    #[wasm_bindgen(constructor)]
+    #[expect(clippy::new_without_default, reason = "JavaScript's constructor")]
+    pub fn new() -> Self {
+        Self::of(stereotrace::Scene::new(), Vec::new(), None)
+    }
+
+    /// A scene that comes with the library, with lights, sky and a camera: one of `builtins()`.
+    pub fn builtin(name: &str) -> Result<Self, JsValue> {
+        let builtin: Builtin = named(name)?;
+        Ok(Self::of(builtin.scene(), Vec::new(), Some(builtin)))
+    }
+
+    /// Reads a scene from files: OBJ with its MTL files and textures, glTF 2.0 (.gltf with its buffers and textures, or .glb) or PLY. `files` is
+    /// an object of file contents by path. `main` is the path of the scene's own file, and may be left out where just one file ends in .obj,
+    /// .gltf, .glb or .ply. What it names is found by its path, or where files come without folders by its name.
+    ///
+    /// glTF files bring lights and cameras. Scenes of other files have no lights: see `placeLights`. Throws an error that names the file, and
+    /// where it can the line, for what can't be read; a texture that is missing is left out, with a word in `warnings`.
+    #[wasm_bindgen(js_name = fromFiles)]
+    pub fn from_files(
+        #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array>")] files: &JsValue,
+        main: Option<String>,
+        #[wasm_bindgen(js_name = creaseAngle)] crease_angle: Option<f32>,
+    ) -> Result<Self, JsValue> {
+        let files = contents(files)?;
+        let main = main.map_or_else(|| main_file(&files), Ok)?;
+        let limits = Limits::default().file_bytes(MOST_BYTES).triangles(MOST_TRIANGLES);
+        let limits = limits.option_names("reading it with the library outside a browser", "reading it with the library outside a browser");
+        let limits = limits.texture_option_name("reading it with the library outside a browser").triangle_option_name("reading it with the library outside a browser");
+        let options = SceneOptions::default().limits(limits).missing_textures(MissingTextures::Warn);
+        let options = options.crease_angle(crease_angle);
+        drop(messages::taken());
+        let SceneFile { scene, cameras, .. } = SceneFile::from_memory(&main, &files, &options).map_err(raised)?;
+        let mut read = Self::of(scene, cameras, None);
+        read.warnings = messages::taken();
+        Ok(read)
+    }
+
+    /// What was left out of the files that the scene was read from, or is not shown.
+    #[wasm_bindgen(getter)]
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What there is in the scene.
+    #[wasm_bindgen(getter, unchecked_return_type = "SceneInfo")]
+    pub fn info(&self) -> Result<JsValue, JsValue> {
+        let scene = self.shared.scene();
+        written(&Info {
+            triangles: scene.triangles().len(),
+            primitives: scene.primitive_count(),
+            objects: scene.object_count(),
+            materials: scene.materials().len(),
+            textures: scene.textures().len(),
+            lights: scene.lights.len(),
+            bounds: scene.bounds().map(|(low, high)| [low.to_array(), high.to_array()]),
+        })
+    }
+
+    /// The camera that goes with the scene, for pictures of this size: a built-in scene's, the first one of its file, or one from which all of
+    /// the scene is seen.
+    #[wasm_bindgen(unchecked_return_type = "Camera")]
+    pub fn camera(&self, width: u32, height: u32) -> Result<JsValue, JsValue> {
+        camera::written(&self.own_camera(width, height)?)
+    }
+
+    /// Adds a material; returns its number.
+    #[wasm_bindgen(js_name = addMaterial)]
+    pub fn add_material(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Material")] material: JsValue,
+    ) -> Result<u32, JsValue> {
+        let material = material_of(read("material", material)?)?;
+        Ok(self.shared.change(|scene| scene.add_material(material)).0)
+    }
+
+    /// Adds a texture for materials; returns its number.
+    #[wasm_bindgen(js_name = addTexture)]
+    pub fn add_texture(
+        &self,
+        image: &ImageData,
+        #[wasm_bindgen(unchecked_optional_param_type = "\"repeat\" | \"mirror\" | \"clamp\"")] wrap: Option<String>,
+    ) -> Result<u32, JsValue> {
+        let wrap = match wrap.as_deref() {
+            None | Some("repeat") => Wrap::Repeat,
+            Some("mirror") => Wrap::Mirror,
+            Some("clamp") => Wrap::Clamp,
+            Some(_) => return Err(refused("wrap: it must be repeat, mirror or clamp")),
+        };
+        let pixels = image.data().as_chunks::<4>().0.to_vec();
+        let texture = Texture::image(image.width(), image.height(), pixels).map_err(raised)?;
+        Ok(self.shared.change(|scene| scene.add_texture(texture.wrap(wrap))).0)
+    }
+
+    /// Adds triangles as one object.
+    #[wasm_bindgen(js_name = addMesh)]
+    pub fn add_mesh(&self, #[wasm_bindgen(unchecked_param_type = "Mesh")] mesh: &JsValue) -> Result<(), JsValue> {
+        let mesh = mesh_of(mesh)?;
+        self.shared.add(|scene| scene.add_mesh(&mesh)).map_err(raised)
+    }
+
+    /// Adds a sphere.
+    #[wasm_bindgen(js_name = addSphere)]
+    pub fn add_sphere(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Vector")] center: JsValue,
+        radius: f32,
+        material: Option<u32>,
+    ) -> Result<(), JsValue> {
+        let center = Vec3::from_array(read("center", center)?);
+        let sphere = Sphere::new(center, radius, MaterialId(material.unwrap_or(0)));
+        self.shared.add(|scene| scene.add_sphere(sphere)).map_err(raised)
+    }
+
+    /// Adds an infinite plane through a point.
+    #[wasm_bindgen(js_name = addPlane)]
+    pub fn add_plane(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Vector")] point: JsValue,
+        #[wasm_bindgen(unchecked_param_type = "Vector")] normal: JsValue,
+        material: Option<u32>,
+    ) -> Result<(), JsValue> {
+        let (point, normal) = (Vec3::from_array(read("point", point)?), Vec3::from_array(read("normal", normal)?));
+        let plane = Plane::new(point, normal, MaterialId(material.unwrap_or(0)));
+        self.shared.add(|scene| scene.add_plane(plane)).map_err(raised)
+    }
+
+    /// Puts other lights in the place of the scene's.
+    #[wasm_bindgen(js_name = setLights)]
+    pub fn set_lights(&self, #[wasm_bindgen(unchecked_param_type = "Light[]")] lights: JsValue) -> Result<(), JsValue> {
+        let given: Vec<GivenLight> = read("lights", lights)?;
+        let lights = given.iter().map(light_of).collect();
+        self.shared.change(|scene| scene.lights = lights);
+        Ok(())
+    }
+
+    /// Puts so many points of light beside and above a camera's eyes, in the place of the scene's lights.
+    #[wasm_bindgen(js_name = placeLights)]
+    pub fn place_lights(
+        &self,
+        count: u32,
+        #[wasm_bindgen(unchecked_param_type = "Camera")] camera: JsValue,
+    ) -> Result<(), JsValue> {
+        let camera = camera::read(camera)?;
+        self.shared.change(|scene| scene.place_lights(count as usize, &camera)).map_err(raised)
+    }
+
+    /// Sets the light that reaches all surfaces from everywhere: a colour, or nothing for the rule's 0.15 (1 without lights).
+    #[wasm_bindgen(js_name = setAmbient)]
+    pub fn set_ambient(
+        &self,
+        #[wasm_bindgen(unchecked_optional_param_type = "Vector")] ambient: JsValue,
+    ) -> Result<(), JsValue> {
+        let ambient: Option<[f32; 3]> = read("ambient", ambient)?;
+        self.shared.change(|scene| scene.ambient = ambient.map(Vec3::from_array));
+        Ok(())
+    }
+
+    /// Sets what is seen where nothing is: colours straight down and straight up, with a blend between them.
+    #[wasm_bindgen(js_name = setSky)]
+    pub fn set_sky(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Vector")] nadir: JsValue,
+        #[wasm_bindgen(unchecked_param_type = "Vector")] zenith: JsValue,
+    ) -> Result<(), JsValue> {
+        let (nadir, zenith) = (Vec3::from_array(read("nadir", nadir)?), Vec3::from_array(read("zenith", zenith)?));
+        self.shared.change(|scene| scene.sky = Sky::Gradient { nadir, zenith });
+        Ok(())
+    }
+}
+
+impl Scene {
+    fn of(scene: stereotrace::Scene, cameras: Vec<(String, StereoCamera)>, builtin: Option<Builtin>) -> Self {
+        let shared = Shared { scene: RefCell::new(Rc::new(scene)), changes: Cell::default(), uploaded: RefCell::default() };
+        Self { shared: Rc::new(shared), cameras, builtin, warnings: Vec::new() }
+    }
+
+    pub(crate) fn own_camera(&self, width: u32, height: u32) -> Result<StereoCamera, JsValue> {
+        let camera = match (self.builtin, self.cameras.first(), self.shared.scene().bounds()) {
+            (Some(builtin), ..) => builtin.camera(width, height),
+            (None, Some((_, camera)), _) => camera.size(width, height),
+            (None, None, Some(bounds)) => StereoCamera::fitting(bounds, width, height),
+            (None, None, None) => return Err(refused("camera: the scene has nothing to look at: it is empty, or has only infinite planes")),
+        };
+        camera.pose().map_err(raised)?;
+        Ok(camera)
+    }
+}
+
+/// The bytes of files by their paths.
+fn contents(files: &JsValue) -> Result<BTreeMap<String, Vec<u8>>, JsValue> {
+    let object: &Object = files.dyn_ref().ok_or_else(|| refused("files: it must be an object of Uint8Arrays by path"))?;
+    let entries = Object::entries(object).into_iter().map(|entry| {
+        let entry: js_sys::Array = entry.unchecked_into();
+        let path = entry.get(0).as_string().unwrap_or_default();
+        let bytes: Uint8Array =
+            entry.get(1).dyn_into().map_err(|_| refused(&format!("files: {path}: it must be a Uint8Array")))?;
+        Ok((path, bytes.to_vec()))
+    });
+    entries.collect()
+}
+
+/// The one file that is a scene.
+fn main_file(files: &BTreeMap<String, Vec<u8>>) -> Result<String, JsValue> {
+    let is_scene = |path: &&String| {
+        let path = path.to_lowercase();
+        [".obj", ".gltf", ".glb", ".ply"].iter().any(|ending| path.ends_with(ending))
+    };
+    let scenes: Vec<&String> = files.keys().filter(is_scene).collect();
+    match scenes[..] {
+        [one] => Ok(one.clone()),
+        [] => Err(refused("files: none is a scene: its name ends in .obj, .gltf, .glb or .ply")),
+        _ => {
+            let names: Vec<&str> = scenes.iter().map(|path| path.as_str()).collect();
+            Err(refused(&format!("files: {} are scenes; give one of them", names.join(", "))))
+        }
+    }
+}
+
+/// `SceneInfo` of `types.d.ts`.
+#[derive(Serialize)]
+struct Info {
+    triangles: usize,
+    primitives: usize,
+    objects: usize,
+    materials: usize,
+    textures: usize,
+    lights: usize,
+    bounds: Option<[[f32; 3]; 2]>,
+}
+
+/// `Material` of `types.d.ts`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenMaterial {
+    albedo: Option<[f32; 3]>,
+    specular: Option<[f32; 3]>,
+    exponent: Option<f32>,
+    emission: Option<[f32; 3]>,
+    opacity: Option<f32>,
+    texture: Option<u32>,
+    cutout: Option<u32>,
+    finish: Option<String>,
+    index: Option<f32>,
+}
+
+fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
+    let GivenMaterial { albedo, specular, exponent, emission, opacity, texture, cutout, finish, index } = given;
+    let mut material = Material::new(albedo.map_or(Vec3::splat(0.7), Vec3::from_array));
+    material.specular = specular.map_or(material.specular, Vec3::from_array);
+    material.exponent = exponent.unwrap_or(material.exponent);
+    material.emission = emission.map_or(material.emission, Vec3::from_array);
+    material.opacity = opacity.unwrap_or(material.opacity);
+    (material.texture, material.cutout) = (texture.map(TextureId), cutout.map(TextureId));
+    material.finish = match finish.as_deref() {
+        None | Some("matte") => Finish::Matte,
+        Some("mirror") => Finish::Mirror { fresnel: false },
+        Some("glass") => Finish::Glass { index: index.unwrap_or(1.5), transmission: Vec3::ONE, fresnel: true },
+        Some(_) => return Err(refused("material.finish: it must be matte, mirror or glass")),
+    };
+    if index.is_some() && !matches!(material.finish, Finish::Glass { .. }) {
+        return Err(refused("material.index: it is of glass; set finish to glass"));
+    }
+    Ok(material)
+}
+
+/// `Light` of `types.d.ts`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenLight {
+    position: [f32; 3],
+    intensity: [f32; 3],
+    radius: Option<f32>,
+}
+
+fn light_of(given: &GivenLight) -> Light {
+    let (position, intensity) = (Vec3::from_array(given.position), Vec3::from_array(given.intensity));
+    given.radius.map_or(Light::point(position, intensity), |radius| Light::sphere(position, radius, intensity))
+}
+
+/// `Mesh` of `types.d.ts`: lists of numbers stay typed arrays until here.
+fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
+    let floats = |field: &str| array::<Float32Array>("mesh", given, field, "Float32Array");
+    let missing = |field: &str| refused(&format!("mesh.{field}: it is missing"));
+    let positions = points("mesh.positions", &floats("positions")?.ok_or_else(|| missing("positions"))?)?;
+    let triangles = match array::<Uint32Array>("mesh", given, "indices", "Uint32Array")? {
+        Some(indices) => corners("mesh.indices", &indices)?,
+        None => (0..positions.len() as u32 / 3).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect(),
+    };
+    // Given of each vertex; the library has them of each corner.
+    fn of_corners<T: Copy>(what: &str, values: &[T], vertices: usize, triangles: &[[u32; 3]]) -> Result<Vec<[T; 3]>, JsValue> {
+        if values.len() != vertices {
+            return Err(refused(&format!("mesh.{what}: {} for {vertices} vertices", values.len())));
+        }
+        let corner = |corner: u32| values.get(corner as usize).copied();
+        let all = triangles.iter().map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]));
+        all.collect::<Option<_>>().ok_or_else(|| refused(&format!("mesh.indices: there are {vertices} vertices, counted from 0")))
+    }
+    let rest: MeshOptions = read("mesh", rest_of(given)?)?;
+    let mut mesh = Mesh::new(Vec::new(), Vec::new()).name(rest.name.unwrap_or_default());
+    mesh = mesh.materials(vec![MaterialId(rest.material.unwrap_or(0))]);
+    if let Some(normals) = floats("normals")? {
+        if rest.crease_angle.is_some() {
+            return Err(refused("mesh: normals are given, and creaseAngle would make others; give one of them"));
+        }
+        mesh = mesh.normals(of_corners("normals", &points("mesh.normals", &normals)?, positions.len(), &triangles)?);
+    }
+    if let Some(uvs) = floats("uvs")? {
+        mesh = mesh.uv(of_corners("uvs", &pairs("mesh.uvs", &uvs)?, positions.len(), &triangles)?);
+    }
+    if let Some(colors) = floats("colors")? {
+        mesh = mesh.colors(of_corners("colors", &points("mesh.colors", &colors)?, positions.len(), &triangles)?);
+    }
+    (mesh.positions, mesh.triangles) = (positions, triangles);
+    rest.crease_angle.map_or(Ok(mesh.clone()), |degrees| mesh.smooth(degrees)).map_err(raised)
+}
+
+/// The fields of a mesh that are no lists.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+struct MeshOptions {
+    name: Option<String>,
+    material: Option<u32>,
+    crease_angle: Option<f32>,
+}
+
+/// A copy of a mesh without its lists, so that those that have another name are found.
+fn rest_of(mesh: &JsValue) -> Result<JsValue, JsValue> {
+    let object: &Object = mesh.dyn_ref().ok_or_else(|| refused("mesh: it must be an object"))?;
+    let copy = Object::assign(&Object::new(), object);
+    for field in ["positions", "indices", "normals", "uvs", "colors"] {
+        js_sys::Reflect::delete_property(&copy, &field.into())?;
+    }
+    Ok(copy.into())
+}

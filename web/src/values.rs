@@ -1,0 +1,87 @@
+//! JavaScript's values as the library's.
+
+use std::{fmt::Display, str::FromStr};
+
+use js_sys::{Float32Array, Uint32Array};
+use serde::{Serialize, de::DeserializeOwned};
+use stereotrace::{
+    Error,
+    glam::{Vec2, Vec3},
+    output::Picture,
+};
+use wasm_bindgen::{Clamped, JsCast, JsValue};
+use web_sys::ImageData;
+
+use crate::errors::{raised, refused};
+
+/// A plain object. `what` is it in messages, which name the field at fault.
+pub(crate) fn read<T: DeserializeOwned>(what: &str, value: JsValue) -> Result<T, JsValue> {
+    let deserializer = serde_wasm_bindgen::Deserializer::from(value);
+    serde_path_to_error::deserialize(deserializer).map_err(|error| {
+        let path = error.path().to_string();
+        let place = if path == "." { String::new() } else { format!(".{path}") };
+        refused(&format!("{what}{place}: {}", error.inner()))
+    })
+}
+
+/// A value as a plain object.
+pub(crate) fn written(value: &impl Serialize) -> Result<JsValue, JsValue> {
+    // Maps as objects; what is not there as undefined.
+    Ok(value.serialize(&serde_wasm_bindgen::Serializer::new().serialize_maps_as_objects(true))?)
+}
+
+/// A name that the library knows.
+pub(crate) fn named<T: FromStr<Err = Error>>(name: &str) -> Result<T, JsValue> {
+    name.parse().map_err(raised)
+}
+
+/// All names of a list.
+pub(crate) fn names<T: Display>(all: &[T]) -> Vec<String> {
+    all.iter().map(T::to_string).collect()
+}
+
+/// A picture as canvases take it.
+pub(crate) fn image(picture: &Picture) -> Result<ImageData, JsValue> {
+    let bytes = Clamped(picture.rgba8.as_flattened());
+    ImageData::new_with_u8_clamped_array_and_sh(bytes, picture.width, picture.height)
+}
+
+/// World positions and the like: three numbers each.
+pub(crate) fn points(what: &str, array: &Float32Array) -> Result<Vec<Vec3>, JsValue> {
+    let all = array.to_vec();
+    let (triples, rest) = all.as_chunks::<3>();
+    match rest.is_empty() {
+        true => Ok(triples.iter().copied().map(Vec3::from_array).collect()),
+        false => Err(refused(&format!("{what}: {} numbers, and not three each", all.len()))),
+    }
+}
+
+/// Texture coordinates: two numbers each.
+pub(crate) fn pairs(what: &str, array: &Float32Array) -> Result<Vec<Vec2>, JsValue> {
+    let all = array.to_vec();
+    let (pairs, rest) = all.as_chunks::<2>();
+    match rest.is_empty() {
+        true => Ok(pairs.iter().copied().map(Vec2::from_array).collect()),
+        false => Err(refused(&format!("{what}: {} numbers, and not two each", all.len()))),
+    }
+}
+
+/// Corners of triangles as indices: three each.
+pub(crate) fn corners(what: &str, array: &Uint32Array) -> Result<Vec<[u32; 3]>, JsValue> {
+    let all = array.to_vec();
+    let (triples, rest) = all.as_chunks::<3>();
+    match rest.is_empty() {
+        true => Ok(triples.to_vec()),
+        false => Err(refused(&format!("{what}: {} indices, and not three each", all.len()))),
+    }
+}
+
+/// A field of an object that is an array of a type, or nothing.
+pub(crate) fn array<T: JsCast>(what: &str, object: &JsValue, field: &str, kind: &str) -> Result<Option<T>, JsValue> {
+    let value = js_sys::Reflect::get(object, &field.into())
+        .map_err(|_| refused(&format!("{what}: it must be an object with the field {field}")))?;
+    if value.is_undefined() || value.is_null() {
+        return Ok(None);
+    }
+    value.dyn_into().map(Some).map_err(|_| refused(&format!("{what}.{field}: it must be a {kind}")))
+}
