@@ -257,7 +257,7 @@ function figures({ ms, statistics, deviceMs }, pictureSize, scale) {
     const { method, choice, retracedShare, passes, left, right } = statistics;
     const rays = (eye) => eye.primary + eye.verification + eye.shadow + eye.secondary;
     const rows = [
-        ["both eyes", `${ms.toFixed(ms < 100 ? 1 : 0)} ms`],
+        ["both eyes", `${ms.toFixed(ms < 100 ? 1 : 0)} ms${ms > 4 * (deviceMs ?? ms) + 300 ? ", most of it to compile" : ""}`],
         ["right eye traced anew", `${(100 * retracedShare).toFixed(1)} %`],
         ["right eye's rays, of the left's", `${(100 * rays(right) / Math.max(1, rays(left))).toFixed(0)} %`],
     ];
@@ -563,7 +563,7 @@ async function begin() {
         return nothing("This browser has WebGPU, but no graphics adapter for it: the driver may be too old or blocked, or hardware acceleration switched off in the browser's settings.");
     }
     adapter = found;
-    fill(element("scene"), builtins, query.get("scene"));
+    fill(element("scene"), builtins, query.get("scene") ?? "hall");
     fill(element("method"), methods, query.get("method") ?? "auto");
     fill(element("glasses"), anaglyphs, query.get("glasses"));
     if (VIEWS.includes(query.get("view") ?? "")) element("view").value = query.get("view");

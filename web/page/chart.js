@@ -31,15 +31,17 @@ export function plot(figures) {
         svg.append(node("text", { x: x(share), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle", class: "axis" }, share.toFixed(most > 3 ? 0 : 1)));
     }
     svg.append(node("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" }, "time of the pair, of naive's (pixels that differ from naive's upwards)"));
-    // Labels that would cover one another are pushed down.
+    // Labels that would cover one another are moved down, with a line to their points.
     /** @type {number[][]} */
     const taken = [];
     for (const row of figures.methods) {
         const [px, py] = [x(row.msOfNaive), y(100 - row.identicalPercent)];
-        let place = py + 4;
-        while (taken.some(([tx, ty]) => Math.abs(tx - px) < 90 && Math.abs(ty - place) < 13)) place -= 13;
+        let place = Math.max(TOP + 8, py + 4);
+        const down = place < HEIGHT / 2 ? 14 : -14;
+        while (taken.some(([tx, ty]) => Math.abs(tx - px) < 90 && Math.abs(ty - place) < 13)) place += down;
         taken.push([px, place]);
-        svg.append(node("circle", { cx: px, cy: py, r: 4 }), node("text", { x: px + 8, y: place }, row.method));
+        if (Math.abs(place - py) > 8) svg.append(node("path", { d: `M${px} ${py}L${px + 10} ${place - 4}` }));
+        svg.append(node("circle", { cx: px, cy: py, r: 4 }), node("text", { x: px + 12, y: place }, row.method));
     }
     return svg;
 }

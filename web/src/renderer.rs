@@ -10,7 +10,14 @@ use futures_util::lock::Mutex;
 use stereotrace::{BvhBuild, Error, Gpu, Rig, Update, UploadedScene};
 use wasm_bindgen::prelude::*;
 
-use crate::{camera, errors::raised, options::Request, pair::Pair, scene::{Changes, Scene, Shared}, views::Views};
+use crate::{
+    camera,
+    errors::raised,
+    options::Request,
+    pair::Pair,
+    scene::{Changes, Scene, Shared},
+    views::Views,
+};
 
 thread_local! {
     /// Tells devices apart.
@@ -44,7 +51,6 @@ pub(crate) struct Uploaded {
 impl Renderer {
     /// A renderer on the adapter that the browser offers. The device is opened when it is first needed.
     #[wasm_bindgen(constructor)]
-    #[expect(clippy::new_without_default, reason = "JavaScript's constructor")]
     pub fn new() -> Self {
         Self { device: Rc::default(), lost: Rc::default() }
     }
@@ -61,7 +67,8 @@ impl Renderer {
         #[wasm_bindgen(unchecked_optional_param_type = "Camera")] camera: JsValue,
         #[wasm_bindgen(unchecked_optional_param_type = "RenderOptions")] options: JsValue,
     ) -> Result<Pair, JsValue> {
-        let camera = if camera.is_undefined() || camera.is_null() { scene.own_camera(640, 480)? } else { camera::read(camera)? };
+        let camera =
+            if camera.is_undefined() || camera.is_null() { scene.own_camera(640, 480)? } else { camera::read(camera)? };
         let request = Request::read(options)?;
         let (this, shared) = (self.clone(), scene.shared.clone());
         let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {

@@ -79,7 +79,6 @@ impl Shared {
 impl Scene {
     /// An empty scene: black sky, no lights, one grey material, 0.
     #[wasm_bindgen(constructor)]
-    #[expect(clippy::new_without_default, reason = "JavaScript's constructor")]
     pub fn new() -> Self {
         Self::of(stereotrace::Scene::new(), Vec::new(), None)
     }
@@ -105,8 +104,13 @@ impl Scene {
         let files = contents(files)?;
         let main = main.map_or_else(|| main_file(&files), Ok)?;
         let limits = Limits::default().file_bytes(MOST_BYTES).triangles(MOST_TRIANGLES);
-        let limits = limits.option_names("reading it with the library outside a browser", "reading it with the library outside a browser");
-        let limits = limits.texture_option_name("reading it with the library outside a browser").triangle_option_name("reading it with the library outside a browser");
+        let limits = limits.option_names(
+            "reading it with the library outside a browser",
+            "reading it with the library outside a browser",
+        );
+        let limits = limits
+            .texture_option_name("reading it with the library outside a browser")
+            .triangle_option_name("reading it with the library outside a browser");
         let options = SceneOptions::default().limits(limits).missing_textures(MissingTextures::Warn);
         let options = options.crease_angle(crease_angle);
         drop(messages::taken());
@@ -251,7 +255,8 @@ impl Scene {
 
 impl Scene {
     fn of(scene: stereotrace::Scene, cameras: Vec<(String, StereoCamera)>, builtin: Option<Builtin>) -> Self {
-        let shared = Shared { scene: RefCell::new(Rc::new(scene)), changes: Cell::default(), uploaded: RefCell::default() };
+        let shared =
+            Shared { scene: RefCell::new(Rc::new(scene)), changes: Cell::default(), uploaded: RefCell::default() };
         Self { shared: Rc::new(shared), cameras, builtin, warnings: Vec::new() }
     }
 
@@ -260,7 +265,11 @@ impl Scene {
             (Some(builtin), ..) => builtin.camera(width, height),
             (None, Some((_, camera)), _) => camera.size(width, height),
             (None, None, Some(bounds)) => StereoCamera::fitting(bounds, width, height),
-            (None, None, None) => return Err(refused("camera: the scene has nothing to look at: it is empty, or has only infinite planes")),
+            (None, None, None) => {
+                return Err(refused(
+                    "camera: the scene has nothing to look at: it is empty, or has only infinite planes",
+                ));
+            }
         };
         camera.pose().map_err(raised)?;
         Ok(camera)
@@ -269,7 +278,8 @@ impl Scene {
 
 /// The bytes of files by their paths.
 fn contents(files: &JsValue) -> Result<BTreeMap<String, Vec<u8>>, JsValue> {
-    let object: &Object = files.dyn_ref().ok_or_else(|| refused("files: it must be an object of Uint8Arrays by path"))?;
+    let object: &Object =
+        files.dyn_ref().ok_or_else(|| refused("files: it must be an object of Uint8Arrays by path"))?;
     let entries = Object::entries(object).into_iter().map(|entry| {
         let entry: js_sys::Array = entry.unchecked_into();
         let path = entry.get(0).as_string().unwrap_or_default();
@@ -368,13 +378,19 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
         None => (0..positions.len() as u32 / 3).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect(),
     };
     // Given of each vertex; the library has them of each corner.
-    fn of_corners<T: Copy>(what: &str, values: &[T], vertices: usize, triangles: &[[u32; 3]]) -> Result<Vec<[T; 3]>, JsValue> {
+    fn of_corners<T: Copy>(
+        what: &str,
+        values: &[T],
+        vertices: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Vec<[T; 3]>, JsValue> {
         if values.len() != vertices {
             return Err(refused(&format!("mesh.{what}: {} for {vertices} vertices", values.len())));
         }
         let corner = |corner: u32| values.get(corner as usize).copied();
         let all = triangles.iter().map(|&[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]));
-        all.collect::<Option<_>>().ok_or_else(|| refused(&format!("mesh.indices: there are {vertices} vertices, counted from 0")))
+        all.collect::<Option<_>>()
+            .ok_or_else(|| refused(&format!("mesh.indices: there are {vertices} vertices, counted from 0")))
     }
     let rest: MeshOptions = read("mesh", rest_of(given)?)?;
     let mut mesh = Mesh::new(Vec::new(), Vec::new()).name(rest.name.unwrap_or_default());

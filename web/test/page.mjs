@@ -1,0 +1,418 @@
+// Tests of the page in a headless Chromium on SwiftShader: node page.mjs SITE OUT PLAYWRIGHT CHROMIUM NATIVE SCENES [full]. With `full` a pair of
+// 512x512 is timed too. Pixels are compared with what NATIVE (`--example web_native`) renders on the same driver. Screenshots and figures come to OUT.
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { mkdir, readFile, readdir, rm, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { promisify } from "node:util";
+import { serve } from "../serve.mjs";
+
+const [site, out, playwright, executablePath, native, scenes, full] = process.argv.slice(2);
+const { chromium } = await import(pathToFileURL(path.join(playwright, "index.mjs")).href);
+const run = promisify(execFile);
+const METHODS = ["naive", "bracket", "atomic"];
+const SIZE = "192x144";
+/** Long enough for a kernel's first compilation on two cores that do other work too. */
+const TIMEOUT = 120_000;
+
+await rm(out, { recursive: true, force: true });
+await mkdir(out, { recursive: true });
+const { server, address } = await serve(site);
+const flags = ["--no-sandbox", "--enable-unsafe-webgpu", "--headless=new"];
+const browser = await chromium.launch({ executablePath, args: flags });
+let failures = 0;
+const figures = {};
+
+async function test(name, work) {
+    const begin = performance.now();
+    try {
+        await work();
+        console.log(`ok    ${name} (${((performance.now() - begin) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+        failures += 1;
+        console.log(`FAILED ${name}\n${error.stack ?? error}`);
+    }
+}
+
+/** A page that is open, and what went wrong on it. */
+async function opened(query = "", { viewport = { width: 1280, height: 860 }, prepare, ...options } = {}) {
+    const context = await browser.newContext({ viewport, acceptDownloads: true, ...options });
+    const page = await context.newPage();
+    page.setDefaultTimeout(TIMEOUT);
+    const faults = [];
+    page.on("pageerror", (error) => faults.push(String(error)));
+    const foreign = [];
+    page.on("request", (request) => {
+        if (!request.url().startsWith(address) && !/^(blob|data):/.test(request.url())) foreign.push(request.url());
+    });
+    // What keeps the main thread from answering, once the page is there.
+    await page.addInitScript(() => {
+        globalThis.longTasks = [];
+        new PerformanceObserver((list) => globalThis.longTasks.push(...list.getEntries().map(({ startTime, duration }) => [startTime, duration]))).observe({ type: "longtask", buffered: true });
+    });
+    await prepare?.(page, context);
+    await page.goto(address + query);
+    return { page, context, faults, foreign };
+}
+
+/** Waits for a whole picture of what was asked for last. */
+async function whole(page) {
+    // A wish is there at once, or within the time after which a drag has come to rest.
+    await page.waitForTimeout(250);
+    await page.waitForFunction(() => document.documentElement.dataset.state === "whole" && document.querySelector("#busy").hidden);
+}
+
+async function choose(page, id, value) {
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.selectOption(`#${id}`, value);
+    if (id !== "view" && id !== "glasses") await whole(page);
+    else await page.waitForTimeout(500);
+}
+
+async function slide(page, id, value) {
+    await page.evaluate(([id, value]) => {
+        document.documentElement.dataset.state = "";
+        const slider = document.querySelector(`#${id}`);
+        slider.value = value;
+        for (const name of ["input", "change"]) slider.dispatchEvent(new Event(name, { bubbles: true }));
+    }, [id, value]);
+    await whole(page);
+}
+
+/** What the canvas shows. */
+const pixels = (page) => page.evaluate(() => {
+    const canvas = document.querySelector("#picture");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return { width: canvas.width, height: canvas.height, data: [...data] };
+});
+
+async function drop(page, files) {
+    const given = await Promise.all(files.map(async (file) => typeof file === "string" ? { name: path.basename(file), bytes: [...await readFile(file)] } : file));
+    await page.evaluate((given) => {
+        document.documentElement.dataset.state = "";
+        const transfer = new DataTransfer();
+        for (const { name, bytes } of given) transfer.items.add(new File([new Uint8Array(bytes)], name));
+        for (const name of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(new DragEvent(name, { bubbles: true, cancelable: true, dataTransfer: transfer }));
+    }, given);
+}
+
+/** The pictures of a PNG file, decoded by the browser. */
+const decoded = (page, bytes) => page.evaluate(async (bytes) => {
+    const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }), { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    return [...context.getImageData(0, 0, bitmap.width, bitmap.height).data];
+}, [...bytes]);
+
+/** Renders natively what the page shows. */
+async function natively(folder, request) {
+    await mkdir(folder, { recursive: true });
+    const file = path.join(folder, "request.json");
+    await writeFile(file, JSON.stringify(request));
+    const { stdout } = await run(native, [file, folder], { maxBuffer: 1 << 20 });
+    return JSON.parse(stdout);
+}
+
+/** What differs between two lists of bytes. */
+function difference(a, b) {
+    assert.equal(a.length, b.length);
+    let count = 0;
+    let most = 0;
+    a.forEach((value, index) => {
+        if (value !== b[index]) count += 1;
+        most = Math.max(most, Math.abs(value - b[index]));
+    });
+    return { bytes: a.length, differing: count, most };
+}
+
+/** The page's pictures by each method, compared with the native library's. */
+async function sameAsNative(page, name, scene) {
+    const worker = page.workers()[0];
+    for (const method of METHODS) {
+        await choose(page, "method", method);
+        const camera = await worker.evaluate(() => globalThis.asked.camera);
+        const folder = path.join(out, "native", name);
+        if (method === METHODS[0]) figures.adapter = (await natively(folder, { scene, camera, methods: METHODS })).adapter;
+        for (const eye of ["left", "right"]) {
+            await choose(page, "view", eye);
+            const [here, there] = [(await pixels(page)).data, await decoded(page, await readFile(path.join(folder, `${method}-${eye}.png`)))];
+            const found = difference(here, there);
+            figures[`${name} ${method} ${eye}`] = found;
+            assert.ok(new Set(here).size > 20, `${name} ${method} ${eye}: a picture of next to nothing`);
+            // Files are read to the same numbers. What is made by sines and powers, of which each system has its own, may differ in its last
+            // bits: of the hall one byte of 110,592 does, by 1, on the machine that this was written on.
+            const allowed = scene.builtin ? { differing: 8, most: 1 } : { differing: 0, most: 0 };
+            assert.ok(found.differing <= allowed.differing && found.most <= allowed.most, `${name} ${method} ${eye}: ${JSON.stringify(found)}`);
+        }
+    }
+}
+
+/** Has the worker keep what it is asked to render, and the devices that it opens. */
+async function watched(page) {
+    await page.route("**/engine.js", async (route) => {
+        const response = await route.fetch();
+        const before = `
+            globalThis.devices = [];
+            const request = GPUAdapter.prototype.requestDevice;
+            GPUAdapter.prototype.requestDevice = async function (...given) {
+                const device = await request.apply(this, given);
+                globalThis.devices.push(device);
+                return device;
+            };
+            addEventListener("message", ({ data }) => { if (data.task === "render") globalThis.asked = data; });
+        `;
+        const text = await response.text();
+        // Imports come first whatever stands before them.
+        await route.fulfill({ response, body: before + text });
+    });
+}
+
+await test("two built-in scenes and a dropped model by three methods, pixel by pixel as natively", async () => {
+    const { page, context, faults, foreign } = await opened(`?scene=hall&method=naive&view=left&size=${SIZE}`, { prepare: watched });
+    await whole(page);
+    await sameAsNative(page, "hall", { builtin: "hall" });
+    await choose(page, "scene", "random-20");
+    await sameAsNative(page, "random-20", { builtin: "random-20" });
+    const model = path.join(scenes, "still_life.obj");
+    await drop(page, [model, path.join(scenes, "still_life.mtl")]);
+    await whole(page);
+    assert.match(await page.locator("#about").innerText(), /still_life/);
+    await sameAsNative(page, "still_life", { file: model });
+    assert.deepEqual(faults, []);
+    assert.deepEqual(foreign, [], "every byte is served from the folder");
+    await context.close();
+});
+
+await test("settings change the picture, gestures and keys move the eyes, and the page answers meanwhile", async () => {
+    const { page, context, faults } = await opened("?scene=three-spheres&size=160x120");
+    await whole(page);
+    const seen = [JSON.stringify(await pixels(page))];
+    const changed = async (what) => {
+        const now = JSON.stringify(await pixels(page));
+        assert.ok(!seen.includes(now), `${what} changes nothing`);
+        seen.push(now);
+    };
+    await slide(page, "e", "2.5");
+    await changed("the interaxial");
+    await slide(page, "d", "-0.5");
+    await changed("the screen's distance");
+    await slide(page, "samples", "2");
+    await changed("samples");
+    await slide(page, "lights", "3");
+    await changed("lights");
+    await slide(page, "lights", "0");
+    assert.equal(JSON.stringify(await pixels(page)), seen.at(-2), "the scene's own lights come back");
+    const box = await page.locator("#picture").boundingBox();
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.mouse.move(box.x + 200, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 260, box.y + 210, { steps: 5 });
+    await page.mouse.up();
+    await whole(page);
+    await changed("a drag");
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.locator("#picture").focus();
+    await page.keyboard.press("ArrowLeft");
+    await whole(page);
+    await changed("a key");
+    for (const view of ["side-by-side", "cross-eyed", "left", "right", "retrace"]) {
+        await choose(page, "view", view);
+        await changed(view);
+    }
+    await choose(page, "view", "wiggle");
+    const swings = await page.evaluate(async () => {
+        const canvas = document.querySelector("#picture");
+        const found = new Set();
+        for (let time = 0; time < 30; time += 1) {
+            found.add(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.join());
+            await new Promise((done) => setTimeout(done, 37));
+        }
+        return found.size;
+    });
+    assert.equal(swings, 2, "wiggle shows both eyes by turns");
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await page.keyboard.press("r");
+    await slide(page, "samples", "1");
+    await choose(page, "view", "anaglyph");
+    assert.equal(JSON.stringify(await pixels(page)), seen[0], "r brings the first picture back");
+    const long = await page.evaluate(() => globalThis.longTasks);
+    figures.longTasks = long;
+    // The first seconds compile the page itself.
+    assert.deepEqual(long.filter(([start, duration]) => start > 3000 && duration > 50), [], "tasks over 50 ms");
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("comparison, downloads, quilt and chart", async () => {
+    const { page, context, faults } = await opened("?scene=random-20&size=96x72&method=ideal");
+    await whole(page);
+    await page.click("#compare");
+    await page.waitForFunction(() => /identical to naive/.test(document.querySelector("#compared").textContent) && !document.querySelector("#compare").disabled);
+    const text = await page.locator("#compared").innerText();
+    const identical = Number(/([\d.]+) % of the right/.exec(text)[1]);
+    assert.ok(identical > 50 && identical < 100, text);
+    assert.equal(await page.locator("#view").inputValue(), "difference");
+    const saved = async (button) => {
+        const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+        const bytes = await readFile(await download.path());
+        await page.waitForFunction(() => !document.querySelector("#compare").disabled);
+        return { name: download.suggestedFilename(), width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20), signature: bytes.toString("latin1", 1, 4) };
+    };
+    assert.deepEqual(await saved("#save"), { name: "random-20_difference.png", width: 96, height: 72, signature: "PNG" });
+    await choose(page, "method", "bracket");
+    assert.deepEqual(await saved("#quilt"), { name: "random-20_qs8x6a0.75.png", width: 3360, height: 3360, signature: "PNG" });
+    await page.click("#measure");
+    await page.waitForFunction(() => document.querySelector("#json").value && !document.querySelector("#measure").disabled);
+    const json = JSON.parse(await page.locator("#json").inputValue());
+    assert.equal(json.scene, "random-20");
+    assert.equal(json.adapter.software, true);
+    const row = (name) => json.methods.find(({ method }) => method === name);
+    assert.equal(row("naive").identicalPercent, 100);
+    assert.ok(row("bracket-rays").identicalPercent === 100 && row("bracket").secondEye < 0.6, JSON.stringify(json));
+    assert.ok(json.methods.every(({ ms }) => ms > 0));
+    assert.equal(await page.locator("#plot circle").count(), json.methods.length);
+    await page.screenshot({ path: path.join(out, "chart.png"), fullPage: true });
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("broken files are said on the page, and what was open stays", async () => {
+    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72");
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    const message = async (files, expected) => {
+        await drop(page, files);
+        await page.waitForFunction(() => !document.querySelector("#message").hidden);
+        assert.match(await page.locator("#message p").innerText(), expected);
+        await page.click("#message button");
+    };
+    const file = (name, text) => ({ name, bytes: [...Buffer.from(text)] });
+    await message([file("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")], /broken\.obj/);
+    await message([file("broken.glb", "glTF\u0002 and nothing else")], /broken\.glb/);
+    await message([file("empty.obj", "")], /empty|nothing/);
+    await message([file("notes.txt", "no scene")], /notes\.txt: no \.obj/);
+    await message([file("a.obj", ""), file("b.obj", "")], /one model at a time/);
+    await drop(page, [file("lonely.obj", "mtllib lonely.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n")]);
+    await page.waitForFunction(() => !document.querySelector("#message").hidden || document.documentElement.dataset.state === "whole");
+    figures.lonely = [await page.locator("#message p").innerText(), await page.locator("#warnings").textContent()];
+    assert.match(figures.lonely.join(" "), /lonely\.mtl/);
+    assert.ok(before.length > 1000);
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("a lost device is opened again, and that is said", async () => {
+    const { page, context } = await opened("?scene=three-spheres&size=96x72", { prepare: watched });
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    await page.workers()[0].evaluate(() => globalThis.devices.at(-1).destroy());
+    await choose(page, "method", "naive");
+    assert.match(await page.locator("#message p").innerText(), /lost, and was opened again/);
+    await choose(page, "method", "auto");
+    assert.equal(JSON.stringify(await pixels(page)), before);
+    await context.close();
+});
+
+await test("without WebGPU the page says so", async () => {
+    const hide = (page) => page.addInitScript(() => { delete Navigator.prototype.gpu; });
+    const { page, context, faults } = await opened("", { prepare: hide });
+    await page.waitForFunction(() => document.documentElement.dataset.state === "nothing");
+    assert.match(await page.locator("#message p").innerText(), /no WebGPU/);
+    assert.ok(await page.locator("#scene").isDisabled());
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("the package's example", async () => {
+    const { page, context, faults } = await opened("example/");
+    await page.waitForFunction(() => document.querySelector("#figures").textContent);
+    assert.match(await page.locator("#figures").innerText(), /% of the right eye's pixels/);
+    await page.screenshot({ path: path.join(out, "example.png") });
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
+await test("wrong values are refused by name", async () => {
+    const { page, context } = await opened("example/");
+    const messages = await page.evaluate(async () => {
+        const { Scene, render } = await import("../pkg/index.js");
+        const scene = Scene.builtin("three-spheres");
+        const camera = scene.camera(64, 48);
+        const tries = [
+            () => render(scene, { ...camera, eye: [0, 0] }),
+            () => render(scene, { ...camera, fof: 3 }),
+            () => render(scene, { ...camera, fov: 200 }),
+            () => render(scene, camera, { method: "magic" }),
+            () => render(scene, camera, { samples: 10 }),
+            () => render(scene, camera, { signal: 3 }),
+            () => render(scene, camera, { signal: AbortSignal.abort() }),
+            () => Scene.fromFiles({ "a.obj": "text" }),
+            () => new Scene().addMesh({ positions: [0, 0, 0] }),
+            () => new Scene().addMesh({ positions: new Float32Array(9), indices: new Uint32Array([0, 1, 3]), uvs: new Float32Array(6) }),
+            () => render(new Scene()),
+        ];
+        const found = [];
+        for (const attempt of tries) {
+            try {
+                await attempt();
+                found.push("nothing was thrown");
+            } catch (error) {
+                found.push(`${error.name}: ${error.message}`);
+            }
+        }
+        // At once, they come one after the other.
+        const both = await Promise.all([render(scene, camera), render(scene, camera, { method: "naive" })]);
+        return [...found, both.map((pair) => pair.width).join()];
+    });
+    figures.refused = messages;
+    const expected = [/camera\.eye/, /fof/, /200/, /magic/, /10 a pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
+    messages.forEach((message, index) => assert.match(message, expected[index]));
+    await context.close();
+});
+
+await test("screenshots", async () => {
+    const { page, context } = await opened("?scene=three-spheres-mirrors&size=512x384&view=anaglyph");
+    await whole(page);
+    await page.screenshot({ path: path.join(out, "desktop.png"), fullPage: true });
+    await context.close();
+    const phone = await opened("?scene=hall&size=320x240", { viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
+    await whole(phone.page);
+    const { scrollWidth, clientWidth } = await phone.page.evaluate(() => document.documentElement);
+    assert.ok(await phone.page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), `${scrollWidth} over ${clientWidth}`);
+    await phone.page.screenshot({ path: path.join(out, "phone.png"), fullPage: true });
+    await phone.context.close();
+});
+
+if (full) await test("the time of a pair of 512x512", async () => {
+    const timed = await opened("example/");
+    const here = await timed.page.evaluate(async () => {
+        const { Scene, Renderer } = await import("../pkg/index.js");
+        const [scene, renderer] = [Scene.builtin("hall"), new Renderer()];
+        const camera = scene.camera(512, 512);
+        const times = { naive: [], bracket: [] };
+        for (let round = 0; round < 4; round += 1) {
+            for (const method of Object.keys(times)) {
+                const begin = performance.now();
+                const pair = await renderer.render(scene, camera, { method });
+                // The first one compiles.
+                if (round) times[method].push(performance.now() - begin);
+                pair.free();
+            }
+        }
+        return { camera, ms: Object.fromEntries(Object.entries(times).map(([name, all]) => [name, all.sort((a, b) => a - b)[1]])) };
+    });
+    const folder = path.join(out, "native", "hall-512");
+    const there = await natively(folder, { scene: { builtin: "hall" }, camera: here.camera, methods: ["naive", "bracket"], rounds: 3 });
+    figures.pair512 = { browser: here.ms, native: there.ms };
+    await timed.context.close();
+});
+
+await writeFile(path.join(out, "figures.json"), JSON.stringify(figures, null, 1));
+if (full) console.log(`a pair of 512x512, ms: ${JSON.stringify(figures.pair512)}`);
+console.log(`wrote ${(await readdir(out)).join(", ")} into ${out}`);
+await browser.close();
+server.close();
+process.exitCode = failures ? 1 : 0;
+if (failures) console.log(`${failures} failed`);
