@@ -217,12 +217,18 @@ function forget() {
     last = null;
 }
 
-self.onmessage = async ({ data: { id, task, ...request } }) => {
-    if (task === "stop") {
+/** One task after the other, in the order in which they were asked: a scene is not freed while it is rendered. */
+let turn = Promise.resolve();
+self.onmessage = ({ data }) => {
+    if (data.task === "stop") {
         stopping.abort();
         stopping = new AbortController();
-        return;
+    } else {
+        turn = turn.then(() => answer(data));
     }
+};
+
+async function answer({ id, task, ...request }) {
     try {
         let told = 0;
         /** @param {number} done */
@@ -233,12 +239,13 @@ self.onmessage = async ({ data: { id, task, ...request } }) => {
                 postMessage({ id, done });
             }
         };
-        const answer = await /** @type {any} */ (tasks)[task](request, tell);
-        const [result, transfer] = Array.isArray(answer) ? answer : [answer, []];
+        const found = await /** @type {any} */ (tasks)[task](request, tell);
+        const [result, transfer] = Array.isArray(found) ? found : [found, []];
         postMessage({ id, result }, transfer);
     } catch (error) {
         const { name, message } = error instanceof Error ? error : new Error(String(error));
         postMessage({ id, error: { name, message } });
     }
-};
+}
+
 postMessage({ ready: true });

@@ -303,6 +303,24 @@ await test("broken files are said on the page, and what was open stays", async (
     await context.close();
 });
 
+await test("scenes that are asked for one upon the other: the last one is shown", async () => {
+    const { page, context, faults } = await opened("?scene=three-spheres&size=96x72");
+    await whole(page);
+    const before = JSON.stringify(await pixels(page));
+    for (const scene of ["random-20", "fence", "near", "three-spheres"]) {
+        await page.selectOption("#scene", scene);
+        await page.waitForTimeout(30);
+    }
+    await page.waitForFunction(() => document.querySelector("#about").textContent === "0 triangles, 4 other shapes");
+    await page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    await choose(page, "method", "naive");
+    await choose(page, "method", "auto");
+    assert.equal(JSON.stringify(await pixels(page)), before);
+    assert.ok(await page.locator("#message").isHidden());
+    assert.deepEqual(faults, []);
+    await context.close();
+});
+
 await test("a lost device is opened again, and that is said", async () => {
     const { page, context } = await opened("?scene=three-spheres&size=96x72", { prepare: watched });
     await whole(page);
