@@ -32,7 +32,7 @@ build() {
             say "building wasm-bindgen $version"
             # It runs for a second: that it is soon there counts for more than its speed. (Not by its own lock file, which names versions
             # that are no longer to be had.)
-            CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_TARGET_DIR="$root/target/wasm-bindgen/build" \
+            CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_TARGET_DIR="$root/target/wasm-bindgen/build" \
                 cargo install --quiet wasm-bindgen-cli --version "$version" --bin wasm-bindgen --root "$root/target/wasm-bindgen"
         fi
     fi

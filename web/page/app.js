@@ -37,13 +37,20 @@ class Engine {
         this.last = 0;
         this.worker = new Worker(url, { type: "module" });
         this.ready = new Promise((done, failed) => {
+            let ready = false;
             this.worker.onerror = (event) => {
-                const error = new Error(`the engine could not be loaded: ${event.message ?? "see the browser's console"}`);
-                failed(error);
+                const reason = event.message ?? "see the browser's console";
+                failed(new Error(`the engine could not be loaded: ${reason}`));
+                // What breaks off between two messages, as a panic does while it waits for the device, answers to none.
+                const error = Object.assign(new Error(reason), { name: ready ? "RuntimeError" : "Error" });
                 for (const { failed } of this.waiting.values()) failed(error);
+                this.waiting.clear();
             };
             this.worker.onmessage = ({ data }) => {
-                if (data.ready) return done(undefined);
+                if (data.ready) {
+                    ready = true;
+                    return done(undefined);
+                }
                 const asked = this.waiting.get(data.id);
                 if (!asked) return;
                 if ("done" in data) return asked.tell?.(data.done);
@@ -310,10 +317,11 @@ async function failed(error) {
     console.error(error);
     if (error.name !== "RuntimeError") return notice(error.message);
     // The engine's memory is in no known state any more.
-    notice(`The engine broke off (${error.message}), for want of memory or by a defect. It was started anew, with the first scene.`);
     engine.worker.terminate();
     engine = new Engine("engine.js");
+    lost = 0;
     await openScene({ builtin: element("scene").options[0].value });
+    notice(`The engine broke off (${error.message}), for want of memory or by a defect. It was started anew, with another scene.`);
 }
 
 /** @param {any} source */

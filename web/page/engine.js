@@ -248,4 +248,8 @@ async function answer({ id, task, ...request }) {
     }
 }
 
+// The page hears of errors, not of promises that fail without anybody who waits for them.
+addEventListener("unhandledrejection", (event) => {
+    throw event.reason;
+});
 postMessage({ ready: true });

@@ -140,17 +140,22 @@ impl Renderer {
     }
 }
 
+impl Device {
+    async fn open() -> Result<Self, Error> {
+        let renderer = stereotrace::Renderer::new(Gpu::new_async().await?);
+        Ok(Self { renderer, id: DEVICES.replace(DEVICES.get() + 1) })
+    }
+}
+
 async fn attempt<T>(
     slot: &mut Option<Device>,
     scene: &Shared,
     work: &mut impl AsyncFnMut(&mut stereotrace::Renderer, &UploadedScene) -> Result<T, Error>,
 ) -> Result<T, Error> {
-    if slot.is_none() {
-        let renderer = stereotrace::Renderer::new(Gpu::new_async().await?);
-        let id = DEVICES.replace(DEVICES.get() + 1);
-        *slot = Some(Device { renderer, id });
-    }
-    let Some(device) = slot else { return Err(Error::Cancelled) };
+    let device = match slot {
+        Some(device) => device,
+        None => slot.insert(Device::open().await?),
+    };
     let uploaded = brought(device, scene).await?;
     let done = work(&mut device.renderer, &uploaded.scene).await;
     scene.uploaded.replace(Some(uploaded));

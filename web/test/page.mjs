@@ -258,11 +258,14 @@ await test("comparison, downloads, quilt and chart", async () => {
         const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
         const bytes = await readFile(await download.path());
         await page.waitForFunction(() => !document.querySelector("#compare").disabled);
-        return { name: download.suggestedFilename(), width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20), signature: bytes.toString("latin1", 1, 4) };
+        return { name: download.suggestedFilename(), width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20), signature: bytes.toString("latin1", 1, 4), bytes };
     };
-    assert.deepEqual(await saved("#save"), { name: "random-20_difference.png", width: 96, height: 72, signature: "PNG" });
+    const { bytes: written, ...picture } = await saved("#save");
+    assert.deepEqual(picture, { name: "random-20_difference.png", width: 96, height: 72, signature: "PNG" });
+    assert.equal(difference((await pixels(page)).data, await decoded(page, written)).differing, 0, "what is written is what is shown");
     await choose(page, "method", "bracket");
-    assert.deepEqual(await saved("#quilt"), { name: "random-20_qs8x6a0.75.png", width: 3360, height: 3360, signature: "PNG" });
+    const { bytes: _, ...quilt } = await saved("#quilt");
+    assert.deepEqual(quilt, { name: "random-20_qs8x6a0.75.png", width: 3360, height: 3360, signature: "PNG" });
     await page.click("#measure");
     await page.waitForFunction(() => document.querySelector("#json").value && !document.querySelector("#measure").disabled);
     const json = JSON.parse(await page.locator("#json").inputValue());
@@ -275,6 +278,51 @@ await test("comparison, downloads, quilt and chart", async () => {
     assert.equal(await page.locator("#plot circle").count(), json.methods.length);
     await page.screenshot({ path: path.join(out, "chart.png"), fullPage: true });
     assert.deepEqual(faults, []);
+    await context.close();
+});
+
+/** A .glb of one triangle with a camera. */
+function triangle() {
+    const positions = Buffer.from(new Float32Array([-1, -1, 0, 1, -1, 0, 0, 1, 0]).buffer);
+    const text = JSON.stringify({
+        asset: { version: "2.0" }, buffers: [{ byteLength: positions.length }], bufferViews: [{ buffer: 0, byteLength: positions.length }],
+        accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [-1, -1, 0], max: [1, 1, 0] }],
+        meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], cameras: [{ type: "perspective", perspective: { yfov: 0.8, znear: 0.1 } }],
+        nodes: [{ mesh: 0 }, { camera: 0, translation: [0, 0, 4] }], scenes: [{ nodes: [0, 1] }], scene: 0,
+    });
+    const json = Buffer.from(text.padEnd(Math.ceil(text.length / 4) * 4));
+    const chunk = (kind, bytes) => Buffer.concat([Buffer.from(new Uint32Array([bytes.length, kind]).buffer), bytes]);
+    const chunks = Buffer.concat([chunk(0x4e4f534a, json), chunk(0x004e4942, positions)]);
+    return Buffer.concat([Buffer.from(new Uint32Array([0x46546c67, 2, 12 + chunks.length]).buffer), chunks]);
+}
+
+await test("a .glb is shown by its own camera, and again after the engine broke off", async () => {
+    const trap = async (page) => {
+        await page.route("**/engine.js", async (route) => {
+            const response = await route.fetch();
+            const text = await response.text();
+            const broken = text.replace("async show({ view, glasses }) {", "async show({ view, glasses }) { setTimeout(() => { throw new WebAssembly.RuntimeError('unreachable'); }); await new Promise(() => {});");
+            assert.notEqual(text, broken);
+            await route.fulfill({ response, body: broken });
+        });
+    };
+    const { page, context } = await opened("?scene=three-spheres&size=96x72&view=left", { prepare: trap });
+    await whole(page);
+    const glb = { name: "triangle.glb", bytes: [...triangle()] };
+    await drop(page, [glb]);
+    await whole(page);
+    assert.equal(await page.locator("#about").innerText(), "triangle, 1 triangle");
+    const before = await pixels(page);
+    const middle = 4 * (96 * 36 + 48);
+    assert.notDeepEqual(before.data.slice(middle, middle + 3), before.data.slice(0, 3), "the triangle stands before the sky");
+    await page.selectOption("#view", "right");
+    await page.waitForFunction(() => /broke off/.test(document.querySelector("#message p").textContent));
+    await whole(page);
+    await page.click("#message button");
+    await drop(page, [glb]);
+    await whole(page);
+    assert.equal(await page.locator("#about").innerText(), "triangle, 1 triangle");
+    assert.ok(await page.locator("#message").isHidden());
     await context.close();
 });
 
@@ -399,6 +447,17 @@ await test("screenshots", async () => {
     await whole(phone.page);
     const { scrollWidth, clientWidth } = await phone.page.evaluate(() => document.documentElement);
     assert.ok(await phone.page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), `${scrollWidth} over ${clientWidth}`);
+    const camera = JSON.stringify(await pixels(phone.page));
+    const touch = await phone.context.newCDPSession(phone.page);
+    const { x, y, width } = await phone.page.locator("#picture").boundingBox();
+    await phone.page.evaluate(() => { document.documentElement.dataset.state = ""; });
+    for (const [type, apart] of [["touchStart", 40], ["touchMove", 70], ["touchMove", 110]]) {
+        const touchPoints = [-1, 1].map((side, id) => ({ x: x + width / 2 + side * apart, y: y + 100, id }));
+        await touch.send("Input.dispatchTouchEvent", { type, touchPoints });
+    }
+    await touch.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    await whole(phone.page);
+    assert.notEqual(JSON.stringify(await pixels(phone.page)), camera, "a pinch changes nothing");
     await phone.page.screenshot({ path: path.join(out, "phone.png"), fullPage: true });
     await phone.context.close();
 });
