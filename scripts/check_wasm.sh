@@ -4,15 +4,8 @@
 #   sh scripts/check_wasm.sh
 set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
-target=wasm32-unknown-unknown
-
-if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
-    command -v rustup >/dev/null 2>&1 || {
-        echo "this needs Rust's standard library for $target; without rustup install your distribution's" >&2
-        exit 1
-    }
-    rustup target add "$target"
-fi
+# shellcheck source=scripts/wasm.sh
+. "$root/scripts/wasm.sh"
 for features in webgpu webgpu,obj,gltf,ply,png,jpeg,exr,textures,sky,json; do
     echo "wasm32: $features"
     # With --target, flags are the target's alone: what is built for this machine stays.

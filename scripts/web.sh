@@ -19,11 +19,8 @@ site=$root/target/page
 . "$root/scripts/node.sh"
 
 build() {
-    target=wasm32-unknown-unknown
-    if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
-        have rustup || fail "this needs Rust's standard library for $target; without rustup install your distribution's"
-        rustup target add "$target"
-    fi
+    # shellcheck source=scripts/wasm.sh
+    . "$root/scripts/wasm.sh"
     version=$(awk '/^name = "wasm-bindgen"$/ { getline; gsub(/version = |"/, ""); print }' "$root/Cargo.lock")
     bindgen=wasm-bindgen
     if [ "$(wasm-bindgen --version 2>/dev/null)" != "wasm-bindgen $version" ]; then

@@ -92,8 +92,7 @@ async function timed(camera, options) {
 async function compared() {
     const frame = shown();
     if (!frame.truth) {
-        const { signal: _, onProgress: __, ...options } = frame.options;
-        const { pair, ms } = await timed(frame.camera, { ...options, method: "naive", signal: stopping.signal });
+        const { pair, ms } = await timed(frame.camera, { ...frame.options, method: "naive", signal: stopping.signal });
         [frame.truth, frame.truthMs] = [pair, ms];
     }
     return { difference: frame.pair.difference(frame.truth), naiveMs: frame.truthMs };
@@ -109,10 +108,11 @@ const tasks = {
         const scene = await sceneOf(source);
         const camera = scene.camera(size[0], size[1]);
         light(scene, source, 0, size);
+        // Before the other one goes, which stays open where this one can't be brought to the device.
+        await renderer.upload(scene);
         open.scene?.free();
         open = { scene, source, size, lights: 0 };
         forget();
-        await renderer.upload(scene);
         return { camera, info: scene.info, warnings: scene.warnings };
     },
 

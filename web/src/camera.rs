@@ -11,7 +11,7 @@ use crate::{
 
 /// `Camera` of `types.d.ts`.
 #[derive(Deserialize, Serialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
+#[serde(rename_all = "camelCase")]
 struct Camera {
     eye: [f32; 3],
     target: [f32; 3],

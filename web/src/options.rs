@@ -14,7 +14,7 @@ use crate::{
 
 /// `RenderOptions` of `types.d.ts`.
 #[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+#[serde(rename_all = "camelCase", default)]
 struct Given {
     method: Option<String>,
     samples: Option<u32>,
@@ -23,7 +23,8 @@ struct Given {
     bounces: Option<u32>,
     shadow_rays: Option<u32>,
     sky_rays: Option<u32>,
-    ambient_occlusion: Option<Occlusion>,
+    #[serde(with = "serde_wasm_bindgen::preserve")]
+    ambient_occlusion: JsValue,
     exposure: Option<f32>,
     tone: Option<String>,
     seed: Option<u32>,
@@ -34,7 +35,6 @@ struct Given {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Occlusion {
     rays: u32,
     radius: f32,
@@ -50,10 +50,7 @@ pub(crate) struct Request {
 impl Request {
     /// Of a plain object, or of nothing.
     pub(crate) fn read(value: JsValue) -> Result<Self, JsValue> {
-        let given: Given = match value.is_undefined() || value.is_null() {
-            true => Given::default(),
-            false => values::read("options", value)?,
-        };
+        let given: Given = if is_nothing(&value) { Given::default() } else { values::read("options", value)? };
         let mut options = Options::default();
         if let Some(name) = given.method {
             options = options.method(values::named::<Method>(&name)?);
@@ -61,9 +58,12 @@ impl Request {
         if let Some(name) = given.filter {
             options = options.filter(values::named::<Filter>(&name)?);
         }
-        options = given.samples.map_or(options.clone(), |samples| options.samples(samples));
         options = options.count(given.count.unwrap_or(false)).sky_rays(given.sky_rays);
-        options = options.occlusion(given.ambient_occlusion.map(|one| AmbientOcclusion::new(one.rays, one.radius)));
+        if !is_nothing(&given.ambient_occlusion) {
+            let Occlusion { rays, radius } = values::read("options.ambientOcclusion", given.ambient_occlusion)?;
+            options = options.occlusion(AmbientOcclusion::new(rays, radius));
+        }
+        options.samples = given.samples.unwrap_or(options.samples);
         options.bounces = given.bounces.unwrap_or(options.bounces);
         options.shadow_rays = given.shadow_rays.unwrap_or(options.shadow_rays);
         options.exposure = given.exposure.unwrap_or(options.exposure);
@@ -96,8 +96,12 @@ impl Request {
 }
 
 fn of_type<T: JsCast>(value: JsValue, fault: &str) -> Result<Option<T>, JsValue> {
-    match value.is_undefined() || value.is_null() {
+    match is_nothing(&value) {
         true => Ok(None),
         false => value.dyn_into().map(Some).map_err(|_| refused(fault)),
     }
+}
+
+fn is_nothing(value: &JsValue) -> bool {
+    value.is_undefined() || value.is_null()
 }

@@ -70,11 +70,10 @@ impl Renderer {
         let camera =
             if camera.is_undefined() || camera.is_null() { scene.own_camera(640, 480)? } else { camera::read(camera)? };
         let request = Request::read(options)?;
-        let (this, shared) = (self.clone(), scene.shared.clone());
         let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
             renderer.render_async(uploaded, &camera, &request.options, &mut |now| request.goes_on(now)).await
         };
-        Ok(Pair(this.with_scene(&shared, frame).await?))
+        Ok(Pair(self.with_scene(&scene.shared, frame).await?))
     }
 
     /// Renders a row of `count` eyes from left to right, an interaxial between neighbours, the camera in their middle: few are traced, and the
@@ -89,17 +88,15 @@ impl Renderer {
     ) -> Result<Views, JsValue> {
         let rig = Rig::row(camera::read(camera)?, count as usize);
         let request = Request::read(options)?;
-        let (this, shared) = (self.clone(), scene.shared.clone());
         let frame = async |renderer: &mut stereotrace::Renderer, uploaded: &UploadedScene| {
             renderer.render_views_async(uploaded, &rig, &request.options, &mut |now| request.goes_on(now)).await
         };
-        Ok(Views(this.with_scene(&shared, frame).await?))
+        Ok(Views(self.with_scene(&scene.shared, frame).await?))
     }
 
     /// Builds a scene's tree and brings it to the device, which `render` does by itself.
     pub async fn upload(&self, scene: &Scene) -> Result<(), JsValue> {
-        let (this, shared) = (self.clone(), scene.shared.clone());
-        this.with_scene(&shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
+        self.with_scene(&scene.shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
     }
 
     /// How often the device was lost and opened again.

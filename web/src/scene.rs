@@ -27,6 +27,8 @@ use crate::{
 const MOST_BYTES: u64 = 512 << 20;
 /// Triangles that instances of a glTF file may become.
 const MOST_TRIANGLES: u64 = 4 << 20;
+/// What messages say that these limits are raised by.
+const ELSEWHERE: &str = "reading it with the library outside a browser";
 
 /// What is rendered: shapes, materials, lights and a sky. World coordinates are right-handed, y up; colours are linear light.
 #[wasm_bindgen]
@@ -104,13 +106,8 @@ impl Scene {
         let files = contents(files)?;
         let main = main.map_or_else(|| main_file(&files), Ok)?;
         let limits = Limits::default().file_bytes(MOST_BYTES).triangles(MOST_TRIANGLES);
-        let limits = limits.option_names(
-            "reading it with the library outside a browser",
-            "reading it with the library outside a browser",
-        );
-        let limits = limits
-            .texture_option_name("reading it with the library outside a browser")
-            .triangle_option_name("reading it with the library outside a browser");
+        let limits = limits.option_names(ELSEWHERE, ELSEWHERE);
+        let limits = limits.texture_option_name(ELSEWHERE).triangle_option_name(ELSEWHERE);
         let options = SceneOptions::default().limits(limits).missing_textures(MissingTextures::Warn);
         let options = options.crease_angle(crease_angle);
         drop(messages::taken());
@@ -212,8 +209,9 @@ impl Scene {
     /// Puts other lights in the place of the scene's.
     #[wasm_bindgen(js_name = setLights)]
     pub fn set_lights(&self, #[wasm_bindgen(unchecked_param_type = "Light[]")] lights: JsValue) -> Result<(), JsValue> {
-        let given: Vec<GivenLight> = read("lights", lights)?;
-        let lights = given.iter().map(light_of).collect();
+        let given: &js_sys::Array = lights.dyn_ref().ok_or_else(|| refused("lights: they must be an array"))?;
+        let one = |(index, light)| Ok(light_of(&read(&format!("lights[{index}]"), light)?));
+        let lights = given.iter().enumerate().map(one).collect::<Result<_, JsValue>>()?;
         self.shared.change(|scene| scene.lights = lights);
         Ok(())
     }
@@ -321,7 +319,6 @@ struct Info {
 
 /// `Material` of `types.d.ts`.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct GivenMaterial {
     albedo: Option<[f32; 3]>,
     specular: Option<[f32; 3]>,
@@ -356,7 +353,6 @@ fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
 
 /// `Light` of `types.d.ts`.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct GivenLight {
     position: [f32; 3],
     intensity: [f32; 3],
@@ -408,12 +404,15 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
         mesh = mesh.colors(of_corners("colors", &points("mesh.colors", &colors)?, positions.len(), &triangles)?);
     }
     (mesh.positions, mesh.triangles) = (positions, triangles);
-    rest.crease_angle.map_or(Ok(mesh.clone()), |degrees| mesh.smooth(degrees)).map_err(raised)
+    match rest.crease_angle {
+        Some(degrees) => mesh.smooth(degrees).map_err(raised),
+        None => Ok(mesh),
+    }
 }
 
 /// The fields of a mesh that are no lists.
 #[derive(Deserialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
+#[serde(rename_all = "camelCase")]
 struct MeshOptions {
     name: Option<String>,
     material: Option<u32>,

@@ -30,7 +30,8 @@ pub(crate) fn read<T: DeserializeOwned>(what: &str, value: JsValue) -> Result<T,
     })
 }
 
-/// Refuses fields that a type has not: serde-wasm-bindgen asks objects for those alone that it has.
+/// Refuses fields that a type has not: serde-wasm-bindgen asks objects for those alone that it has. (Of an object within another it says nothing:
+/// that is read by itself.)
 fn check_fields<T: DeserializeOwned>(what: &str, value: &JsValue) -> Result<(), JsValue> {
     let mut fields = Fields(None);
     let _ = T::deserialize(&mut fields);
@@ -93,31 +94,24 @@ pub(crate) fn image(picture: &Picture) -> Result<ImageData, JsValue> {
 
 /// World positions and the like: three numbers each.
 pub(crate) fn points(what: &str, array: &Float32Array) -> Result<Vec<Vec3>, JsValue> {
-    let all = array.to_vec();
-    let (triples, rest) = all.as_chunks::<3>();
-    match rest.is_empty() {
-        true => Ok(triples.iter().copied().map(Vec3::from_array).collect()),
-        false => Err(refused(&format!("{what}: {} numbers, and not three each", all.len()))),
-    }
+    Ok(groups(what, &array.to_vec())?.into_iter().map(Vec3::from_array).collect())
 }
 
 /// Texture coordinates: two numbers each.
 pub(crate) fn pairs(what: &str, array: &Float32Array) -> Result<Vec<Vec2>, JsValue> {
-    let all = array.to_vec();
-    let (pairs, rest) = all.as_chunks::<2>();
-    match rest.is_empty() {
-        true => Ok(pairs.iter().copied().map(Vec2::from_array).collect()),
-        false => Err(refused(&format!("{what}: {} numbers, and not two each", all.len()))),
-    }
+    Ok(groups(what, &array.to_vec())?.into_iter().map(Vec2::from_array).collect())
 }
 
 /// Corners of triangles as indices: three each.
 pub(crate) fn corners(what: &str, array: &Uint32Array) -> Result<Vec<[u32; 3]>, JsValue> {
-    let all = array.to_vec();
-    let (triples, rest) = all.as_chunks::<3>();
-    match rest.is_empty() {
-        true => Ok(triples.to_vec()),
-        false => Err(refused(&format!("{what}: {} indices, and not three each", all.len()))),
+    groups(what, &array.to_vec())
+}
+
+/// So many of a list's numbers each.
+fn groups<T: Copy, const N: usize>(what: &str, all: &[T]) -> Result<Vec<[T; N]>, JsValue> {
+    match all.as_chunks::<N>() {
+        (groups, []) => Ok(groups.to_vec()),
+        _ => Err(refused(&format!("{what}: {} numbers, and not {N} each", all.len()))),
     }
 }
 
