@@ -58,6 +58,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The hall with all triangles of a scene as one object in its middle, and that object's number.
 fn in_the_hall(of: &Scene) -> Result<(Scene, u32), Box<dyn Error>> {
     let (low, high) = of.bounds().ok_or("nothing in it")?;
+    let low = (low - of.origin()).as_vec3();
+    let high = (high - of.origin()).as_vec3();
     let scale = SIZE / (high - low).max_element();
     let corners = of.triangles().iter().flat_map(|triangle| triangle.corners);
     let positions: Vec<Vec3> = corners.map(|corner| (corner - low) * scale).collect();

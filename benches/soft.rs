@@ -97,7 +97,7 @@ fn methods(base: &Options) -> [(&'static str, Options); 3] {
 
 /// Makes a scene's light soft, and says what to render it with.
 fn soften(scene: &mut Scene, softness: Softness) -> Result<Options, Box<dyn Error>> {
-    let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high));
+    let diagonal = scene.bounds().map_or(1.0, |(low, high)| low.distance(high) as f32);
     let mut base = Options::new(Method::Naive);
     match softness {
         Softness::Lights(radius) => {

@@ -8,7 +8,7 @@
 
 use std::error::Error;
 
-use stereotrace::{Builtin, Scene, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
+use stereotrace::{Builtin, Scene, StereoCamera, glam::DVec3, output::Anaglyph, render_stereo};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => (Builtin::Hall.scene(), Builtin::Hall.camera(640, 360)),
         Some(file) => {
             let mut scene = Scene::from_obj(file)?;
-            let bounds = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+            let bounds = scene.bounds().unwrap_or((DVec3::NEG_ONE, DVec3::ONE));
             let camera = StereoCamera::fitting(bounds, 640, 480);
             scene.place_lights(3, &camera)?;
             (scene, camera)

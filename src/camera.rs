@@ -13,7 +13,9 @@ pub use comfort::Comfort;
 pub use display::{ComfortRule, Comfortable, Display};
 pub use intrinsics::Intrinsics;
 pub use path::CameraPath;
-pub use ranges::{MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES};
+pub use ranges::{
+    MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MAX_WORLD_COORDINATE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES,
+};
 
 use glam::{DVec3, Vec3};
 
@@ -23,7 +25,7 @@ pub(crate) use self::{
 };
 use self::{
     intrinsics::Lenses,
-    ranges::{check_fields, check_precision, check_screen_distance, fault},
+    ranges::{check_eyes, check_fields, check_pixel_angles, check_screen_distance, fault},
 };
 use crate::Error;
 
@@ -92,8 +94,8 @@ enum Interaxial {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StereoCamera {
-    eye: Vec3,
-    target: Vec3,
+    eye: DVec3,
+    target: DVec3,
     up: Vec3,
     aperture: Aperture,
     screen: Screen,
@@ -107,8 +109,8 @@ pub struct StereoCamera {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Pose {
-    /// Midpoint between the eyes, world space.
-    pub eye: Vec3,
+    /// Midpoint between the eyes, world coordinates. [`Pose::eye_position`] has the eyes' own.
+    pub eye: DVec3,
     /// View direction `f`, unit length.
     pub forward: Vec3,
     /// The picture's right `r`, unit length.
@@ -134,14 +136,19 @@ pub struct Pose {
     pub subject_distance: f32,
     /// Where eyes look.
     pub(crate) frustum: Frustum,
+    /// Origin of the scene that was rendered from here: the rendered eyes are f32 positions relative to it. `None`
+    /// before a picture is rendered.
+    pub(crate) scene_origin: Option<DVec3>,
 }
 
 impl StereoCamera {
     /// A camera at `eye` (the midpoint between the eyes) that looks at `target`: up is +y, 640 x 480 pixels, 45
     /// degrees of vertical field of view, the screen at the target, and a thirtieth of that distance between the eyes.
-    pub fn look_at(eye: Vec3, target: Vec3) -> Self {
-        // f64, in which no square of a difference vanishes or overflows.
-        let distance = eye.as_dvec3().distance(target.as_dvec3()) as f32;
+    ///
+    /// Both are world coordinates; [`Vec3`] and [`DVec3`] are taken.
+    pub fn look_at(eye: impl Into<DVec3>, target: impl Into<DVec3>) -> Self {
+        let (eye, target) = (eye.into(), target.into());
+        let distance = eye.distance(target) as f32;
         Self {
             eye,
             target,
@@ -156,14 +163,14 @@ impl StereoCamera {
     }
 
     /// The midpoint between the eyes; the screen's distance and the interaxial stay.
-    pub fn eye(mut self, eye: Vec3) -> Self {
-        self.eye = eye;
+    pub fn eye(mut self, eye: impl Into<DVec3>) -> Self {
+        self.eye = eye.into();
         self
     }
 
     /// A point to look at; the screen's distance stays.
-    pub fn target(mut self, target: Vec3) -> Self {
-        self.target = target;
+    pub fn target(mut self, target: impl Into<DVec3>) -> Self {
+        self.target = target.into();
         self
     }
 
@@ -179,7 +186,7 @@ impl StereoCamera {
     }
 
     /// What [`StereoCamera::target`] was given.
-    pub fn target_position(&self) -> Vec3 {
+    pub fn target_position(&self) -> DVec3 {
         self.target
     }
 
@@ -244,11 +251,13 @@ impl StereoCamera {
     /// | field | range |
     /// |---|---|
     /// | size | 1 to [`MAX_SIDE`] a side |
-    /// | eye, target | coordinates within [`MAX_EYE_COORDINATE`], for both eyes |
+    /// | eye, target | coordinates within [`MAX_WORLD_COORDINATE`]; eyes within [`MAX_EYE_COORDINATE`] of the scene's origin |
     /// | screen distance, given or by principal points | [`SCREEN_DISTANCES`], or infinite |
     /// | field of view or screen width or intrinsics, size, interaxial | pixels span [`MIN_PIXEL_ANGLE`] as seen from both eyes |
     /// | intrinsics | focal lengths above 0, `cx1` at least `cx0`, and more only with eyes apart |
     /// | interaxial | 0, or so large that the eyes' rounding changes it by at most [`MAX_EYE_SHIFT`] of it |
+    ///
+    /// What is said of eyes and the interaxial depends on [`Scene::origin`](crate::Scene::origin): a render checks it.
     ///
     /// # Errors
     /// [`Error::Camera`], naming the field, for what lies outside of them, a field of view outside 0 to 180 degrees, a
@@ -258,7 +267,7 @@ impl StereoCamera {
     pub fn pose(&self) -> Result<Pose, Error> {
         check_fields(self)?;
         // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
-        let towards = self.target.as_dvec3() - self.eye.as_dvec3();
+        let towards = self.target - self.eye;
         let forward = towards.normalize_or_zero();
         if forward == DVec3::ZERO {
             return fault("target", self.target.to_string(), "it must differ from the eye");
@@ -299,12 +308,13 @@ impl StereoCamera {
             convergence: self.convergence,
             subject_distance: if is_finite { view.screen_distance } else { target_distance },
             frustum: view.frustum,
+            scene_origin: None,
         };
         if self.convergence == Convergence::ToeIn {
             // Each eye's picture is centred on the eye's own axis.
             pose.frustum.shift = 0.0;
         }
-        check_precision(self, &pose)?;
+        check_pixel_angles(self, &pose)?;
         Ok(pose)
     }
 
@@ -422,7 +432,17 @@ impl StereoCamera {
         }
     }
 
-    /// Checks two eyes so many interaxials apart.
+    /// The checked camera for a scene with this origin, from which eyes are rendered as f32 positions.
+    ///
+    /// # Errors
+    /// Those of [`StereoCamera::pose`], and [`Error::Camera`] where f32 does not hold the eyes.
+    pub(crate) fn pose_in(&self, scene_origin: DVec3) -> Result<Pose, Error> {
+        let pose = Pose { scene_origin: Some(scene_origin), ..self.pose()? };
+        check_eyes(self, &pose)?;
+        Ok(pose)
+    }
+
+    /// Checks two eyes of a rendered pose, so many interaxials apart.
     ///
     /// # Errors
     /// [`Error::Camera`] where f32 does not hold them.
@@ -431,7 +451,9 @@ impl StereoCamera {
         if !apart.is_finite() {
             return fault("interaxial", apart.to_string(), "it must be a number of at least 0");
         }
-        check_precision(&self.interaxial(apart), &pose.apart(times))
+        let (camera, pose) = (self.interaxial(apart), pose.apart(times));
+        check_pixel_angles(&camera, &pose)?;
+        check_eyes(&camera, &pose)
     }
 }
 
@@ -520,11 +542,11 @@ mod tests {
     fn a_fitting_camera_sees_the_whole_box() {
         for scale in [1e-3, 1.0, 1e6] {
             for (width, height) in [(100, 100), (300, 100), (100, 300)] {
-                let (low, high) = (Vec3::new(1.0, 2.0, 3.0) * scale, Vec3::new(4.0, 9.0, 5.0) * scale);
+                let (low, high) = (DVec3::new(1.0, 2.0, 3.0) * scale, DVec3::new(4.0, 9.0, 5.0) * scale);
                 let pose = StereoCamera::fitting((low, high), width, height).pose().unwrap();
                 for corner in 0..8 {
                     let pick = |bit: usize, axis: usize| if corner >> bit & 1 == 0 { low[axis] } else { high[axis] };
-                    let [x, y, z] = pose.project(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)), 0.0);
+                    let [x, y, z] = pose.project(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)), 0.0);
                     assert!(z > 0.0 && (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y));
                 }
             }
@@ -533,7 +555,7 @@ mod tests {
 
     #[test]
     fn a_moved_camera_keeps_its_screen_and_interaxial() {
-        let (eye, target) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 0.0));
+        let (eye, target) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-4.0, 0.5, 0.0));
         let (moved, before) = (camera().eye(eye).target(target).pose().unwrap(), camera().pose().unwrap());
         let direction = StereoCamera::look_at(eye, target).pose().unwrap().forward;
         assert_eq!((moved.eye, moved.forward), (eye, direction));

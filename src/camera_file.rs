@@ -145,7 +145,7 @@ impl Scene {
         let light = |(index, light): (usize, &Value)| {
             let fields = light.as_object().ok_or_else(|| format!("it is {light}; it must be an object"));
             let read = fields.and_then(|fields| {
-                let (position, intensity) = (checked_vector(fields, "position")?, checked_color(fields, "intensity")?);
+                let (position, intensity) = (vector(fields, "position")?, checked_color(fields, "intensity")?);
                 match fields.contains_key("radius") {
                     false => Ok(Light::point(position, intensity)),
                     true => match number(fields, "radius")? {
@@ -195,7 +195,7 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
         alone(entry, "pose", &["eye", "target", "up"])?;
         from_matrix(entry, interaxial)?
     } else {
-        StereoCamera::look_at(vector(entry, "eye")?, vector(entry, "target")?).up(vector(entry, "up")?)
+        StereoCamera::look_at(vector(entry, "eye")?, vector(entry, "target")?).up(vector(entry, "up")?.as_vec3())
     };
     let camera = camera.size(width, height).interaxial(interaxial);
     let camera = match entry.get("convergence").map(Value::as_str) {
@@ -259,7 +259,7 @@ fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, 
     Ok(found.scaled([0, 1].map(|axis| f64::from(size[axis]) / of[axis])))
 }
 
-/// A camera where a matrix puts the left eye. (Far enough off, the target's rounding does not turn it.)
+/// A camera where a matrix puts the left eye. It looks at a point a unit ahead.
 fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCamera, String> {
     let value = field(entry, "pose")?;
     let row = |row: &Value| -> Option<[f64; 4]> {
@@ -278,8 +278,7 @@ fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCame
         return Err("pose is no turn and shift: its columns must be at right angles, of length 1 and right-handed, its last row 0 0 0 1".into());
     }
     let eye: DVec3 = at + right * (0.5 * f64::from(interaxial));
-    let far = (30.0 * f64::from(interaxial)).max(eye.abs().max_element()).max(1e-3);
-    Ok(StereoCamera::look_at(eye.as_vec3(), (eye + ahead * far).as_vec3()).up((-down).as_vec3()))
+    Ok(StereoCamera::look_at(eye, eye + ahead).up((-down).as_vec3()))
 }
 
 /// The fields of an entry.
@@ -305,15 +304,12 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path, limits: &Limits, what: &str
     })
 }
 
-/// A vector of finite numbers.
-fn checked_vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
-    let found = vector(entry, name)?;
-    if found.is_finite() { Ok(found) } else { Err(format!("{name} is {found}; its numbers must fit f32")) }
-}
-
 /// A vector of finite numbers of which none is negative.
 fn checked_color(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
-    let found = checked_vector(entry, name)?;
+    let found = vector(entry, name)?.as_vec3();
+    if !found.is_finite() {
+        return Err(format!("{name} is {found}; its numbers must fit f32"));
+    }
     if found.min_element() >= 0.0 { Ok(found) } else { Err(format!("{name} is {found}; light is not negative")) }
 }
 
@@ -331,12 +327,11 @@ fn double(entry: &Map<String, Value>, name: &str) -> Result<f64, String> {
     value.as_f64().ok_or_else(|| format!("{name} is {value}; it must be a number"))
 }
 
-fn vector(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
+fn vector(entry: &Map<String, Value>, name: &str) -> Result<DVec3, String> {
     let value = field(entry, name)?;
-    let numbers: Option<Vec<f32>> =
-        value.as_array().and_then(|list| list.iter().map(|item| item.as_f64().map(|number| number as f32)).collect());
-    let numbers = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-    numbers.map(Vec3::from_array).ok_or_else(|| format!("{name} is {value}; it must be three numbers"))
+    let numbers: Option<Vec<f64>> = value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
+    let numbers = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    numbers.map(DVec3::from_array).ok_or_else(|| format!("{name} is {value}; it must be three numbers"))
 }
 
 #[cfg(test)]
@@ -363,7 +358,7 @@ mod tests {
 
     #[test]
     fn every_field_of_the_file_reaches_the_camera() {
-        let expected = StereoCamera::look_at(Vec3::new(-13.5, 2.2, -0.3), Vec3::new(10.0, 3.2, 0.2))
+        let expected = StereoCamera::look_at(DVec3::new(-13.5, 2.2, -0.3), DVec3::new(10.0, 3.2, 0.2))
             .up(Vec3::Y)
             .vertical_fov_degrees(60.0)
             .screen_distance(6.0)
@@ -525,7 +520,7 @@ mod tests {
             (r#""vfov_deg": 60"#, r#""vfov_deg": 180"#, "vfov_deg is 180; it must lie between"),
             ("[10, 3.2, 0.2]", "[10, 3.2]", "target is [10,3.2]; it must be three numbers"),
             ("[10, 3.2, 0.2]", "[10, 3.2, null]", "target is [10,3.2,null]; it must be three numbers"),
-            ("[-13.5, 2.2, -0.3]", "[1e300, 2.2, -0.3]", "eye is [inf, 2.2, -0.3]; its coordinates"),
+            ("[-13.5, 2.2, -0.3]", "[1e300, 2.2, -0.3]", "eye is [1e300, 2.2, -0.3]; its coordinates"),
             ("[0, 1, 0]", "[0, 0, 0]", "up is [0, 0, 0]; it must not be zero"),
             (
                 r#""screen_distance": 6"#,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::{
     Error, MISS, RaysPerLane, Renderer, UploadedScene,
@@ -43,8 +43,9 @@ const MANY_ORIGINS: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ray {
-    /// Where it starts, world position.
-    pub origin: Vec3,
+    /// Where it starts, world coordinates. It is traced from the nearest f32 position relative to
+    /// [`Scene::origin`](crate::Scene::origin).
+    pub origin: DVec3,
     /// Direction in the world, of any length but 0: t counts in it.
     pub direction: Vec3,
     /// The least t that counts as a hit, at least 0. A ray that starts at a surface meets it there, more or less: it
@@ -56,8 +57,8 @@ pub struct Ray {
 
 impl Ray {
     /// A ray without limits.
-    pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    pub fn new(origin: impl Into<DVec3>, direction: Vec3) -> Self {
+        Self { origin: origin.into(), direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
     /// The least t that counts as a hit, at least 0.
@@ -174,7 +175,7 @@ impl<'a> List<'a> {
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
         let frame = layout::Frame { image_size: [count, 1], ..Default::default() };
-        let table = gpu.upload("rays", &texels(rays), fetch).await?;
+        let table = gpu.upload("rays", &texels(rays, scene.origin), fetch).await?;
         let make = || {
             let layout = &renderer.kernels.layouts(fetch).table;
             Ok(Self {
@@ -262,11 +263,12 @@ impl Drop for List<'_> {
 /// What kernels are made for that trace these rays.
 fn variant_for(scene: &UploadedScene, rays: &[Ray]) -> Variant {
     let mut with = scene.variant;
-    let alike = |lane: &[Ray]| lane.iter().all(|ray| ray.origin == lane[0].origin);
+    let place = |ray: &Ray| (ray.origin - scene.origin).as_vec3();
+    let alike = |lane: &[Ray]| lane.iter().all(|ray| place(ray) == place(&lane[0]));
     if !rays.chunks(with.traversal.rays.block().pow(2) as usize).all(alike) {
         with.traversal.rays = RaysPerLane::One;
     }
-    let mut origins: Vec<Vec3> = rays.iter().map(|ray| ray.origin).collect();
+    let mut origins: Vec<Vec3> = rays.iter().map(place).collect();
     origins.dedup();
     with.close = origins.len() > MANY_ORIGINS || scene.large.any_close_to(&origins);
     with
@@ -289,14 +291,14 @@ fn check(rays: &[Ray]) -> Result<(), Error> {
 }
 
 /// As `shaders/shared/ray_list.wgsl` reads them.
-fn texels(rays: &[Ray]) -> Vec<Texel> {
+fn texels(rays: &[Ray], scene_origin: DVec3) -> Vec<Texel> {
     let texels = rays.iter().flat_map(|ray| {
         let texel = |vector: Vec3, t: f32| {
             let [x, y, z] = vector.to_array();
             [x, y, z, t].map(f32::to_bits)
         };
         let t_max = ray.t_max.clamp(-crate::FAR, crate::FAR);
-        [texel(ray.direction, ray.t_min.min(crate::FAR)), texel(ray.origin, t_max)]
+        [texel(ray.direction, ray.t_min.min(crate::FAR)), texel((ray.origin - scene_origin).as_vec3(), t_max)]
     });
     texels.collect()
 }

@@ -1,5 +1,7 @@
 //! Which points of the two views are one: disparities, and what only one eye sees, for stereo vision.
 
+use glam::DVec3;
+
 use crate::{Convergence, Pose, StereoPair, View};
 
 /// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an occluder
@@ -38,11 +40,31 @@ impl Pose {
     }
 }
 
+impl Pose {
+    /// The disparity of a point at depth `z` that a column of an eye (-1 left, +1 right) shows, in pixels.
+    ///
+    /// It is [`Pose::disparity_px`], and what the rounding of the rendered eyes adds to it. With rounding `(ρ, υ, φ)`
+    /// along right, up and forward, the other eye sees the point `f (ρ - T φ) / (Z ± φ)` pixels further aside. T is the
+    /// tangent of the angle at which it sees the point beside its axis. υ moves the point across rows only.
+    pub(crate) fn disparity_of_column_px(&self, side: f64, column: usize, z: f32) -> f64 {
+        let nominal = self.disparity_px(z);
+        let rounding = self.baseline_rounding();
+        if rounding == DVec3::ZERO || !nominal.is_finite() {
+            return nominal;
+        }
+        let (fx, z) = (self.focal_px()[0], f64::from(z));
+        let own_tangent = (column as f64 + 0.5 - self.principal_px(side as f32)[0]) / fx;
+        let tangent = own_tangent + side * f64::from(self.interaxial) / z;
+        nominal + fx * (rounding.x - tangent * rounding.z) / (z + side * rounding.z)
+    }
+}
+
 impl StereoPair {
     /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i + 0.5`
     /// stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not ([`StereoPair::occlusion`]).
     ///
-    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`] by [`Pose::disparity_px`]. d
+    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`], for the eyes that were
+    /// rendered ([`Pose::eye_position`]). d
     /// is above 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
     /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add [`Pose::interaxial_px`]
     /// to get disparities of parallel cameras, which are 0 at infinity; where the screen is at infinity, these are such.
@@ -59,14 +81,14 @@ impl StereoPair {
     /// # Ok::<(), stereotrace::Error>(())
     /// ```
     pub fn disparity(&self) -> Vec<f32> {
-        self.disparities(&self.left)
+        self.disparities(&self.left, -1.0)
     }
 
     /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take pixels
     /// over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left ones' disparities, seen up to
     /// half a pixel aside.
     pub fn right_disparity(&self) -> Vec<f32> {
-        self.disparities(&self.right)
+        self.disparities(&self.right, 1.0)
     }
 
     /// Whether the right eye sees what each left pixel shows, as far as the right view's depth tells. Row-major,
@@ -83,17 +105,22 @@ impl StereoPair {
             return Vec::new();
         }
         let width = (self.left.width as usize).max(1);
-        let exact = |view: &View| view.depth.iter().map(|&z| self.pose.disparity_px(z)).collect::<Vec<_>>();
-        let (left, right) = (exact(&self.left), exact(&self.right));
+        let (left, right) = (self.exact(&self.left, -1.0), self.exact(&self.right, 1.0));
         let rows = left.chunks_exact(width).zip(right.chunks_exact(width));
         rows.flat_map(|(left, right)| left.iter().enumerate().map(|(column, &d)| seen(column, d, right))).collect()
     }
 
-    fn disparities(&self, view: &View) -> Vec<f32> {
+    fn disparities(&self, view: &View, side: f64) -> Vec<f32> {
         match self.pose.convergence {
-            Convergence::OffAxis => view.depth.iter().map(|&z| self.pose.disparity_px(z) as f32).collect(),
+            Convergence::OffAxis => self.exact(view, side).into_iter().map(|d| d as f32).collect(),
             Convergence::ToeIn => Vec::new(),
         }
+    }
+
+    fn exact(&self, view: &View, side: f64) -> Vec<f64> {
+        let width = (view.width as usize).max(1);
+        let depths = view.depth.iter().enumerate();
+        depths.map(|(index, &z)| self.pose.disparity_of_column_px(side, index % width, z)).collect()
     }
 }
 

@@ -150,7 +150,7 @@ fn eye_truth(
         object: view.object.clone(),
         material: Vec::with_capacity(count),
     };
-    let eye = pixels.eye();
+    let eye = pixels.eye() - scene.origin();
     for (index, (&z, &id)) in view.depth.iter().zip(&view.primitive).enumerate() {
         let direction = pixels.direction(index % width, index / width);
         truth.distance.push((f64::from(z) * direction.length()) as f32);
@@ -188,7 +188,7 @@ impl Surface {
     }
 }
 
-/// Where a ray from the eye meets a primitive, about that far along its direction.
+/// Where a ray from the eye, relative to the scene's origin, meets a primitive, about that far along its direction.
 fn surface(primitive: &Primitive<'_>, eye: DVec3, direction: DVec3, t: f64) -> Surface {
     match *primitive {
         Primitive::Triangle(triangle) => triangle_surface(triangle, eye, direction),

@@ -56,9 +56,9 @@ impl Renderer {
         let rays: Vec<Ray> = rays.collect();
         let hits = self.closest_hits_async(scene, &rays).await?.hits;
         let found = hits.iter().enumerate().map(|(index, hit)| {
-            let z = view.depth[index];
+            let (column, z) = (index % width, view.depth[index]);
             // To the other side of its own column by its disparity.
-            let x = (index % width) as f64 + 0.5 + 2.0 * side * pose.disparity_px(z);
+            let x = column as f64 + 0.5 + 2.0 * side * pose.disparity_of_column_px(2.0 * side, column, z);
             if !(x >= 0.0 && x < width as f64) {
                 return Occlusion::OutOfFrame;
             }
@@ -71,6 +71,7 @@ impl Renderer {
 
 /// Where an eye's pixels look, and the other eye.
 pub(crate) struct Pixels {
+    /// World coordinates.
     other_eye: DVec3,
     /// From the other eye to this one.
     aside: DVec3,
@@ -83,11 +84,12 @@ pub(crate) struct Pixels {
 impl Pixels {
     /// Of the view whose eye stands so much of the interaxial to the right of the middle.
     pub(crate) fn of(pose: &Pose, side: f64) -> Self {
-        let aside = pose.right.as_dvec3() * (2.0 * side * f64::from(pose.interaxial));
+        let [other, own] = [-2.0, 2.0].map(|times| pose.eye_position((times * side) as f32));
         let [right, down] = pose.pixel_steps();
-        Self { other_eye: pose.eye.as_dvec3() - aside / 2.0, aside, corner: pose.corner(side), right, down }
+        Self { other_eye: other, aside: own - other, corner: pose.corner(side), right, down }
     }
 
+    /// Its eye, world coordinates.
     pub(crate) fn eye(&self) -> DVec3 {
         self.other_eye + self.aside
     }
@@ -102,6 +104,6 @@ impl Pixels {
         let direction = self.direction(column, row);
         // A point in the plane of the eyes has no direction of this length; it is out of frame.
         let aside = if z > 0.0 { self.aside / f64::from(z) } else { DVec3::ZERO };
-        Ray::new(self.other_eye.as_vec3(), (direction + aside).as_vec3())
+        Ray::new(self.other_eye, (direction + aside).as_vec3())
     }
 }

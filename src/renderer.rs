@@ -110,7 +110,7 @@ impl Renderer {
         options: &Options,
         progress: &mut OnProgress<'_>,
     ) -> Result<StereoPair, Error> {
-        let pose = camera.pose()?;
+        let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = self.toed_in(&pose, options) else {
             let (done, views) = self.whole_frame(scene, &Eyes::pair(&pose), options, progress).await?;
             return Ok(StereoPair::of(done, views));
@@ -132,7 +132,7 @@ impl Renderer {
         options: &Options,
     ) -> Result<Statistics, Error> {
         let mut go_on = |_| ControlFlow::Continue(());
-        let pose = camera.pose()?;
+        let pose = camera.pose_in(scene.origin)?;
         let Some([first, second]) = self.toed_in(&pose, options) else {
             let eyes = Eyes::pair(&pose);
             let done = self.sampled(scene, &eyes, options, false, &mut go_on, &mut |_| Ok(())).await?;
@@ -171,7 +171,7 @@ impl Renderer {
         options: &Options,
         progress: &mut OnProgress<'_>,
     ) -> Result<Views, Error> {
-        let eyes = rig.eyes()?;
+        let eyes = rig.eyes(scene.origin)?;
         let (done, views) = self.whole_frame(scene, &eyes, options, progress).await?;
         Ok(Views::of(done, views))
     }
@@ -190,7 +190,7 @@ impl Renderer {
         progress: &mut OnProgress<'_>,
         on_rows: &mut OnRows<'_>,
     ) -> Result<Views, Error> {
-        let eyes = rig.eyes()?;
+        let eyes = rig.eyes(scene.origin)?;
         let done = self.sampled(scene, &eyes, options, true, progress, on_rows).await?;
         let nothing = (0..eyes.sources.len()).map(|_| ViewRows::new(eyes.pose.size[0])).collect();
         Ok(Views::of(done, nothing))

@@ -1,5 +1,7 @@
 //! Eyes on one line behind one screen: which are traced, and from which the others are made.
 
+use glam::{DVec3, Vec3};
+
 use crate::{
     Choice, Convergence, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera,
     View, Work, cpu,
@@ -83,7 +85,7 @@ impl Rig {
     /// # Errors
     /// [`Error::Rig`] for no eyes, too many, two in one place, several that are toed in, and sources that are no eyes;
     /// [`Error::Camera`] for a camera whose outermost or closest eyes f32 does not hold.
-    pub(crate) fn eyes(&self) -> Result<Eyes, Error> {
+    pub(crate) fn eyes(&self, scene_origin: DVec3) -> Result<Eyes, Error> {
         let fault = |reason| Err(Error::Rig { reason });
         let count = self.offsets.len();
         if count == 0 || count > MAX_VIEWS {
@@ -98,7 +100,7 @@ impl Rig {
         if let Some(two) = sorted.windows(2).find(|two| two[0] == two[1]) {
             return fault(format!("two eyes have the offset {}", two[0]));
         }
-        let pose = self.camera.pose()?;
+        let pose = self.camera.pose_in(scene_origin)?;
         if pose.convergence == Convergence::ToeIn {
             return match self.offsets[..] {
                 [offset] => Ok(Eyes::mono(pose.of_eye(2.0 * offset))),
@@ -201,8 +203,9 @@ impl Eyes {
         Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0] }
     }
 
-    pub(crate) fn positions(&self) -> Vec<glam::Vec3> {
-        self.offsets.iter().map(|offset| self.pose.eye_position(2.0 * offset)).collect()
+    /// Where they are, relative to the scene's origin.
+    pub(crate) fn positions(&self) -> Vec<Vec3> {
+        self.offsets.iter().map(|offset| self.pose.eye_in_scene(2.0 * offset)).collect()
     }
 
     /// As kernels read a view and its source.
@@ -286,8 +289,6 @@ pub struct RigView {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
 
     fn camera() -> StereoCamera {
@@ -298,7 +299,7 @@ mod tests {
     fn no_view_is_farther_from_its_source_than_the_rule_says() {
         for (eyes, traced) in [(1, 1), (2, 1), (23, 1), (24, 2), (45, 2), (65, 2), (66, 4), (200, 8)] {
             let rig = Rig::row(camera(), eyes);
-            let sources = rig.eyes().unwrap().sources;
+            let sources = rig.eyes(DVec3::ZERO).unwrap().sources;
             let found: std::collections::BTreeSet<_> = sources.iter().copied().collect();
             assert_eq!(found.len(), traced, "{eyes} eyes: {found:?}");
             for (view, &source) in sources.iter().enumerate() {
@@ -311,7 +312,7 @@ mod tests {
 
     #[test]
     fn rigs_that_cannot_be_rendered_are_refused_by_name() {
-        let refused = |rig: Rig| rig.eyes().unwrap_err().to_string();
+        let refused = |rig: Rig| rig.eyes(DVec3::ZERO).unwrap_err().to_string();
         assert!(refused(Rig::row(camera(), 0)).contains("no eyes"));
         assert!(refused(Rig::row(camera(), usize::MAX)).contains("more than 1024 eyes"));
         assert!(refused(Rig::at(camera(), vec![1.0, 0.0, 1.0])).contains("two eyes have the offset 1"));
@@ -327,6 +328,6 @@ mod tests {
     #[test]
     fn the_sources_that_are_asked_for_serve_the_views_beside_them() {
         let rig = Rig::row(camera(), 6).traced(vec![4, 1]);
-        assert_eq!(rig.eyes().unwrap().sources, [1, 1, 1, 4, 4, 4]);
+        assert_eq!(rig.eyes(DVec3::ZERO).unwrap().sources, [1, 1, 1, 4, 4, 4]);
     }
 }

@@ -108,7 +108,9 @@ impl<'a> ShadingTable<'a> {
         nadir[3] = self.before_textures() as u32;
         let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
         let (each, each_light) = (self.each, self.each_light);
-        let lights = scene.lights.iter().flat_map(move |light| light_of(light).into_iter().take(each_light));
+        let lights = scene.lights.iter();
+        let lights =
+            lights.flat_map(move |light| light_of(light, scene.local_position(light)).into_iter().take(each_light));
         let materials = scene.materials().iter().flat_map(move |material| material_of(material).into_iter().take(each));
         let sky = sky_pixels(scene).iter().copied().map(plain);
         let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
@@ -179,15 +181,13 @@ fn row_weight(row: usize, rows: usize) -> f64 {
     arc * (0.775 + 0.225 * arc)
 }
 
-/// A light's texels (soft.wgsl).
-fn light_of(light: &Light) -> [Texel; 4] {
-    let (kind, place, size, sides) = match light.shape {
-        LightShape::Point => (0, light.position, 0.0, [Vec3::ZERO; 2]),
-        LightShape::Sphere { radius } => (1, light.position, radius, [Vec3::ZERO; 2]),
-        LightShape::Rectangle { half_width, half_height } => (2, light.position, 1.0, [half_width, half_height]),
-        LightShape::Directional { radius } => {
-            (3, light.position.as_dvec3().normalize_or_zero().as_vec3(), radius.tan(), [Vec3::ZERO; 2])
-        }
+/// A light's texels (soft.wgsl), at a position relative to the scene's origin.
+fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
+    let (kind, size, sides) = match light.shape {
+        LightShape::Point => (0, 0.0, [Vec3::ZERO; 2]),
+        LightShape::Sphere { radius } => (1, radius, [Vec3::ZERO; 2]),
+        LightShape::Rectangle { half_width, half_height } => (2, 1.0, [half_width, half_height]),
+        LightShape::Directional { radius } => (3, radius.tan(), [Vec3::ZERO; 2]),
     };
     let [width, height] = sides.map(|side| texel(side, 0));
     [texel(place, kind), texel(light.intensity, f32::to_bits(size)), width, height]

@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use web_time::Instant;
 
 use crate::{
@@ -46,6 +46,8 @@ pub struct UploadedScene {
     pub(crate) lights: Vec<Vec3>,
     /// The same with their places among all lights.
     pub(crate) point_lights: Vec<(u32, Vec3)>,
+    /// The scene's origin, world coordinates; all positions here are relative to it.
+    pub(crate) origin: DVec3,
     /// Of all but planes.
     pub(crate) bounds: Option<(Vec3, Vec3)>,
     /// Those of the last frame that asked for some.
@@ -195,6 +197,7 @@ impl Renderer {
             let (table, shading, pictures) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
+            uploaded.origin = scene.origin();
             uploaded.lights = positions(scene);
             uploaded.point_lights = point_lights(scene);
             uploaded.soft = SoftLights::of(scene);
@@ -262,7 +265,8 @@ impl Renderer {
             objects: (0..scene.primitive_count() as u32).map(|id| scene.object_of(id)).collect(),
             lights: positions(scene),
             point_lights: point_lights(scene),
-            bounds: scene.bounds(),
+            bounds: scene.local_bounds(),
+            origin: scene.origin(),
             shadow_tables: Mutex::default(),
             soft: SoftLights::of(scene),
             large: LargePrimitives::of(scene),
@@ -334,7 +338,7 @@ fn positions(scene: &Scene) -> Vec<Vec3> {
 
 fn point_lights(scene: &Scene) -> Vec<(u32, Vec3)> {
     let points = (0..).zip(&scene.lights).filter(|(_, light)| !light.is_soft());
-    points.map(|(place, light)| (place, light.position)).collect()
+    points.map(|(place, light)| (place, scene.local_position(light))).collect()
 }
 
 /// The way to read a scene: the wanted one, or the other one where only that can hold it.

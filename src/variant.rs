@@ -34,9 +34,10 @@ impl Shadows {
         let points = || scene.lights.iter().filter(|light| !light.is_soft());
         let far = |(low, high): (glam::Vec3, glam::Vec3)| {
             let reach = Self::FAR_LIGHT * (high - low).max_element();
-            points().any(|light| light.position.clamp(low, high).distance(light.position) > reach)
+            let places = || points().map(|light| scene.local_position(light));
+            places().any(|place| place.clamp(low, high).distance(place) > reach)
         };
-        match scene.bounds() {
+        match scene.local_bounds() {
             _ if !scene.shadows || points().next().is_none() => Self::None,
             Some(bounds) if far(bounds) => Self::FromSurface,
             _ => Self::FromLight,

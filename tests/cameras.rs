@@ -252,7 +252,7 @@ fn seen_at(pose: &stereotrace::Pose, side: f64, [x, y]: [f64; 2], z: f64) -> DVe
     let i = pose.intrinsics();
     let cx = if side < 0.0 { i.cx0 } else { i.cx1 };
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
-    let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+    let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
     eye + forward * z + right * ((x - cx) / i.fx * z) - up * ((y - i.cy) / i.fy * z)
 }
 

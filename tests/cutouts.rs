@@ -267,7 +267,7 @@ fn rays_of_a_list_pass_holes_as_by_brute_force() {
             .t_max(random.between(0.5, 9.0))
     });
     let rays: Vec<Ray> = rays.collect();
-    let search = |ray: &Ray| closest_hit(&scene, ray.origin, ray.direction, ray.t_min, ray.t_max);
+    let search = |ray: &Ray| closest_hit(&scene, ray.origin.as_vec3(), ray.direction, ray.t_min, ray.t_max);
     let expected: Vec<(f32, u32)> = rays.iter().map(search).collect();
     assert!(expected.iter().filter(|(_, id)| *id != MISS).count() > 500);
     for traversal in [Traversal::ALL[0], Traversal::ALL[5]] {

@@ -6,7 +6,7 @@ use common::renderer;
 use stereotrace::{
     Material, Mesh, Scene, StereoCamera,
     dataset::FreePoses,
-    glam::{Vec3, vec3},
+    glam::{DVec3, Vec3, vec3},
 };
 
 /// The faces of a box, seen from outside, or from inside.
@@ -48,7 +48,7 @@ fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
         let mut tries = 0;
         for item in 0..60 {
             let found = poses.find(&renderer, &uploaded, item).unwrap();
-            let eye = found.camera.pose().unwrap().eye;
+            let eye = found.camera.pose().unwrap().eye.as_vec3();
             // By 128 directions a corner may be a little nearer than what they meet.
             let near = 0.25;
             let in_room = eye.cmpge(vec3(-5.0, 0.0, -5.0) + near).all() && eye.cmple(vec3(5.0, 4.0, 5.0) - near).all();
@@ -67,7 +67,7 @@ fn around_an_object_the_distance_stays_and_the_object_is_seen() {
     let mut scene = Scene::new();
     let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
     scene.add_mesh(&block(vec3(0.0, 0.0, 0.0), vec3(2.0, 1.0, 3.0), false).materials(vec![grey; 12])).unwrap();
-    let middle = vec3(1.0, 0.5, 1.5);
+    let middle = DVec3::new(1.0, 0.5, 1.5);
     let camera = StereoCamera::look_at(vec3(6.0, 2.0, 1.5), middle).size(64, 48).vertical_fov_degrees(30.0);
     let uploaded = renderer.upload(&scene).unwrap();
     let poses = FreePoses::new(&scene, camera, 1).unwrap().surfaces(0.2);

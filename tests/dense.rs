@@ -68,7 +68,8 @@ fn bracket_is_naive(name: &str, mesh: &Mesh, size: [u32; 2], farther: f32) {
     let mut scene = Scene::new();
     scene.add_mesh(mesh).unwrap();
     let pose = StereoCamera::fitting(scene.bounds().unwrap(), size[0], size[1]).pose().unwrap();
-    let camera = StereoCamera::look_at(pose.eye * farther, Vec3::ZERO).size(size[0], size[1]).interaxial_pixels(2.0);
+    let camera =
+        StereoCamera::look_at(pose.eye * f64::from(farther), Vec3::ZERO).size(size[0], size[1]).interaxial_pixels(2.0);
     scene.place_lights(3, &camera).unwrap();
     let methods = [Method::Naive, Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS, Method::Auto];
     let pairs = render(&scene, &camera, &methods).unwrap_or_else(|error| panic!("{name} at {size:?}: {error}"));

@@ -25,7 +25,7 @@ struct Pinhole<'a> {
 
 impl Pinhole<'_> {
     fn eye(&self) -> DVec3 {
-        self.pose.eye.as_dvec3() + self.pose.right.as_dvec3() * (0.5 * self.side * f64::from(self.pose.interaxial))
+        self.pose.eye + self.pose.right.as_dvec3() * (0.5 * self.side * f64::from(self.pose.interaxial))
     }
 
     /// The point that a pixel's centre shows at a depth.
@@ -35,7 +35,7 @@ impl Pinhole<'_> {
         let [across, up] = pose.screen_size.map(f64::from);
         let (x, y) = ((column as f64 + 0.5) / w - 0.5, 0.5 - (row as f64 + 0.5) / h);
         let d = f64::from(pose.screen_distance);
-        let on_screen = pose.eye.as_dvec3()
+        let on_screen = pose.eye
             + pose.forward.as_dvec3() * d
             + pose.right.as_dvec3() * (x * across)
             + pose.up.as_dvec3() * (y * up);
@@ -47,7 +47,7 @@ impl Pinhole<'_> {
         let pose = self.pose;
         let to = point - self.eye();
         let on_screen = self.eye() + to * (f64::from(pose.screen_distance) / to.dot(pose.forward.as_dvec3()));
-        let across = (on_screen - pose.eye.as_dvec3()).dot(pose.right.as_dvec3());
+        let across = (on_screen - pose.eye).dot(pose.right.as_dvec3());
         (across / f64::from(pose.screen_size[0]) + 0.5) * f64::from(pose.size[0])
     }
 }

@@ -176,7 +176,7 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
     });
     let (mut worst, mut lost) = (0.0_f64, 0);
     for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).unwrap().hits) {
-        let [seen, less, more] = [&truth, &less, &more].map(|truth| truth.see(ray.origin, ray.direction));
+        let [seen, less, more] = [&truth, &less, &more].map(|truth| truth.see(ray.origin.as_vec3(), ray.direction));
         if hit.primitive != seen.primitive {
             lost += usize::from(less.primitive == more.primitive);
         } else if seen.t.is_finite() {
@@ -240,7 +240,7 @@ fn no_ellipsoid_shadows_what_faces_the_light() {
             let turn = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 0.7));
             let one = Ellipsoid::new(center, turn * Mat3::from_diagonal(radii * scale), MaterialId(0));
             let camera = StereoCamera::look_at(center + Vec3::new(1.0, 2.0, 4.0) * scale, center);
-            let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye);
+            let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye.as_vec3());
             assert!(
                 seen > 100 && dark == 0,
                 "{radii} at {scale} and {offset}: {dark} of {seen} pixels shadow themselves"
@@ -265,7 +265,7 @@ fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
                 let eye = normal * (height * radius);
                 let camera = StereoCamera::look_at(eye, Vec3::ZERO).up(axes.x_axis).vertical_fov_degrees(30.0);
                 for lamp in [1.0, 10.0] {
-                    let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye * lamp);
+                    let (dark, seen) = dark(one, &camera, camera.pose().unwrap().eye.as_vec3() * lamp);
                     assert!(seen > 1000, "{seen}");
                     if dark > 0 {
                         faults.push(format!("{aspect} to 1, {radius} from {height}, lamp {lamp}: {dark} of {seen}"));

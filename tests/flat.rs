@@ -95,16 +95,16 @@ fn met(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
 /// faces the lamp those up to the first one in the way.
 fn tests_in_double_precision(scene: &Scene, pose: &Pose, eye: f32) -> (u64, u64) {
     let balls = scene.spheres();
-    let lamp = scene.lights[0].position.as_dvec3();
+    let lamp = scene.lights[0].position;
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(Vec3::as_dvec3);
-    let origin = pose.eye.as_dvec3() + right * f64::from(eye * pose.interaxial);
+    let origin = pose.eye + right * f64::from(eye * pose.interaxial);
     let [width, height] = pose.size;
     let (mut primary, mut shadow) = (0, 0);
     for (i, j) in (0..height).flat_map(|j| (0..width).map(move |i| (i, j))) {
         let x = (f64::from(i) + 0.5) / f64::from(width) - 0.5;
         let y = 0.5 - (f64::from(j) + 0.5) / f64::from(height);
         let [w, h] = pose.screen_size.map(f64::from);
-        let screen = pose.eye.as_dvec3() + forward * f64::from(pose.screen_distance) + right * w * x + up * h * y;
+        let screen = pose.eye + forward * f64::from(pose.screen_distance) + right * w * x + up * h * y;
         let direction = screen - origin;
         primary += balls.len() as u64;
         let hits = balls.iter().filter_map(|ball| met(ball, origin, direction).map(|t| (t, ball)));
@@ -201,9 +201,9 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     // Ten lamps take more rounds than a software adapter grants a thread: the frame goes on in steps, and shows the same.
     let (mut scene, camera) = stack(6000, StackedKind::Spheres, 8);
     let lamp = scene.lights[0];
-    scene
-        .lights
-        .extend((1..10).map(|index| Light::point(lamp.position + 0.3 * index as f32 * Vec3::X, 0.2 * lamp.intensity)));
+    scene.lights.extend(
+        (1..10).map(|index| Light::point(lamp.position + 0.3 * f64::from(index) * DVec3::X, 0.2 * lamp.intensity)),
+    );
     let [list, tree] = [BvhBuild::Flat, BvhBuild::Balanced].map(|build| renderer.upload_with(&scene, build).unwrap());
     let [list, tree] = [list, tree].map(|scene| pair(&mut renderer, &scene, &camera, Method::Naive));
     assert_same(&list, &tree, exact, "6000 spheres, ten lamps");

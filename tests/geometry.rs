@@ -93,10 +93,10 @@ fn a_sphere_over_a_plane_with_one_shadow_is_as_by_formula() {
     let pose = pair.pose;
     let mut kinds = [0; 5];
     for (view, side) in [(&pair.left, -1.0), (&pair.right, 1.0)] {
-        let origin = pose.eye_position(side).as_dvec3();
+        let origin = pose.eye_position(side);
         let ray = |x: f64, y: f64| {
             let [w, h] = pose.screen_size.map(f64::from);
-            let screen = pose.eye.as_dvec3()
+            let screen = pose.eye
                 + pose.forward.as_dvec3() * f64::from(pose.screen_distance)
                 + pose.right.as_dvec3() * (w * (x / 160.0 - 0.5))
                 + pose.up.as_dvec3() * (h * (0.5 - y / 120.0));
@@ -181,7 +181,7 @@ fn a_closed_ball_shows_no_crack_at_any_scale_or_place() {
                     .vertical_fov_degrees(30.0)
                     .interaxial_pixels(4.0);
                 let pair = render(&scene, &camera, Method::Naive);
-                let behind = camera.pose().unwrap().eye.distance(center);
+                let behind = camera.pose().unwrap().eye.as_vec3().distance(center);
                 for view in [&pair.left, &pair.right] {
                     let cracks = view.depth.iter().filter(|&&z| z.is_finite() && z > behind + 0.2 * scale).count();
                     let seen = view.depth.iter().filter(|z| z.is_finite()).count();

@@ -21,12 +21,12 @@ fn truth_of(scene: &Scene, camera: &StereoCamera) -> (StereoPair, GroundTruth) {
 /// An eye, -1 left, 1 right, and the direction of length 1 along the view through a pixel's centre, from the numbers of [`Pose`] alone.
 fn ray(pose: &Pose, side: f64, column: usize, row: usize) -> (DVec3, DVec3) {
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
-    let eye = pose.eye.as_dvec3() + right * (0.5 * side * f64::from(pose.interaxial));
+    let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
     let [w, h] = pose.size.map(f64::from);
     let x = ((column as f64 + 0.5) / w - 0.5) * f64::from(pose.screen_size[0]);
     let y = (0.5 - (row as f64 + 0.5) / h) * f64::from(pose.screen_size[1]);
     let d = f64::from(pose.screen_distance);
-    let on_screen = pose.eye.as_dvec3() + forward * d + right * x + up * y;
+    let on_screen = pose.eye + forward * d + right * x + up * y;
     (eye, (on_screen - eye) / d)
 }
 

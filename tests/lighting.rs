@@ -82,11 +82,11 @@ fn assert_seen(scene: &Scene, camera: &StereoCamera, case: &str) {
     let eye = camera.pose().unwrap().eye;
     for (index, light) in scene.lights.iter().enumerate() {
         let at = light.position;
-        let (way, _) = closest_hit(scene, eye, at - eye, 0.0, 1.0);
+        let (way, _) = closest_hit(scene, eye.as_vec3(), (at - eye).as_vec3(), 0.0, 1.0);
         assert!(way == 1.0, "{case}: light {index} at {at} is {way} of its way behind something");
-        let inside = |sphere: &Sphere| at.as_dvec3().distance(sphere.center.as_dvec3()) < f64::from(sphere.radius);
+        let inside = |sphere: &Sphere| at.distance(sphere.center.as_dvec3()) < f64::from(sphere.radius);
         assert!(!scene.spheres().iter().any(inside), "{case}: light {index} at {at} is in a sphere");
-        let within = |one: &Ellipsoid| (one.axes.inverse() * (at - one.center)).length() < 1.0;
+        let within = |one: &Ellipsoid| (one.axes.inverse() * (at.as_vec3() - one.center)).length() < 1.0;
         assert!(!scene.ellipsoids().iter().any(within), "{case}: light {index} at {at} is in an ellipsoid");
         assert!(at.distance(eye) > 0.01, "{case}: light {index} is in the eye");
     }
@@ -141,7 +141,7 @@ fn built_in_scenes_have_their_lights_in_their_boxes() {
         for (k, light) in scene.lights.iter().enumerate() {
             let (sin, cos) = (k as f32 * 2.399_963_2).sin_cos();
             let reach = pose.screen_distance * (0.25 + 0.1 * (k as f32 + 0.5));
-            let mut expected = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
+            let mut expected = pose.eye + ((pose.right * cos + pose.up * sin.abs()) * reach).as_dvec3();
             if inside {
                 expected = expected.clamp(low + inset, high - inset);
             }

@@ -134,13 +134,12 @@ fn balls_send_on_what_a_tracer_in_double_precision_sees() {
     for bounces in [0, 1, 2, 5] {
         let pair = render(&scene, &camera, Options::new(Method::BRACKET).bounces(bounces));
         for (view, side) in [(&pair.left, -1.0), (&pair.right, 1.0)] {
-            let eye = pose.eye_position(side).as_dvec3();
+            let eye = pose.eye_position(side);
             let mut off = 0;
             for (index, found) in view.linear.iter().enumerate() {
                 let (column, row) = ((index % 96) as f64 + 0.5, (index / 96) as f64 + 0.5);
                 let screen = pose.screen_size.map(f64::from);
-                let middle =
-                    pose.eye_position(0.0).as_dvec3() + pose.forward.as_dvec3() * f64::from(pose.screen_distance);
+                let middle = pose.eye_position(0.0) + pose.forward.as_dvec3() * f64::from(pose.screen_distance);
                 let point = middle
                     + pose.right.as_dvec3() * (screen[0] * (column / 96.0 - 0.5))
                     + pose.up.as_dvec3() * (screen[1] * (0.5 - row / 72.0));

@@ -53,7 +53,8 @@ fn any_number_makes_a_camera_a_picture_or_an_error_that_names_the_field() {
         StereoCamera::interaxial_pixels,
     ];
     let base = Builtin::Near.camera(9, 7);
-    let bounds = |number: f32| StereoCamera::fitting((Vec3::splat(-number), Vec3::splat(number)), 9, 7);
+    let bounds =
+        |number: f32| StereoCamera::fitting((Vec3::splat(-number).as_dvec3(), Vec3::splat(number).as_dvec3()), 9, 7);
     let cameras = setters.iter().flat_map(|set| NUMBERS.map(|number| set(base, number))).chain(NUMBERS.map(bounds));
     let mut refused = 0;
     for camera in cameras {
@@ -73,7 +74,10 @@ fn any_size_makes_a_picture_or_an_error() {
     let sides = [0, 1, 2, 65_536, MAX_SIDE, MAX_SIDE + 1, u32::MAX - 6, u32::MAX];
     for (width, height) in sides.iter().flat_map(|&width| sides.map(|height| (width, height))) {
         let valid = width.min(height) > 0 && width.max(height) <= MAX_SIDE;
-        assert_eq!(StereoCamera::fitting((Vec3::ZERO, Vec3::ONE), width, height).pose().is_ok(), valid);
+        assert_eq!(
+            StereoCamera::fitting((Vec3::ZERO.as_dvec3(), Vec3::ONE.as_dvec3()), width, height).pose().is_ok(),
+            valid
+        );
         for camera in [Builtin::Near.camera(width, height), Trial::Wires.camera(width, height)] {
             // A screen of fixed width gets pixels too narrow or a height too great in some of these.
             if let Err(error) = camera.pose() {

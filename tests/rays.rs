@@ -69,7 +69,8 @@ fn every_variant_hits_what_a_search_through_all_primitives_hits() {
         let expected: Vec<Vec<(f32, u32)>> = lists
             .iter()
             .map(|list| {
-                let search = |ray: &Ray| closest_hit(&scene, ray.origin, ray.direction, ray.t_min, ray.t_max.min(FAR));
+                let search =
+                    |ray: &Ray| closest_hit(&scene, ray.origin.as_vec3(), ray.direction, ray.t_min, ray.t_max.min(FAR));
                 let hit = |(t, primitive)| (if primitive == MISS { f32::INFINITY } else { t }, primitive);
                 list.rays.iter().map(search).map(hit).collect()
             })
@@ -183,7 +184,7 @@ fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
         for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).unwrap().hits) {
             let [a, b, c] = scene.triangles()[hit.primitive as usize].corners.map(Vec3::as_dvec3);
             let normal = (b - a).cross(c - a);
-            let t = normal.dot(a - ray.origin.as_dvec3()) / normal.dot(ray.direction.as_dvec3());
+            let t = normal.dot(a - ray.origin) / normal.dot(ray.direction.as_dvec3());
             worst = worst.max((f64::from(hit.t) / t - 1.0).abs());
         }
     }

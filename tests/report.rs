@@ -12,7 +12,7 @@ mod report;
 
 use std::{error::Error, fs};
 
-use stereotrace::{Method, glam::Vec3};
+use stereotrace::{Method, glam::DVec3};
 
 use crate::{
     common::{looks, provenance::SMOKE, scenes},
@@ -259,7 +259,7 @@ fn benchmarks_take_any_scene_file() -> Result<(), Box<dyn Error>> {
     assert_eq!((own.name.as_str(), own.scene.lights.len()), ("house", 1));
     assert_eq!(
         (own.scene.lights[0].position, own.camera.pose()?.eye),
-        (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 5.0))
+        (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 0.0, 5.0))
     );
     let placed = load("house.gltf", GLTF, Some(3))?.ok_or("a path is a scene")?;
     assert!(placed.scene.lights.len() == 3);

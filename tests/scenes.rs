@@ -89,7 +89,7 @@ fn check(name: &str, triangles: usize) {
     let mut lit = scene.clone();
     lit.place_lights(2, &camera).unwrap();
     for light in &lit.lights {
-        check_shadows(&mut renderer, &uploaded, &theirs, &pair, light.position);
+        check_shadows(&mut renderer, &uploaded, &theirs, &pair, light.position.as_vec3());
     }
 }
 

@@ -134,7 +134,7 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     let frame = cpu::Frame::new(&camera.pose().unwrap());
     let (column, row) = (index % view.width as usize, index / view.width as usize);
     let point = frame.eye(Eye::Left) + frame.direction(Eye::Left, column, row) * view.depth[index];
-    let light = scene.lights[0].position;
+    let light = scene.lights[0].position.as_vec3();
     let straight = (point - light).as_dvec3().normalize();
     let seen = |theta: f64, phi: f64| {
         // About the direction, by polar angles around it.

@@ -80,7 +80,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
                 continue;
             }
             let d = frame.direction(stereotrace::cpu::Eye::Left, index % 40, index / 40);
-            let normal = camera.pose().unwrap().eye.as_dvec3() + d.as_dvec3() * f64::from(depth);
+            let normal = camera.pose().unwrap().eye + d.as_dvec3() * f64::from(depth);
             // The integral of (1 + y) / 2 times the cosine, over pi: y is 2/3 of the normal's in the mean.
             let form = nadir.as_dvec3().lerp(zenith.as_dvec3(), 0.5 + normal.y / 3.0);
             let mean = if seed == 0 { *sum * f64::from(seeds) } else { *sum };

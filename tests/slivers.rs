@@ -82,7 +82,7 @@ impl Kind {
     fn scene(self, pose: &Pose, scale: f32, random: &mut Random) -> Scene {
         let mut scene = Scene::new();
         let back = [(-30.0, -30.0), (30.0, -30.0), (30.0, 30.0), (-30.0, 30.0)];
-        let back = back.map(|(x, y)| pose.eye + scale * Vec3::new(x, y, -20.0));
+        let back = back.map(|(x, y)| pose.eye.as_vec3() + scale * Vec3::new(x, y, -20.0));
         scene.add_mesh(&Mesh::new(back.to_vec(), vec![[0, 1, 2], [0, 2, 3]])).unwrap();
         let frame = Frame::new(pose);
         for index in 0..24 {

@@ -122,7 +122,7 @@ fn stage(builtin: Builtin) -> (Scene, StereoCamera) {
     let pose = camera.pose().unwrap();
     let size = pose.screen_distance;
     scene.lights.truncate(2);
-    let above = pose.eye + pose.up * size * 0.4;
+    let above = pose.eye.as_vec3() + pose.up * size * 0.4;
     scene.lights.push(Light::sphere(above, 0.1 * size, Vec3::splat(0.3)));
     scene.lights.push(Light::rectangle(
         above + pose.right * size,
@@ -229,7 +229,7 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     let mut renderer = Renderer::new(gpu());
     let camera = Builtin::Hall.camera(150, 101);
     let mut scene = Builtin::Hall.scene();
-    let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).unwrap();
+    let diagonal = scene.bounds().map(|(low, high)| low.distance(high) as f32).unwrap();
     scene.place_lights(2, &camera).unwrap();
     for light in &mut scene.lights {
         *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);

@@ -23,7 +23,7 @@ const SKY_WIDTH: u32 = 1024;
 pub(crate) fn finishes(bench: &BenchScene) -> Result<Vec<Finished>, Error> {
     let plain = Options::new(Method::Naive);
     let points = &bench.scene;
-    let diagonal = points.bounds().map_or(1.0, |(low, high)| low.distance(high));
+    let diagonal = points.bounds().map_or(1.0, |(low, high)| low.distance(high) as f32);
     let mut unlit = points.clone();
     unlit.lights.clear();
     let mut soft = points.clone();
@@ -67,7 +67,7 @@ fn with_ball(scene: &Scene, bench: &BenchScene, material: Material) -> Result<Sc
     let pose = bench.camera.pose()?;
     let mut scene = scene.clone();
     let material = scene.add_material(material);
-    let center = pose.eye + pose.forward * pose.screen_distance;
+    let center = pose.eye.as_vec3() + pose.forward * pose.screen_distance;
     scene.add_sphere(Sphere::new(center, pose.screen_size[1] / 6.0, material))?;
     Ok(scene)
 }

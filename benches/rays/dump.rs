@@ -15,7 +15,7 @@ pub(crate) fn write(folder: &Path, scene: &Scene, kinds: &[Kind]) -> Result<(), 
     batch.add(folder.join("triangles.f32"), &bytes(corners))?;
     for kind in kinds {
         let numbers = kind.lists.iter().flatten().flat_map(|ray| {
-            ray.origin.to_array().into_iter().chain(ray.direction.to_array()).chain([ray.t_min, ray.t_max])
+            ray.origin.as_vec3().to_array().into_iter().chain(ray.direction.to_array()).chain([ray.t_min, ray.t_max])
         });
         let query = if kind.query == Query::Closest { "closest" } else { "any" };
         let name = kind.name.replace([' ', '%'], "-");

@@ -72,7 +72,7 @@ pub(crate) fn kinds(scene: &Scene, pose: &Pose, left_hits: LeftHits<'_>) -> Vec<
         Kind {
             name: "shadow",
             query: Query::Any,
-            lists: scene.lights.iter().map(|light| towards(light.position, 0.9999)).collect(),
+            lists: scene.lights.iter().map(|light| towards(light.position.as_vec3(), 0.9999)).collect(),
         },
         Kind { name: "length-limited", query: Query::Any, lists: vec![towards(right, 0.999)] },
         Kind {

@@ -66,7 +66,7 @@ impl ObvhsTracer {
     /// As [`Self::any_hits`], from the other end of each ray.
     pub(crate) fn any_hits_reversed(&self, rays: &[stereotrace::Ray]) -> Vec<bool> {
         let any = |ray: &stereotrace::Ray| {
-            let end = ray.origin + ray.direction * ray.t_max;
+            let end = ray.origin.as_vec3() + ray.direction * ray.t_max;
             let back = Ray::new(end.into(), (-ray.direction).into(), 0.0, ray.t_max);
             !self.tree.ray_traverse_miss(back, |ray, index| self.intersect(ray, index))
         };
@@ -82,7 +82,7 @@ impl ObvhsTracer {
 }
 
 fn of(ray: &stereotrace::Ray) -> Ray {
-    Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max.min(FAR))
+    Ray::new(ray.origin.as_vec3().into(), ray.direction.into(), ray.t_min, ray.t_max.min(FAR))
 }
 
 fn in_parallel<T: Send + Default + Clone>(

@@ -281,8 +281,8 @@ impl Rays {
         for frame in 0..VIEWS {
             // A step of an interaxial each.
             let aside = pose.right * (pose.interaxial * (frame as f32 - 0.5 * VIEWS as f32));
-            let eye = pose.eye + aside;
-            let moved = camera.eye(eye).target(eye + pose.screen_distance * pose.forward);
+            let eye = pose.eye + aside.as_dvec3();
+            let moved = camera.eye(eye).target(eye + (pose.screen_distance * pose.forward).as_dvec3());
             film += of_pair(&renderer.trace(uploaded, &moved, options)?);
         }
         Ok(Self { pair, rig: rig.views.iter().map(|view| view.work.rays.shadow).sum(), film })

@@ -1,7 +1,10 @@
 //! How an OBJ file is shown of which nothing is said: seen from a corner, in soft light before a plain backdrop. `--plain` does without, and
 //! what is asked for by name takes its place.
 
-use stereotrace::{Light, Scene, Sky, StereoCamera, glam::Vec3};
+use stereotrace::{
+    Light, Pose, Scene, Sky, StereoCamera,
+    glam::{DVec3, Vec3},
+};
 
 /// From the object to the eyes: right, up and towards the front.
 const CORNER: Vec3 = Vec3::new(0.62, 0.42, 0.8);
@@ -20,20 +23,24 @@ pub(crate) const RAYS: u32 = 4;
 /// The camera moved around the object, as far as numbers allow.
 pub(crate) fn from_a_corner(camera: StereoCamera) -> StereoCamera {
     let Ok(pose) = camera.pose() else { return camera };
-    let center = pose.eye + pose.forward * pose.screen_distance;
-    let moved = camera.eye(center + CORNER.normalize() * pose.screen_distance);
+    let moved = camera.eye(center(&pose) + (CORNER.normalize() * pose.screen_distance).as_dvec3());
     if moved.pose().is_ok() { moved } else { camera }
 }
 
 /// Lights the object, unless its own lights do.
 pub(crate) fn light(scene: &mut Scene, camera: &StereoCamera) -> Result<(), stereotrace::Error> {
     let pose = camera.pose()?;
-    let center = pose.eye + pose.forward * pose.screen_distance;
     let way = pose.right * KEY.x + pose.up * KEY.y - pose.forward * KEY.z;
     let radius = KEY_RADIUS * pose.screen_distance;
-    scene.lights = vec![Light::sphere(center + way.normalize() * pose.screen_distance, radius, KEY_INTENSITY)];
+    let place = center(&pose) + (way.normalize() * pose.screen_distance).as_dvec3();
+    scene.lights = vec![Light::sphere(place, radius, KEY_INTENSITY)];
     scene.ambient.get_or_insert(FILL);
     Ok(())
+}
+
+/// The middle of the screen, where the object is.
+fn center(pose: &Pose) -> DVec3 {
+    pose.eye + (pose.forward * pose.screen_distance).as_dvec3()
 }
 
 pub(crate) fn backdrop() -> Sky {

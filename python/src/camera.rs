@@ -8,7 +8,7 @@ use stereotrace::{Convergence, Pose, StereoCamera, camera::Intrinsics};
 use crate::{
     errors::{raised, refused},
     scene::Scene,
-    values::{Point, Size, shown, tuple},
+    values::{Position, Size, shown, tuple},
 };
 
 /// The fields that the constructor and `replace` take beside eye and target.
@@ -66,7 +66,7 @@ impl Camera {
 impl Camera {
     #[new]
     #[pyo3(signature = (eye, target, **fields))]
-    fn new(eye: Point, target: Point, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(eye: Position, target: Position, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(StereoCamera::look_at(eye.0, target.0), fields)
     }
 
@@ -117,8 +117,8 @@ impl Camera {
 
     /// The midpoint between the eyes, a world position: a tuple of three.
     #[getter]
-    fn eye(&self) -> PyResult<(f32, f32, f32)> {
-        Ok(tuple(self.pose()?.eye))
+    fn eye(&self) -> PyResult<(f64, f64, f64)> {
+        Ok(self.pose()?.eye.into())
     }
 
     /// The view direction in the world, of unit length: a tuple of three.
@@ -142,8 +142,8 @@ impl Camera {
 
     /// The point that is looked at, as it was given, a world position: a tuple of three.
     #[getter]
-    fn target(&self) -> (f32, f32, f32) {
-        tuple(self.0.target_position())
+    fn target(&self) -> (f64, f64, f64) {
+        self.0.target_position().into()
     }
 
     /// The direction that is up, as it was given: a tuple of three, of any length, and mostly not at right angles to the view.
@@ -205,7 +205,7 @@ impl Camera {
     /// x and y are in pixels from the picture's top left corner, with pixel centres at halves: the pixel in row j and column i has its
     /// centre at (i + 0.5, j + 0.5). The depth is along the eye's view direction, in world units. Raises ``ValueError`` for another eye.
     #[pyo3(signature = (point, eye = "left"))]
-    fn project(&self, point: Point, eye: &str) -> PyResult<(f32, f32, f32)> {
+    fn project(&self, point: Position, eye: &str) -> PyResult<(f32, f32, f32)> {
         let side = match eye {
             "left" => -1.0,
             "middle" => 0.0,
@@ -257,14 +257,14 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
     for (name, value) in fields {
         let name: String = name.extract()?;
         let of = |error: PyErr| refused(format!("camera: {name}: {}", error.value(value.py())));
-        let point = || value.extract::<Point>().map(|point| point.0).map_err(of);
+        let point = || value.extract::<Position>().map(|point| point.0).map_err(of);
         let number = || {
             value.extract::<f32>().map_err(|_| refused(format!("camera: {name}: {} must be a number", shown(&value))))
         };
         camera = match &*name {
             "eye" => camera.eye(point()?),
             "target" => camera.target(point()?),
-            "up" => camera.up(point()?),
+            "up" => camera.up(point()?.as_vec3()),
             "size" => {
                 let size = value.extract::<Size>();
                 let Size(width, height) =

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use stereotrace::LightShape;
 
-use crate::values::{Color, Point, tuple};
+use crate::values::{Color, Point, Position, tuple};
 
 /// A light without falloff: all of it that is seen from a place is as bright there as from any other.
 ///
@@ -29,34 +29,34 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Light {
 impl Light {
     /// A point of light at a world position. Its shadows are sharp.
     #[staticmethod]
-    fn point(position: Point, intensity: Color) -> Self {
+    fn point(position: Position, intensity: Color) -> Self {
         Self(stereotrace::Light::point(position.0, intensity.0))
     }
 
     /// A ball of light about a world position; the radius is in world units, above 0.
     #[staticmethod]
-    fn sphere(position: Point, radius: f32, intensity: Color) -> Self {
+    fn sphere(position: Position, radius: f32, intensity: Color) -> Self {
         Self(stereotrace::Light::sphere(position.0, radius, intensity.0))
     }
 
     /// A rectangle or parallelogram of light about a world position, which shines to both sides. ``half_width`` and ``half_height`` are the
     /// ways from there to the middles of two sides, in world units.
     #[staticmethod]
-    fn rectangle(position: Point, half_width: Point, half_height: Point, intensity: Color) -> Self {
+    fn rectangle(position: Position, half_width: Point, half_height: Point, intensity: Color) -> Self {
         Self(stereotrace::Light::rectangle(position.0, half_width.0, half_height.0, intensity.0))
     }
 
     /// Light from infinitely far off, such as a sun's. ``towards`` is the direction that leads to it, of any length but 0; ``radius`` is
     /// the angle from the middle of its disc to the rim, in radians, 0 to 1.5: the sun's is 0.0047, and by 0 shadows are sharp.
     #[staticmethod]
-    fn directional(towards: Point, radius: f32, intensity: Color) -> Self {
+    fn directional(towards: Position, radius: f32, intensity: Color) -> Self {
         Self(stereotrace::Light::directional(towards.0, radius, intensity.0))
     }
 
     /// The world position of its middle; of a directional light the direction that leads to it. A tuple of three.
     #[getter]
-    fn position(&self) -> (f32, f32, f32) {
-        tuple(self.0.position)
+    fn position(&self) -> (f64, f64, f64) {
+        self.0.position.into()
     }
 
     /// The radiance that it adds to a white surface that faces it, linear RGB: a tuple of three.
@@ -88,7 +88,7 @@ impl Light {
 
     /// The light at another position, or with another intensity; of a directional light ``position`` is its direction. All else stays.
     #[pyo3(signature = (*, position = None, intensity = None))]
-    fn replace(&self, position: Option<Point>, intensity: Option<Color>) -> Self {
+    fn replace(&self, position: Option<Position>, intensity: Option<Color>) -> Self {
         let mut light = self.0;
         light.position = position.map_or(light.position, |point| point.0);
         light.intensity = intensity.map_or(light.intensity, |color| color.0);

@@ -24,7 +24,7 @@ use crate::{
     options::{Output, Request},
     picture::{array, encoded, rgb, shaped},
     statistics,
-    values::{named, tuple},
+    values::named,
 };
 
 /// A pair as it was rendered, and what was asked for.
@@ -450,8 +450,8 @@ impl Views {
 
     /// Where the eyes stand, world positions: a list of tuples of three.
     #[getter]
-    fn eyes(&self) -> Vec<(f32, f32, f32)> {
-        self.frame.views.views.iter().map(|view| tuple(self.frame.views.pose.eye_position(2.0 * view.offset))).collect()
+    fn eyes(&self) -> Vec<(f64, f64, f64)> {
+        self.frame.views.views.iter().map(|view| self.frame.views.pose.eye_position(2.0 * view.offset).into()).collect()
     }
 
     /// What each view cost: a list of dicts as ``left`` and ``right`` of ``StereoPair.statistics`` are.

@@ -8,7 +8,7 @@ use std::{
 use pyo3::prelude::*;
 use sha2::{Digest, Sha256};
 use stereotrace::{
-    Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Plane, SceneFile, SceneOptions, Sky, SkyMap, Sphere,
+    Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, Plane, SceneFile, SceneOptions, Sky, SkyMap, Sphere,
     StereoCamera, Texture, TextureId, Wrap,
     glam::{Affine3A, Mat3, Mat4, Vec3},
 };
@@ -18,7 +18,7 @@ use crate::{
     errors::{raised, refused},
     light::Light,
     material::Material,
-    values::{self, Color, Point, Size, named, tuple},
+    values::{self, Color, Point, Position, Size, named, shown, tuple},
 };
 
 /// Of all scenes and their states, so that a renderer knows which of them stands on its device.
@@ -100,15 +100,26 @@ impl Scene {
     ///
     /// Raises ``OSError`` if the file can't be read, and ``ValueError`` for a file of another format, for content that is wrong (the
     /// message names line or item), and for files over 1 GiB.
+    ///
+    /// ``origin`` is the world position that the file's coordinates are stored relative to: three numbers, ``"none"`` for 0,
+    /// or ``"auto"``: the middle of a file that lies farther away than 8 times its size. Cameras, lights, bounds and
+    /// ground truth stay in world coordinates, in double precision.
     #[staticmethod]
-    #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error"))]
-    fn open(py: Python<'_>, path: PathBuf, crease_angle: Option<f32>, missing_textures: &str) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error", origin = None))]
+    fn open(
+        py: Python<'_>,
+        path: PathBuf,
+        crease_angle: Option<f32>,
+        missing_textures: &str,
+        origin: Option<OriginArgument>,
+    ) -> PyResult<Self> {
         let missing = match missing_textures {
             "error" => MissingTextures::Error,
             "warn" => MissingTextures::Warn,
             other => return Err(refused(format!("missing_textures: '{other}' is neither 'error' nor 'warn'"))),
         };
         let options = SceneOptions::default().crease_angle(crease_angle).missing_textures(missing);
+        let options = options.origin(origin.map_or(Origin::Auto, |origin| origin.0));
         let SceneFile { scene, cameras, .. } = py.detach(|| SceneFile::open(path, &options)).map_err(raised)?;
         Ok(Self::of(scene, cameras, None))
     }
@@ -459,11 +470,23 @@ impl Scene {
         self.changed().transform_object(object, &transform).map_err(raised)
     }
 
-    /// The axis-aligned box around all that can be hit but planes, in world units: a list of its low and its high corner, tuples of three.
+    /// The axis-aligned box around all that can be hit but planes, in world coordinates: a list of its low and its high corner, tuples of three.
     /// ``None`` where there is nothing.
     #[getter]
-    fn bounds(&self) -> Option<[(f32, f32, f32); 2]> {
-        self.inner.bounds().map(|(low, high)| [tuple(low), tuple(high)])
+    fn bounds(&self) -> Option<[(f64, f64, f64); 2]> {
+        self.inner.bounds().map(|(low, high)| [low.into(), high.into()])
+    }
+
+    /// The world position that the positions of meshes, spheres, ellipsoids and planes are relative to: a tuple of three.
+    #[getter]
+    fn origin(&self) -> (f64, f64, f64) {
+        self.inner.origin().into()
+    }
+
+    /// Sets the origin: what was added moves along, and lights stay where they are in the world.
+    #[setter]
+    fn set_origin(&mut self, origin: Position) -> PyResult<()> {
+        self.changed().set_origin(origin.0).map_err(raised)
     }
 
     /// The number of triangles, those without area too.
@@ -513,6 +536,22 @@ impl Scene {
             scene.materials().len(),
             scene.lights.len()
         )
+    }
+}
+
+/// ``"auto"``, ``"none"`` or a position.
+struct OriginArgument(Origin);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for OriginArgument {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match (value.extract::<&str>(), value.extract::<Position>()) {
+            (Ok("auto"), _) => Ok(Self(Origin::Auto)),
+            (Ok("none"), _) => Ok(Self(Origin::World)),
+            (_, Ok(Position(origin))) => Ok(Self(Origin::At(origin))),
+            _ => Err(refused(format!("origin: {} is not 'auto', 'none' or three numbers", shown(&value)))),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use numpy::{
 use pyo3::{conversion::FromPyObjectOwned, exceptions::PyTypeError, prelude::*, types::PyDict};
 use stereotrace::{
     Error,
-    glam::{Vec2, Vec3},
+    glam::{DVec3, Vec2, Vec3},
 };
 
 use crate::errors::{raised, refused};
@@ -29,7 +29,22 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Point {
     }
 }
 
-/// The same, or one number that stands for all three.
+/// The same in double precision: a position in world coordinates.
+#[derive(Clone, Copy)]
+pub(crate) struct Position(pub(crate) DVec3);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Position {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract::<[f64; 3]>() {
+            Ok(numbers) => Ok(Self(DVec3::from_array(numbers))),
+            Err(_) => Err(PyTypeError::new_err(format!("{} must be three numbers", shown(&value)))),
+        }
+    }
+}
+
+/// Three numbers, or one number that stands for all three.
 #[derive(Clone, Copy)]
 pub(crate) struct Color(pub(crate) Vec3);
 

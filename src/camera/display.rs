@@ -188,7 +188,7 @@ impl StereoCamera {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::{camera::Intrinsics, random::Random};
@@ -301,10 +301,10 @@ mod tests {
     #[test]
     fn a_box_s_depths_are_those_of_its_corners() {
         let pose = StereoCamera::look_at(Vec3::new(1.0, 2.0, 9.0), Vec3::new(0.0, 2.0, 0.0)).pose().unwrap();
-        let (low, high) = (Vec3::new(-1.0, -2.0, -3.0), Vec3::new(2.0, 1.0, 4.0));
+        let (low, high) = (DVec3::new(-1.0, -2.0, -3.0), DVec3::new(2.0, 1.0, 4.0));
         let depths = (0..8).map(|corner| {
             let at = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            pose.project(Vec3::new(at(0), at(1), at(2)), 0.0)[2]
+            pose.project(DVec3::new(at(0), at(1), at(2)), 0.0)[2]
         });
         let (near, far) = depths.fold((f32::INFINITY, 0.0_f32), |(near, far), z| (near.min(z), far.max(z)));
         let found = pose.depth_range_of((low, high));

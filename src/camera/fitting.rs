@@ -1,9 +1,9 @@
 //! The camera that holds an object of unknown size.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::StereoCamera;
-use crate::scene::MIN_EXTENT;
+use crate::scene::{MAX_COORDINATE, MIN_EXTENT};
 
 /// In a fitting camera the tangent of half the picture's horizontal angle is at most this.
 const WIDEST_FIT: f64 = 3.0;
@@ -18,20 +18,20 @@ impl StereoCamera {
     /// thirtieth of the nearest distance between the eyes.
     ///
     /// The vertical field of view is 35 degrees. It is less where a picture is ten times as wide as high and more, and
-    /// greater where the eyes would leave [`MAX_EYE_COORDINATE`](super::MAX_EYE_COORDINATE). A sphere too small for f32
-    /// is seen from farther off, as if its radius were [`MIN_EXTENT`], or 2⁻¹⁶ of its centre's largest coordinate.
-    /// The camera is valid for every box within a scene's coordinates, at up to 16 times as many pixels one way as the
-    /// other.
-    pub fn fitting(bounds: (Vec3, Vec3), width: u32, height: u32) -> Self {
-        let (low, high) = (bounds.0.as_dvec3(), bounds.1.as_dvec3());
+    /// greater where the eyes would leave [`MAX_EYE_COORDINATE`](super::MAX_EYE_COORDINATE) of an origin at 0. A sphere
+    /// too small for f32 is seen from farther off, as if its radius were [`MIN_EXTENT`].
+    ///
+    /// The bounds are world coordinates, as [`Scene::bounds`](crate::Scene::bounds) has them. The camera is valid for
+    /// every box within a scene's coordinates, at up to 16 times as many pixels one way as the other. A small scene far
+    /// from its own origin is refused when it is rendered: f32 does not hold its eyes.
+    pub fn fitting(bounds: (DVec3, DVec3), width: u32, height: u32) -> Self {
+        let (low, high) = bounds;
         let center = low.midpoint(high);
         let radius = match 0.5 * low.distance(high) {
             radius if radius > 0.0 => radius,
             _ => 1.0,
         };
-        let place = center.abs().max_element();
-        // The rounding of the eye and of the target moves what is seen by two steps of f32 at most.
-        let radius = (radius + place * 2.0_f64.powi(-21)).max(place * 2.0_f64.powi(-16)).max(f64::from(MIN_EXTENT));
+        let radius = radius.max(f64::from(MIN_EXTENT));
         let ratio = f64::from(width) / f64::from(height.max(1));
         let half_height = 17.5_f64.to_radians().tan();
         let mut half_height = half_height.min(WIDEST_FIT / ratio);
@@ -40,7 +40,8 @@ impl StereoCamera {
         let mut direction = DVec3::new(0.35, 0.25, 1.0).normalize();
         let farthest =
             |direction: DVec3| ((FARTHEST_FIT - direction.signum() * center) / direction.abs()).min_element();
-        if distance > farthest(direction) {
+        let is_near_origin = center.abs().max_element() <= f64::from(MAX_COORDINATE);
+        if is_near_origin && distance > farthest(direction) {
             // From the origin's side there is most room.
             direction *= DVec3::select(center.cmpgt(DVec3::ZERO), DVec3::NEG_ONE, DVec3::ONE);
             distance = distance.min(farthest(direction));
@@ -48,7 +49,7 @@ impl StereoCamera {
             half_height *= (1.05 * sine / (1.0 - sine * sine).sqrt() / narrower).max(1.0);
         }
         let eye = center + direction * distance;
-        Self::look_at(eye.as_vec3(), center.as_vec3())
+        Self::look_at(eye, center)
             .size(width, height)
             .vertical_fov_degrees((2.0 * half_height.atan()).to_degrees() as f32)
             .screen_distance(distance as f32)

@@ -96,19 +96,51 @@ impl Pose {
     }
 
     /// World position of an eye: -1 left, +1 right, 0 the midpoint.
-    pub fn eye_position(&self, side: f32) -> Vec3 {
-        self.exact_eye(side).as_vec3()
+    ///
+    /// The pose of a picture has the eyes that were rendered. They are f32 positions relative to
+    /// [`Scene::origin`](crate::Scene::origin), so that they may differ from `eye ± right e/2` in the last bit. All
+    /// ground truth, matrices and calibrations are of these eyes.
+    pub fn eye_position(&self, side: f32) -> DVec3 {
+        match self.scene_origin {
+            Some(origin) => origin + self.eye_in_scene(side).as_dvec3(),
+            None => self.unrounded_eye(side),
+        }
     }
 
-    /// The same in f64.
-    pub(crate) fn exact_eye(&self, side: f32) -> DVec3 {
-        self.eye.as_dvec3() + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial)
+    /// The same, relative to the scene's origin, as kernels get it.
+    pub(crate) fn eye_in_scene(&self, side: f32) -> Vec3 {
+        self.to_scene(self.unrounded_eye(side)).as_vec3()
     }
 
-    /// Where a world point lands in an eye's picture: `[x, y, Z]`, x and y in pixels from the top left corner
-    /// (pixel centres at halves), `Z` its depth along the eye's view direction.
-    pub fn project(&self, point: Vec3, side: f32) -> [f32; 3] {
-        self.project_from_eye(point.as_dvec3() - self.exact_eye(side), side).map(|value| value as f32)
+    /// A world position relative to the scene's origin.
+    pub(crate) fn to_scene(&self, point: DVec3) -> DVec3 {
+        point - self.scene_origin.unwrap_or_default()
+    }
+
+    fn unrounded_eye(&self, side: f32) -> DVec3 {
+        self.eye + self.right.as_dvec3() * f64::from(0.5 * side * self.interaxial)
+    }
+
+    /// What rounding adds to the way from the left eye to the right one: along `right`, `up` and `forward`, world
+    /// units. 0 where no picture was rendered.
+    pub(crate) fn baseline_rounding(&self) -> DVec3 {
+        if self.scene_origin.is_none() {
+            return DVec3::ZERO;
+        }
+        let [left, right] = [-1.0, 1.0].map(|side| self.eye_in_scene(side).as_dvec3());
+        let rounding = right - left - self.right.as_dvec3() * f64::from(self.interaxial);
+        DVec3::from_array([self.right, self.up, self.forward].map(|axis| rounding.dot(axis.as_dvec3())))
+    }
+
+    /// The distance between the eyes that were rendered, along `right`: the interaxial and what rounding adds to it.
+    pub fn baseline(&self) -> f64 {
+        f64::from(self.interaxial) + self.baseline_rounding().x
+    }
+
+    /// Where a point in world coordinates lands in an eye's picture: `[x, y, Z]`, x and y in pixels from the top left
+    /// corner (pixel centres at halves), `Z` its depth along the eye's view direction.
+    pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
+        self.project_from_eye(point.into() - self.eye_position(side), side).map(|value| value as f32)
     }
 
     /// The same of a vector from that eye.
@@ -157,9 +189,9 @@ impl Pose {
 
     /// Depths of the nearest and the farthest corner of a box (low and high corner), along the view direction: those of
     /// what [`Scene::bounds`](crate::Scene::bounds) holds. Below 0 behind the eyes.
-    pub fn depth_range_of(&self, (low, high): (Vec3, Vec3)) -> (f32, f32) {
+    pub fn depth_range_of(&self, (low, high): (DVec3, DVec3)) -> (f32, f32) {
         let forward = self.forward.as_dvec3();
-        let [a, b] = [low, high].map(|corner| (corner.as_dvec3() - self.eye.as_dvec3()) * forward);
+        let [a, b] = [low, high].map(|corner| (corner - self.eye) * forward);
         (a.min(b).element_sum() as f32, a.max(b).element_sum() as f32)
     }
 

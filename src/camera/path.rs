@@ -2,7 +2,7 @@
 
 use std::mem::discriminant;
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3};
 
 use super::{Aperture, Interaxial, Screen, StereoCamera};
 use crate::Error;
@@ -11,9 +11,8 @@ impl StereoCamera {
     /// The camera turned about its target by an angle in radians, around its `up`: at positive angles the eye moves to its own right, so that
     /// the object seems to turn to the left. All else stays.
     pub fn orbited(mut self, angle: f32) -> Self {
-        let (target, axis) = (self.target.as_dvec3(), self.up.as_dvec3().normalize_or_zero());
-        let turned = DQuat::from_axis_angle(axis, f64::from(angle)) * (self.eye.as_dvec3() - target);
-        self.eye = (target + turned).as_vec3();
+        let axis = self.up.as_dvec3().normalize_or_zero();
+        self.eye = self.target + DQuat::from_axis_angle(axis, f64::from(angle)) * (self.eye - self.target);
         self
     }
 }
@@ -81,7 +80,7 @@ impl CameraPath {
         if t == 0.0 {
             return a;
         }
-        let smooth = |part: fn(&StereoCamera) -> Vec3| self.smooth(next - 1, t, part);
+        let smooth = |part: fn(&StereoCamera) -> DVec3| self.smooth(next - 1, t, part);
         let linear = |a: f32, b: f32| (f64::from(a) + t * (f64::from(b) - f64::from(a))) as f32;
         let aperture = match (a.aperture, b.aperture) {
             (Aperture::VerticalFov(a), Aperture::VerticalFov(b)) => Aperture::VerticalFov(linear(a, b)),
@@ -100,7 +99,7 @@ impl CameraPath {
         StereoCamera {
             eye: smooth(|camera| camera.eye),
             target: smooth(|camera| camera.target),
-            up: smooth(|camera| camera.up),
+            up: smooth(|camera| camera.up.as_dvec3()).as_vec3(),
             aperture,
             interaxial,
             screen,
@@ -109,8 +108,8 @@ impl CameraPath {
     }
 
     /// A part of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`: a cubic by their places and their tangents.
-    fn smooth(&self, first: usize, t: f64, part: fn(&StereoCamera) -> Vec3) -> Vec3 {
-        let at = |key: usize| (f64::from(self.keys[key].0), part(&self.keys[key].1).as_dvec3());
+    fn smooth(&self, first: usize, t: f64, part: fn(&StereoCamera) -> DVec3) -> DVec3 {
+        let at = |key: usize| (f64::from(self.keys[key].0), part(&self.keys[key].1));
         let tangent = |key: usize| -> DVec3 {
             let (before, after) = (at(key.saturating_sub(1)), at((key + 1).min(self.keys.len() - 1)));
             (after.1 - before.1) / (after.0 - before.0)
@@ -119,7 +118,7 @@ impl CameraPath {
         let (in_a, in_b) = (tangent(first) * (to - from), tangent(first + 1) * (to - from));
         let (t2, t3) = (t * t, t * t * t);
         let sum = a * (2.0 * t3 - 3.0 * t2 + 1.0) + in_a * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3);
-        (sum + in_b * (t3 - t2)).as_vec3()
+        sum + in_b * (t3 - t2)
     }
 }
 
@@ -142,8 +141,8 @@ fn alike(a: &StereoCamera, b: &StereoCamera) -> bool {
 mod tests {
     use super::*;
 
-    fn camera(x: f32) -> StereoCamera {
-        StereoCamera::look_at(Vec3::new(x, 1.0, 5.0), Vec3::new(x, 0.0, 0.0))
+    fn camera(x: f64) -> StereoCamera {
+        StereoCamera::look_at(DVec3::new(x, 1.0, 5.0), DVec3::new(x, 0.0, 0.0))
     }
 
     #[test]
@@ -151,7 +150,7 @@ mod tests {
         let start = camera(2.0);
         let quarter = start.orbited(std::f32::consts::FRAC_PI_2);
         // From +z towards +x, the right of an eye that looks along -z.
-        assert!(quarter.eye.distance(Vec3::new(7.0, 1.0, 0.0)) < 1e-6, "{}", quarter.eye);
+        assert!(quarter.eye.distance(DVec3::new(7.0, 1.0, 0.0)) < 1e-6, "{}", quarter.eye);
         assert_eq!(quarter.target, start.target);
         assert!(start.orbited(std::f32::consts::TAU).eye.distance(start.eye) < 1e-6);
     }
@@ -165,19 +164,23 @@ mod tests {
             assert_eq!(path.at(frame), key);
         }
         for frame in [0.3, 2.0, 4.9, 7.25] {
-            assert!(path.at(frame).eye.distance(camera(frame).eye) < 1e-6, "{frame}: {}", path.at(frame).eye);
+            assert!(
+                path.at(frame).eye.distance(camera(f64::from(frame)).eye) < 1e-6,
+                "{frame}: {}",
+                path.at(frame).eye
+            );
         }
         assert_eq!((path.at(-1.0), path.at(100.0)), (camera(0.0), camera(9.5)));
     }
 
     #[test]
     fn a_path_has_no_corner_at_a_key_frame() {
-        let [a, b, c] = [Vec3::new(0.0, 0.0, 5.0), Vec3::new(2.0, 1.0, 4.0), Vec3::new(2.0, 3.0, 1.0)];
+        let [a, b, c] = [DVec3::new(0.0, 0.0, 5.0), DVec3::new(2.0, 1.0, 4.0), DVec3::new(2.0, 3.0, 1.0)];
         let path =
             CameraPath::new(vec![(0.0, camera(0.0).eye(a)), (3.0, camera(0.0).eye(b)), (4.0, camera(0.0).eye(c))]);
         let path = path.unwrap();
         let step = 1.0 / 64.0;
-        let speed = |from: f32| (path.at(from + step).eye - path.at(from).eye) / step;
+        let speed = |from: f32| (path.at(from + step).eye - path.at(from).eye) / f64::from(step);
         let (before, after) = (speed(3.0 - step), speed(3.0));
         // The tangent there by definition, and what a step of this length changes of it.
         assert!(before.distance((c - a) / 4.0) < 0.1 && after.distance((c - a) / 4.0) < 0.1, "{before} {after}");
@@ -198,6 +201,6 @@ mod tests {
         assert!(refused(&[(f32::NAN, camera(0.0))]).contains("frame is NaN"));
         assert!(refused(&[(1.0, camera(0.0)), (1.0, camera(1.0))]).contains("ascend"));
         assert!(refused(&[(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))]).contains("in one way"));
-        assert!(refused(&[(0.0, camera(0.0).up(Vec3::ZERO))]).contains("up is"));
+        assert!(refused(&[(0.0, camera(0.0).up(glam::Vec3::ZERO))]).contains("up is"));
     }
 }

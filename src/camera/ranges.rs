@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::{Aperture, Lenses, Pose, StereoCamera};
 use crate::Error;
@@ -11,8 +11,12 @@ use crate::Error;
 /// of view: see [`MIN_PIXEL_ANGLE`].
 pub const MAX_SIDE: u32 = 1 << 17;
 
-/// Coordinates of the eyes and of the target reach this far, twice as far as a scene's: so that every scene can be seen
-/// from outside. Farther off, the box tests of the traversal overflow f32.
+/// World coordinates of the eyes and of the target reach this far. Beyond it, f64 rounds positions by more than 1e-3.
+pub const MAX_WORLD_COORDINATE: f64 = 1e13;
+
+/// The rendered eyes lie within this distance of [`Scene::origin`](crate::Scene::origin), along each axis. It is twice
+/// the limit of a scene's coordinates, so that every scene can be seen from outside. Farther off, the box tests of the
+/// traversal overflow f32.
 pub const MAX_EYE_COORDINATE: f32 = 2e8;
 
 /// Distances to the screen in world units, but for infinity. Primitives that a pixel tells apart there are so small
@@ -46,8 +50,8 @@ pub(super) fn check_fields(camera: &StereoCamera) -> Result<(), Error> {
         return fault("size", format!("{width}x{height}"), "width and height must be at most 131072 (2^17)");
     }
     for (field, value) in [("eye", camera.eye), ("target", camera.target)] {
-        if !(value.is_finite() && value.abs().max_element() <= MAX_EYE_COORDINATE) {
-            return fault(field, value.to_string(), "its coordinates must be numbers within ±2e8");
+        if !(value.is_finite() && value.abs().max_element() <= MAX_WORLD_COORDINATE) {
+            return fault(field, format!("{:?}", value.to_array()), "its coordinates must be numbers within ±1e13");
         }
     }
     if !camera.up.is_finite() {
@@ -63,9 +67,8 @@ pub(super) fn check_screen_distance(distance: f32) -> Result<(), Error> {
     fault("screen_distance", format!("{distance:?}"), "it must lie between 1e-6 and 1e9, or be infinite")
 }
 
-/// Checks that directions and eyes survive their rounding to f32.
-pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
-    let interaxial = || camera.interaxial_text();
+/// Checks that directions survive their rounding to f32.
+pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
     let too_small = |angle: f64| angle.is_nan() || angle < f64::from(MIN_PIXEL_ANGLE);
     let angle = least_pixel_angle(pose, 0.0);
     if too_small(angle) {
@@ -85,16 +88,28 @@ pub(super) fn check_precision(camera: &StereoCamera, pose: &Pose) -> Result<(), 
     if too_small(angle) {
         let reason =
             "so far apart the eyes see the screen too much aslant: pixels must span at least 3.8e-6 radians (2^-18)";
-        return fault("interaxial", format!("{}, and pixels span {angle:.1e} radians", interaxial()), reason);
+        let interaxial = camera.interaxial_text();
+        return fault("interaxial", format!("{interaxial}, and pixels span {angle:.1e} radians"), reason);
     }
-    let eyes = [-1.0, 1.0].map(|side| pose.eye_position(side));
-    if eyes.iter().any(|eye| eye.abs().max_element() > MAX_EYE_COORDINATE) {
-        return fault("interaxial", interaxial(), "it moves an eye's coordinates beyond ±2e8");
+    Ok(())
+}
+
+/// Checks that the eyes of a rendered pose survive their rounding to f32.
+pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
+    let farthest = DVec3::splat(f64::from(MAX_EYE_COORDINATE));
+    if pose.to_scene(pose.eye).abs().cmpgt(farthest).any() {
+        let reason = "its coordinates must lie within ±2e8 of the scene's origin";
+        return fault("eye", format!("{:?}", pose.eye.to_array()), reason);
     }
-    if shift(pose, eyes) > f64::from(MAX_EYE_SHIFT * pose.interaxial) {
-        let reason = "so far from the world's origin f32 moves the eyes by more than a quarter of it: take more, or \
-                      bring scene and camera nearer to the origin";
-        return fault("interaxial", interaxial(), reason);
+    let eyes = [-1.0, 1.0].map(|side| pose.eye_in_scene(side).as_dvec3());
+    if eyes.iter().any(|eye| eye.abs().cmpgt(farthest).any()) {
+        let reason = "it moves an eye's coordinates beyond ±2e8 of the scene's origin";
+        return fault("interaxial", camera.interaxial_text(), reason);
+    }
+    if pose.baseline_rounding().length() > f64::from(MAX_EYE_SHIFT * pose.interaxial) {
+        let reason = "so far from the scene's origin f32 moves the eyes by more than a quarter of it: take more, or an \
+                      origin of the scene that is nearer to the camera";
+        return fault("interaxial", camera.interaxial_text(), reason);
     }
     Ok(())
 }
@@ -105,10 +120,4 @@ pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
     let [x, y] = pose.frustum.aside(offset);
     let [across, down] = pose.frustum.steps(pose.size);
     across.min(down) / (1.0 + x * x + y * y)
-}
-
-/// By how much rounding moves one eye against the other.
-fn shift(pose: &Pose, [left, right]: [Vec3; 2]) -> f64 {
-    let wanted: DVec3 = pose.right.as_dvec3() * f64::from(pose.interaxial);
-    (right.as_dvec3() - left.as_dvec3() - wanted).length()
 }

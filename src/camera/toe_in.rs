@@ -65,7 +65,7 @@ impl Pose {
         for side in [-1.0, 1.0] {
             let own = self.of_eye(side);
             let (corner, [across, down]) = (own.corner(0.0), own.pixel_steps());
-            let apart = self.exact_eye(side) - self.exact_eye(-side);
+            let apart = self.eye_position(side) - self.eye_position(-side);
             for (x, y) in [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)] {
                 let direction = corner + across * x + down * y;
                 for z in [nearest, farthest] {

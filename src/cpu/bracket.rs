@@ -206,14 +206,15 @@ fn light_bits(scene: &Scene, frame: &Frame, eye: Eye, index: usize, hit: (f32, u
     let point = frame.eye(eye) + frame.direction(eye, index % width, index / width) * hit.0;
     let reach = (point.abs() / 2_097_152.0 + (point - frame.eye(eye)).abs() / 131_072.0).max_element();
     for (bit, light) in scene.lights.iter().enumerate().take(16) {
-        let straight = point - light.position;
+        let place = scene.local_position(light);
+        let straight = point - place;
         let from_light = straight + normal * (reach + straight.abs().max_element() / 1_048_576.0);
         let direction = from_light.normalize();
         if normal.dot(direction) >= 0.0 {
             continue;
         }
         bits.known |= 1 << bit;
-        if trace && closest_hit(scene, light.position, direction, 0.0, from_light.length()).1 == MISS {
+        if trace && closest_hit(scene, place, direction, 0.0, from_light.length()).1 == MISS {
             bits.lit |= 1 << bit;
         }
     }

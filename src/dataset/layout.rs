@@ -6,6 +6,8 @@ use std::{
     str::FromStr,
 };
 
+use glam::DVec3;
+
 use crate::{Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
 
 /// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from 0 on.
@@ -142,13 +144,16 @@ fn kitti_calibration(truth: &GroundTruth) -> String {
     let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
     let cy = cy - 0.5;
     let mut text = String::new();
-    for (name, cx, aside) in [("02", cx0 - 0.5, 0.0), ("03", cx1 - 0.5, f64::from(pose.interaxial))] {
-        let shift = -fx * aside;
+    let rounding = pose.baseline_rounding();
+    // From the eye to the left one: right, down and ahead. But for rounding the right eye stands on the left one's x axis.
+    let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // no -0
+    for (name, cx, shift) in [("02", cx0 - 0.5, DVec3::ZERO), ("03", cx1 - 0.5, to_left)] {
+        let DVec3 { x, y, z } = shift;
+        let (right, down) = (fx * x + cx * z, fy * y + cy * z);
         text += &format!(
             "S_{name}: {width} {height}\nK_{name}: {fx} 0 {cx} 0 {fy} {cy} 0 0 1\nD_{name}: 0 0 0 0 0\n\
-             R_{name}: 1 0 0 0 1 0 0 0 1\nT_{name}: {} 0 0\nS_rect_{name}: {width} {height}\n\
-             R_rect_{name}: 1 0 0 0 1 0 0 0 1\nP_rect_{name}: {fx} 0 {cx} {shift} 0 {fy} {cy} 0 0 0 1 0\n",
-            -aside
+             R_{name}: 1 0 0 0 1 0 0 0 1\nT_{name}: {x} {y} {z}\nS_rect_{name}: {width} {height}\n\
+             R_rect_{name}: 1 0 0 0 1 0 0 0 1\nP_rect_{name}: {fx} 0 {cx} {right} 0 {fy} {cy} {down} 0 0 1 {z}\n"
         );
     }
     text
@@ -180,7 +185,7 @@ fn camera_data(index: u32, truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());
     let matrix = |side: f32| {
-        let eye = pose.exact_eye(side);
+        let eye = pose.eye_position(side);
         let rows = [0, 1, 2].map(|axis| format!("{} {} {} {}", right[axis], up[axis], back[axis], eye[axis]));
         format!("{} 0 0 0 1", rows.join(" "))
     };

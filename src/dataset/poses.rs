@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, f32::consts::TAU};
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use crate::{
     Error, Pose, Ray, RayHit, Renderer, Scene, StereoCamera, UploadedScene,
@@ -128,7 +128,8 @@ impl<'a> FreePoses<'a> {
 
     /// Somewhere else, by random numbers alone.
     fn candidate(&self, given: &Pose, random: &mut Random) -> StereoCamera {
-        let (low, high) = self.scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
+        let (low, high) = self.scene.local_bounds().unwrap_or_default();
+        let to_world = |place: Vec3| self.scene.origin() + place.as_dvec3();
         let up = self.camera.up_direction().normalize_or_zero();
         let yaw = Quat::from_axis_angle(up, random.between(0.0, TAU));
         let mut within =
@@ -137,23 +138,24 @@ impl<'a> FreePoses<'a> {
             let eye = within(low, high);
             let level = yaw * up.any_orthonormal_vector();
             let pitch = random.between(-STEEPEST, STEEPEST);
-            return self.camera.eye(eye).target(eye + level * pitch.cos() + up * pitch.sin());
+            let ahead = level * pitch.cos() + up * pitch.sin();
+            return self.camera.eye(to_world(eye)).target(to_world(eye + ahead));
         }
         let middle = low.midpoint(high);
         // A point of the box's inner half.
         let target = within(low.midpoint(middle), high.midpoint(middle));
-        let eye = middle + yaw * (given.eye - middle);
-        self.camera.eye(eye).target(target)
+        let eye = middle + yaw * (self.scene.local(given.eye) - middle);
+        self.camera.eye(to_world(eye)).target(to_world(target))
     }
 
     /// What is in all directions from a place.
-    async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: Vec3) -> Result<Vec<RayHit>, Error> {
+    async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: DVec3) -> Result<Vec<RayHit>, Error> {
         let rays: Vec<Ray> = (0..DIRECTIONS).map(|index| Ray::new(place, direction(index))).collect();
         Ok(renderer.closest_hits_async(uploaded, &rays).await?.hits)
     }
 
     /// Of each object that is seen from a place, whether more of it is seen from behind.
-    fn sides(&self, place: Vec3, around: &[RayHit]) -> HashMap<u32, bool> {
+    fn sides(&self, place: DVec3, around: &[RayHit]) -> HashMap<u32, bool> {
         let mut balance = HashMap::<u32, i32>::new();
         for (object, behind) in self.faces(place, around) {
             *balance.entry(object).or_default() += if behind { 1 } else { -1 };
@@ -162,13 +164,14 @@ impl<'a> FreePoses<'a> {
     }
 
     /// The share of all directions in which an object shows the other side.
-    fn other_sides(&self, place: Vec3, around: &[RayHit], sides: &HashMap<u32, bool>) -> f32 {
+    fn other_sides(&self, place: DVec3, around: &[RayHit], sides: &HashMap<u32, bool>) -> f32 {
         let is_other = |(object, behind): &(u32, bool)| *behind != sides.get(object).copied().unwrap_or(false);
         self.faces(place, around).filter(is_other).count() as f32 / DIRECTIONS as f32
     }
 
     /// What is met around a place: each time its object, and whether it is met from behind.
-    fn faces(&self, place: Vec3, around: &[RayHit]) -> impl Iterator<Item = (u32, bool)> {
+    fn faces(&self, place: DVec3, around: &[RayHit]) -> impl Iterator<Item = (u32, bool)> {
+        let place = self.scene.local(place);
         around.iter().enumerate().filter(|(_, hit)| hit.t.is_finite()).map(move |(index, hit)| {
             let behind = match self.scene.primitive(hit.primitive) {
                 Primitive::Triangle(triangle) => {
@@ -200,13 +203,13 @@ impl<'a> FreePoses<'a> {
                 (0..across * down).map(|cell| {
                     let (column, row) = (cell % across, cell / across);
                     let pixel = [(2 * column + 1) * width / (2 * across), (2 * row + 1) * height / (2 * down)];
-                    Ray::new(eye.eye().as_vec3(), eye.direction(pixel[0], pixel[1]).as_vec3())
+                    Ray::new(eye.eye(), eye.direction(pixel[0], pixel[1]).as_vec3())
                 })
             })
             .collect();
         let between = eyes[1].eye() - eyes[0].eye();
-        if between != glam::DVec3::ZERO {
-            rays.push(Ray::new(eyes[0].eye().as_vec3(), between.as_vec3()).t_max(1.0));
+        if between != DVec3::ZERO {
+            rays.push(Ray::new(eyes[0].eye(), between.as_vec3()).t_max(1.0));
         }
         let hits = renderer.closest_hits_async(uploaded, &rays).await?.hits;
         let (seen, between) = hits.split_at(2 * across * down);
@@ -225,7 +228,7 @@ impl<'a> FreePoses<'a> {
     }
 }
 
-fn is_inside(scene: &Scene, place: Vec3) -> bool {
+fn is_inside(scene: &Scene, place: DVec3) -> bool {
     scene.bounds().is_some_and(|(low, high)| place.cmpge(low).all() && place.cmple(high).all())
 }
 

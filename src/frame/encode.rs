@@ -99,7 +99,7 @@ impl Renderer {
         if options.sky_rays.is_some() {
             scene.weigh_sky().await?;
         }
-        let eyes = rig.eyes()?;
+        let eyes = rig.eyes(scene.origin)?;
         let tables = self.shadow_tables(scene, options).await?.map(|(tables, _)| tables);
         let drawn = self.drawn(scene, options);
         let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());

@@ -133,7 +133,7 @@ mod tests {
         let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 9).unwrap());
         let fence = scene.add_material(Material::new(Vec3::splat(0.4)).cutout(board));
         let pose = camera.pose().unwrap();
-        let middle = pose.eye + 0.4 * pose.screen_distance * pose.forward;
+        let middle = pose.eye.as_vec3() + 0.4 * pose.screen_distance * pose.forward;
         let [right, up] = [pose.right, pose.up].map(|axis| 0.15 * pose.screen_size[0] * axis);
         let corners = [-right - up, right - up, right + up, up - right].map(|corner| middle + corner);
         let uv = [[Vec2::ZERO, Vec2::X, Vec2::ONE], [Vec2::ZERO, Vec2::ONE, Vec2::Y]];

@@ -16,8 +16,8 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
     let longest = (1.0_f64.hypot(aside.hypot(above)) * 1.001) as f32;
     let parallax = pose.parallax().times(target - source);
     layout::Frame {
-        source_eye: pose.eye_position(2.0 * source).to_array(),
-        target_eye: pose.eye_position(2.0 * target).to_array(),
+        source_eye: pose.eye_in_scene(2.0 * source).to_array(),
+        target_eye: pose.eye_in_scene(2.0 * target).to_array(),
         source_corner: corner(source),
         target_corner: corner(target),
         step_x,

@@ -11,7 +11,7 @@ use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
 /// world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
-    let eye = pose.exact_eye(side as f32);
+    let eye = pose.eye_position(side as f32);
     let Pose { right, up, forward, .. } = pose.of_eye(side as f32);
     let [right, up, forward] = [right, up, forward].map(|axis| axis.as_dvec3());
     let row = |axis: glam::DVec3| [axis.x, axis.y, axis.z, -axis.dot(eye)];
@@ -44,7 +44,7 @@ pub fn calib_txt(truth: &GroundTruth) -> String {
         camera(cx0),
         camera(cx1),
         intrinsics.doffs(),
-        f64::from(pose.interaxial),
+        pose.baseline(),
         pose.size[0],
         pose.size[1],
         vmax.max(0.0) + 1.0,

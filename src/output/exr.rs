@@ -180,7 +180,7 @@ mod tests {
                 assert_eq!(names, ["B", "G", "R", "Z", "id.object", "id.primitive"]);
                 // A point a unit before the eye and a quarter up is at (0, 0.25, 1), by a row vector.
                 let pose = &both.pose;
-                let eye = pose.eye.as_dvec3() + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
+                let eye = pose.eye + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
                 let point = (eye + pose.forward.as_dvec3() + 0.25 * pose.up.as_dvec3()).extend(1.0);
                 let rows = layer.attributes.world_to_camera.unwrap().map(f64::from);
                 // Columns of glam's matrix are the rows that were read: v M is its transposed times v.

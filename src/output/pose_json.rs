@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, path::Path};
 
-use glam::{DMat4, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 use serde_json::{Map, Value, json};
 
 use super::calibration::world_to_camera;
@@ -32,12 +32,12 @@ impl Pose {
             },
             "width": self.size[0],
             "height": self.size[1],
-            "baseline": f64::from(self.interaxial),
+            "baseline": self.baseline(),
             "doffs": intrinsics.doffs(),
             "left": eye(self, &intrinsics, -1.0),
             "right": eye(self, &intrinsics, 1.0),
             "pose": {
-                "eye": vector(self.eye),
+                "eye": self.eye.to_array(),
                 "forward": vector(self.forward),
                 "right": vector(self.right),
                 "up": vector(self.up),
@@ -98,7 +98,7 @@ fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
     let frustum = field(pose, "frustum")?;
     let fields = frustum.as_object().ok_or_else(|| format!("pose: frustum is {frustum}; it must be an object"))?;
     let read = Pose {
-        eye: Vec3::from_array(numbers(pose, "eye")?),
+        eye: DVec3::from_array(list(pose, "eye", Value::as_f64, "numbers")?),
         forward: Vec3::from_array(numbers(pose, "forward")?),
         right: Vec3::from_array(numbers(pose, "right")?),
         up: Vec3::from_array(numbers(pose, "up")?),
@@ -119,6 +119,7 @@ fn read(pose: &Map<String, Value>) -> Result<Pose, String> {
             center: list(fields, "center", Value::as_f64, "numbers")?,
             shift: number(fields, "shift", Value::as_f64)?,
         },
+        scene_origin: None,
     };
     Ok(read)
 }
@@ -201,7 +202,7 @@ mod tests {
                 let read = Pose::from_json(&path).unwrap();
                 assert_eq!(read, pose);
                 // Equal is not the same of zeros.
-                assert_eq!(read.eye.to_array().map(f32::to_bits), pose.eye.to_array().map(f32::to_bits));
+                assert_eq!(read.eye.to_array().map(f64::to_bits), pose.eye.to_array().map(f64::to_bits));
             }
         }
     }

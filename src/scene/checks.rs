@@ -61,7 +61,7 @@ impl Scene {
         check_light_count(self.lights.len())?;
         for (index, light) in self.lights.iter().enumerate() {
             check(format!("light {index}"), check_color("intensity", light.intensity))?;
-            check(format!("light {index}"), light.check())?;
+            check(format!("light {index}"), light.check(self.origin))?;
         }
         let soft = self.soft_lights().count();
         if soft > MAX_SOFT_LIGHTS {
@@ -119,18 +119,18 @@ impl Scene {
 
     /// What to say of a scene that is so far from the origin that its picture suffers.
     pub(crate) fn rounding_warning(&self) -> Option<String> {
-        let (low, high) = self.bounds()?;
+        let (low, high) = self.local_bounds()?;
         let rounded = rounding_text(low, high, COARSE_STEP)?;
         let side = (high - low).max_element();
         Some(format!(
-            "the scene's {rounded}, and its longest side is {side}: detail and shadows break up; move it nearer to the \
-             origin"
+            "the scene's {rounded}, and its longest side is {side}: detail and shadows break up; give it an origin \
+             that is nearer"
         ))
     }
 
     /// Far from the origin a sphere or an ellipsoid can be less than a step of f32 across, and its box nothing.
     fn check_extent(&self) -> Result<(), String> {
-        let Some((low, high)) = self.bounds() else { return Ok(()) };
+        let Some((low, high)) = self.local_bounds() else { return Ok(()) };
         let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
         let across = across.chain(self.ellipsoids.iter().map(|one| 2.0 * one.half_extent().max_element() as f32));
         let extent = across.fold((high - low).max_element(), f32::max);

@@ -11,7 +11,7 @@ impl Scene {
     ///
     /// ```
     /// use std::hash::{DefaultHasher, Hasher};
-    /// use stereotrace::{Builtin, glam::Vec3};
+    /// use stereotrace::{Builtin, glam::DVec3};
     ///
     /// let hash = |scene: &stereotrace::Scene| {
     ///     let mut hasher = DefaultHasher::new();
@@ -20,18 +20,27 @@ impl Scene {
     /// };
     /// let (scene, mut lit) = (Builtin::Near.scene(), Builtin::Near.scene());
     /// assert_eq!(hash(&scene), hash(&lit));
-    /// lit.lights[0].position += 1e-3 * Vec3::X;
+    /// lit.lights[0].position += 1e-3 * DVec3::X;
     /// assert_ne!(hash(&scene), hash(&lit));
     /// ```
     pub fn content(&self, mut sink: impl FnMut(&[u8])) {
         // All fields by name: a new one must be thought of here. Those that are left out follow from others.
-        let Self { lights, shadows, ambient, sky, materials, textures, triangles, spheres, ellipsoids, planes, .. } =
-            self;
-        let Self { mesh_objects, beside: Beside { uv, colors }, smooth: _, dropped: _, dropping_meshes: _, .. } = self;
+        let Self { lights, shadows, ambient, sky, origin, materials, textures, triangles, .. } = self;
+        let Self {
+            spheres,
+            ellipsoids,
+            planes,
+            mesh_objects,
+            beside: Beside { uv, colors },
+            smooth: _,
+            dropped: _,
+            dropping_meshes: _,
+            ..
+        } = self;
         let Self { triangles_stamp: _, spheres_stamp: _, .. } = self;
         // Numbers are written so that they can be read again without loss, so differing ones differ here.
         let small = format!(
-            "{lights:?} {shadows} {ambient:?} {sky:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {mesh_objects:?} {} {} {}",
+            "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {mesh_objects:?} {} {} {}",
             triangles.len(),
             uv.len(),
             colors.len(),
@@ -85,7 +94,8 @@ mod tests {
             scene.sky = Sky::Map(SkyMap::procedural(8).unwrap());
             scene
         };
-        let changes: [fn(&mut Scene); 14] = [
+        let changes: [fn(&mut Scene); 15] = [
+            |scene| scene.set_origin(Vec3::X).unwrap(),
             |scene| scene.lights.push(Light::point(Vec3::Y, Vec3::ONE)),
             |scene| scene.shadows = false,
             |scene| scene.ambient = Some(Vec3::splat(0.15)),

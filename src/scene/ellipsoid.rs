@@ -246,7 +246,7 @@ mod tests {
         scene.transform_object(1, &shear).unwrap();
         let moved = scene.ellipsoids()[0];
         assert_eq!((moved.center, moved.axes.y_axis), (Vec3::X, Vec3::new(1.0, 2.0, 0.0)));
-        assert!(scene.bounds().unwrap().1.distance(Vec3::new(1.0 + 2.0_f32.sqrt(), 2.0, 6.0)) < 1e-6);
+        assert!(scene.local_bounds().unwrap().1.distance(Vec3::new(1.0 + 2.0_f32.sqrt(), 2.0, 6.0)) < 1e-6);
         for (transform, word) in [
             (Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), "times the shortest"),
             (Affine3A::from_translation(Vec3::splat(1e9)), "1000000000"),

@@ -40,14 +40,11 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     let mut scene = Scene::new();
     let mut surfaces = Surfaces::new(&document, options);
     let mut meshes = Meshes::new(&document, options);
-    let (mut cameras, mut lights) = (Vec::new(), Vec::new());
+    let (mut shown, mut cameras, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     walk(&document, |index, node, place| {
         if let Some(mesh) = node.mesh {
-            let name = node.name.as_deref();
-            let mesh = meshes.instance(mesh.value(), index, (name, place), (&mut surfaces, &mut warnings))?;
-            // Before the mesh, which is checked against them.
-            surfaces.move_to(&mut scene);
-            scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
+            meshes.read(mesh.value(), index, (&mut surfaces, &mut warnings))?;
+            shown.push(((index, mesh.value()), place));
         }
         if let Some(camera) = node.camera {
             cameras.push(((index, camera.value()), place));
@@ -56,13 +53,22 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         lights.extend(light.map(|light| ((index, light.light.value()), place)));
         Ok(())
     })?;
+    // Before the meshes, which are checked against them.
+    surfaces.move_to(&mut scene);
+    let origin = options.origin.choose(|| meshes.bounds(&shown));
+    scene.set_origin(origin).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
+    let to_origin = DAffine3::from_translation(-scene.origin());
+    for &((node, mesh), place) in &shown {
+        let mesh = meshes.instance(mesh, node, to_origin * place);
+        scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
+    }
     surfaces.warn_of_ranges(&warnings);
     if scene.triangles.is_empty() {
         let nodes = counted(document.root.nodes.len(), "node", "nodes");
         return Err(document.fault(format!("no triangles in its scene and {nodes}; a scene needs meshes of triangles")));
     }
     warnings.warn_of_dropped(&scene);
-    scene.lights = lights::read(&document, &lights, scene.bounds(), &mut warnings)?;
+    scene.lights = lights::read(&document, &lights, (scene.origin(), scene.bounds()), &mut warnings)?;
     let cameras = cameras::read(&document, &cameras, scene.bounds(), &mut warnings)?;
     Ok(SceneFile { scene, cameras })
 }

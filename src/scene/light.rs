@@ -1,6 +1,6 @@
 //! What lights a scene.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{Scene, checks::check_coordinate};
 
@@ -24,7 +24,7 @@ const MOST_ANGLE: f32 = 1.5;
 #[non_exhaustive]
 pub struct Light {
     /// World position of its middle; of a directional light the direction that leads to it, of any length but 0.
-    pub position: Vec3,
+    pub position: DVec3,
     /// Radiance that all of it together adds to a white surface that faces it, linear RGB.
     pub intensity: Vec3,
     /// What throws the light.
@@ -60,23 +60,23 @@ pub enum LightShape {
 
 impl Light {
     /// A point at a world position: the radiance that it adds to a white surface that faces it, linear RGB.
-    pub fn point(position: Vec3, intensity: Vec3) -> Self {
-        Self { position, intensity, shape: LightShape::Point }
+    pub fn point(position: impl Into<DVec3>, intensity: Vec3) -> Self {
+        Self { position: position.into(), intensity, shape: LightShape::Point }
     }
 
     /// A ball about a world position; the radius is in world units, above 0.
-    pub fn sphere(position: Vec3, radius: f32, intensity: Vec3) -> Self {
-        Self { position, intensity, shape: LightShape::Sphere { radius } }
+    pub fn sphere(position: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
+        Self { position: position.into(), intensity, shape: LightShape::Sphere { radius } }
     }
 
     /// A rectangle or parallelogram about a world position, by the ways from there to the middles of two sides.
-    pub fn rectangle(position: Vec3, half_width: Vec3, half_height: Vec3, intensity: Vec3) -> Self {
-        Self { position, intensity, shape: LightShape::Rectangle { half_width, half_height } }
+    pub fn rectangle(position: impl Into<DVec3>, half_width: Vec3, half_height: Vec3, intensity: Vec3) -> Self {
+        Self { position: position.into(), intensity, shape: LightShape::Rectangle { half_width, half_height } }
     }
 
     /// Infinitely far off in a direction, of any length but 0; the disc's radius is an angle in radians, 0 for sharp shadows.
-    pub fn directional(towards: Vec3, radius: f32, intensity: Vec3) -> Self {
-        Self { position: towards, intensity, shape: LightShape::Directional { radius } }
+    pub fn directional(towards: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
+        Self { position: towards.into(), intensity, shape: LightShape::Directional { radius } }
     }
 
     /// Whether it is not a point.
@@ -89,15 +89,15 @@ impl Light {
         matches!(self.shape, LightShape::Point | LightShape::Directional { radius: 0.0 })
     }
 
-    /// What is wrong with its place or shape.
-    pub(super) fn check(&self) -> Result<(), String> {
+    /// What is wrong with its place or shape, in a scene with this origin.
+    pub(super) fn check(&self, origin: DVec3) -> Result<(), String> {
         let above_zero = |what: &str, length: f32| match length.is_finite() && length > 0.0 {
             true => Ok(()),
             false => Err(format!("{what} is {length}; it must be finite and above 0")),
         };
         match self.shape {
             LightShape::Directional { radius } => {
-                above_zero("the direction's length", self.position.length())?;
+                above_zero("the direction's length", self.position.length() as f32)?;
                 match (0.0..=MOST_ANGLE).contains(&radius) {
                     true => return Ok(()),
                     false => {
@@ -117,11 +117,19 @@ impl Light {
                 above_zero("the rectangle's area", area)?;
             }
         }
-        check_coordinate(self.position)
+        check_coordinate((self.position - origin).as_vec3())
     }
 }
 
 impl Scene {
+    /// A light's position relative to the origin; of a directional light the unit direction that leads to it.
+    pub(crate) fn local_position(&self, light: &Light) -> Vec3 {
+        match light.shape {
+            LightShape::Directional { .. } => light.position.normalize_or_zero().as_vec3(),
+            _ => self.local(light.position),
+        }
+    }
+
     /// Lights that are not points.
     pub(crate) fn soft_lights(&self) -> impl Iterator<Item = (usize, &Light)> {
         self.lights.iter().enumerate().filter(|(_, light)| light.is_soft())

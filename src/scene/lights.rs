@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
-use crate::{Error, Pose, StereoCamera, cpu::intersect::closest_hit};
+use crate::{Error, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// A scene whose longest side is more than this many screen distances goes on far beyond the eyes' surroundings: its
@@ -29,24 +29,25 @@ impl Scene {
     pub fn place_lights(&mut self, count: usize, camera: &StereoCamera) -> Result<(), Error> {
         let pose = camera.pose()?;
         check_light_count(count)?;
-        let walls = Walls::around(&pose, self.bounds());
+        let eye = self.local(pose.eye);
+        let walls = Walls::around(eye, pose.subject_distance, self.local_bounds());
         let mut near = None;
         let place = |k: usize| {
             let (sin, cos) = (k as f32 * GOLDEN_ANGLE).sin_cos();
             let reach = pose.subject_distance * (0.25 + 0.5 * (k as f32 + 0.5) / count as f32);
-            let wanted = pose.eye + (pose.right * cos + pose.up * sin.abs()) * reach;
+            let wanted = eye + (pose.right * cos + pose.up * sin.abs()) * reach;
             let position = match walls {
                 Walls::None => Some(wanted),
                 Walls::Box(low, high) => Some(wanted.clamp(low, high)),
                 Walls::BeyondSight => None,
             };
-            let position = position.filter(|&position| !self.enclosed(position, pose.eye));
+            let position = position.filter(|&position| !self.enclosed(position, eye));
             let position = position.unwrap_or_else(|| {
-                let near = near.get_or_insert_with(|| self.within_reach(&pose));
-                let (way, _) = closest_hit(near, pose.eye, wanted - pose.eye, 0.0, 1.0);
-                pose.eye + (wanted - pose.eye) * if way < 1.0 { BEFORE_OBSTACLE * way } else { 1.0 }
+                let near = near.get_or_insert_with(|| self.within_reach(eye, pose.subject_distance));
+                let (way, _) = closest_hit(near, eye, wanted - eye, 0.0, 1.0);
+                eye + (wanted - eye) * if way < 1.0 { BEFORE_OBSTACLE * way } else { 1.0 }
             });
-            Light::point(position, Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
+            Light::point(self.origin + position.as_dvec3(), Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
         };
         self.lights = (0..count).map(place).collect();
         self.ambient.get_or_insert(Vec3::splat(DEFAULT_AMBIENT));
@@ -67,8 +68,8 @@ impl Scene {
     }
 
     /// The primitives that may stand between the eyes and a light.
-    fn within_reach(&self, pose: &Pose) -> Self {
-        let (low, high) = (pose.eye - pose.subject_distance, pose.eye + pose.subject_distance);
+    fn within_reach(&self, eye: Vec3, distance: f32) -> Self {
+        let (low, high) = (eye - distance, eye + distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
         // Holes don't count: what is cut out is as good as whole.
@@ -100,11 +101,11 @@ enum Walls {
 }
 
 impl Walls {
-    fn around(pose: &Pose, bounds: Option<(Vec3, Vec3)>) -> Self {
+    fn around(eye: Vec3, subject_distance: f32, bounds: Option<(Vec3, Vec3)>) -> Self {
         match bounds {
-            Some((low, high)) if pose.eye.cmpgt(low).all() && pose.eye.cmplt(high).all() => {
+            Some((low, high)) if eye.cmpgt(low).all() && eye.cmplt(high).all() => {
                 let inset = (high - low) * 0.05;
-                match (high - low).max_element() > FAR_REACHING * pose.subject_distance {
+                match (high - low).max_element() > FAR_REACHING * subject_distance {
                     true => Self::BeyondSight,
                     false => Self::Box(low + inset, high - inset),
                 }

@@ -21,6 +21,8 @@ mod moving;
 mod obj;
 #[cfg(feature = "scene-files")]
 mod options;
+#[cfg(feature = "scene-files")]
+mod origin;
 mod plane;
 #[cfg(feature = "ply")]
 mod ply;
@@ -42,21 +44,23 @@ pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 #[cfg(feature = "scene-files")]
 pub use options::{MissingTextures, ObjOptions, SceneOptions};
+#[cfg(feature = "scene-files")]
+pub use origin::Origin;
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 pub(crate) use self::moving::Stamp;
 use self::{beside::Beside, mesh::Object};
-use crate::Error;
 #[cfg(feature = "obj")]
 use crate::Limits;
 #[cfg(any(feature = "obj", feature = "gltf", feature = "ply"))]
 use crate::input::Files;
+use crate::{Error, camera::MAX_WORLD_COORDINATE};
 
-/// Coordinates larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
+/// Coordinates relative to [`Scene::origin`] that are larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
 
 /// The least length, in world units, of a scene's longest side: the products of an intersection would vanish in f32.
@@ -93,7 +97,7 @@ pub enum Sky {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Sphere {
-    /// World position of its centre.
+    /// Position of its centre, relative to [`Scene::origin`].
     pub center: Vec3,
     /// Radius in world units, above 0.
     pub radius: f32,
@@ -102,7 +106,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere about a world position; the radius is in world units, above 0.
+    /// A sphere about a position relative to [`Scene::origin`]; the radius is in world units, above 0.
     pub fn new(center: Vec3, radius: f32, material: MaterialId) -> Self {
         Self { center, radius, material }
     }
@@ -118,6 +122,10 @@ pub(crate) enum Primitive<'a> {
 
 /// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
 /// their number), then spheres, then ellipsoids, then planes.
+///
+/// Positions of meshes, spheres, ellipsoids and planes are f32 numbers relative to [`Scene::origin`], which is 0 unless
+/// it was set. Lights, cameras, rays and bounds are in world coordinates, in f64. A scene far from the world's origin,
+/// such as a city in a national grid, so loses no precision.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
@@ -139,6 +147,7 @@ pub struct Scene {
     pub ambient: Option<Vec3>,
     /// What a ray sees that hits nothing. It lights surfaces where [`Options::sky_rays`](crate::Options::sky_rays) asks it to.
     pub sky: Sky,
+    origin: DVec3,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     triangles: Vec<Triangle>,
@@ -172,6 +181,7 @@ impl Scene {
             shadows: true,
             ambient: None,
             sky: Sky::Constant(Vec3::ZERO),
+            origin: DVec3::ZERO,
             materials: vec![Material::new(Vec3::splat(0.7))],
             textures: Vec::new(),
             triangles: Vec::new(),
@@ -290,8 +300,43 @@ impl Scene {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
 
-    /// The axis-aligned box around all primitives that can be hit but planes, or `None` if there are none.
-    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+    /// World position that the positions of meshes, spheres, ellipsoids and planes are relative to.
+    ///
+    /// Readers of scene files choose it by [`SceneOptions::origin`](crate::SceneOptions::origin); a new scene has 0.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Sets [`Scene::origin`]. What was added keeps its positions relative to the origin, so that it moves along. Lights
+    /// stay where they are in the world.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a coordinate that is not a number within ±1e13 ([`MAX_WORLD_COORDINATE`]).
+    ///
+    /// [`MAX_WORLD_COORDINATE`]: crate::camera::MAX_WORLD_COORDINATE
+    pub fn set_origin(&mut self, origin: impl Into<DVec3>) -> Result<(), Error> {
+        let origin = origin.into();
+        if !(origin.is_finite() && origin.abs().max_element() <= MAX_WORLD_COORDINATE) {
+            let reason = format!("it is {origin}; its coordinates must be numbers within ±{MAX_WORLD_COORDINATE:e}");
+            return Err(Error::Scene { element: "origin".into(), reason });
+        }
+        self.origin = origin;
+        Ok(())
+    }
+
+    /// A world position relative to the origin.
+    pub(crate) fn local(&self, point: DVec3) -> Vec3 {
+        (point - self.origin).as_vec3()
+    }
+
+    /// The axis-aligned box around all primitives that can be hit but planes, in world coordinates; `None` if there are
+    /// none.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.local_bounds().map(|(low, high)| (self.origin + low.as_dvec3(), self.origin + high.as_dvec3()))
+    }
+
+    /// The same relative to the origin.
+    pub(crate) fn local_bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
         let ellipsoids = self.ellipsoids.iter().flat_map(Ellipsoid::corners);

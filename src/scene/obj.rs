@@ -11,7 +11,7 @@ mod mtl;
 
 use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use self::{
     checks::{Corners, check_face, find_bad_number, mixed_color},
@@ -19,6 +19,7 @@ use self::{
 };
 use super::{
     MAX_COORDINATE, MaterialId, Mesh, Scene, SceneOptions,
+    origin::bounds_of,
     smooth::{check_crease, smooth_normals},
     warnings::Warnings,
 };
@@ -71,6 +72,8 @@ struct Prepared {
     section_has: Option<Corners<bool>>,
     /// Whether smoothing groups matter, since normals are made.
     smooths: bool,
+    /// What vertices become relative to.
+    origin: DVec3,
 }
 
 /// See [`Scene::from_obj_with`].
@@ -80,8 +83,9 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     let (text, _) = read_text(files, path, &options.limits)?;
     let mut warnings = Warnings::new(path);
     // Of a bad number and a bad index, the message names whichever comes first in the file.
-    let prepared = prepare(&text, options.crease_angle.is_some(), &mut warnings).map_err(|bad_index| {
-        let bad_number = find_bad_number(&text).filter(|bad_number| bad_number.0 <= bad_index.0);
+    let origin = options.origin.choose(|| bounds_of(vertices(&text)));
+    let prepared = prepare(&text, options.crease_angle.is_some(), origin, &mut warnings).map_err(|bad_index| {
+        let bad_number = find_bad_number(&text, origin).filter(|bad_number| bad_number.0 <= bad_index.0);
         let (line, reason) = bad_number.unwrap_or(bad_index);
         Error::parse(path, Some(line), reason)
     })?;
@@ -96,6 +100,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     }
     let Joined { meshes, fanned, clamped_colors } = join_models(&models, &prepared, &library.placements);
     let mut scene = Scene::new();
+    scene.set_origin(origin).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     scene.materials.extend(library.materials);
     scene.textures = library.textures;
     for (mut mesh, groups) in meshes {
@@ -138,7 +143,7 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
         let indices = library.index_of.iter().map(|(name, &index)| (key(name), index)).collect();
         Ok((Vec::new(), indices))
     });
-    let (models, _) = loaded.map_err(|error| match find_bad_number(text) {
+    let (models, _) = loaded.map_err(|error| match find_bad_number(text, prepared.origin) {
         Some((line, reason)) => Error::parse(path, Some(line), reason),
         None => Error::parse_from(path, None, error.to_string(), error),
     })?;
@@ -150,7 +155,7 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
     if models.iter().all(usable) {
         return Ok(models);
     }
-    let (line, reason) = match find_bad_number(text) {
+    let (line, reason) = match find_bad_number(text, prepared.origin) {
         Some((line, reason)) => (Some(line), reason),
         None => (None, "a coordinate is no usable number".into()),
     };
@@ -173,6 +178,25 @@ fn read_text(files: Files, path: &Path, limits: &Limits) -> Result<(String, u64)
         text.drain(..'\u{feff}'.len_utf8());
     }
     Ok((text, count))
+}
+
+/// The positions of `v` lines in world coordinates, as far as they are numbers.
+fn vertices(text: &str) -> impl Iterator<Item = DVec3> {
+    lines(text).filter_map(|(_, line)| {
+        let (keyword, rest) = split_keyword(&line);
+        (keyword == "v").then(|| position(rest)).flatten()
+    })
+}
+
+/// The position that a `v` line says: `x y z`, with a weight `x y z w`, or with a colour `x y z r g b`.
+fn position(rest: &str) -> Option<DVec3> {
+    let mut words = rest.split_whitespace();
+    let mut number = || words.next()?.parse::<f64>().ok();
+    let position = DVec3::new(number()?, number()?, number()?);
+    match (number(), words.next()) {
+        (Some(weight), None) => Some(position / weight),
+        _ => Some(position),
+    }
 }
 
 /// Lines with their numbers from 1; a line that ends in a backslash goes on in the next.
@@ -221,8 +245,8 @@ fn key(material: &str) -> String {
 }
 
 /// Checks every index and writes the lines that tobj is to read. Lines (`l`) are left out.
-fn prepare(text: &str, smooths: bool, warnings: &mut Warnings) -> Result<Prepared, Fault> {
-    let mut prepared = Prepared::new(smooths);
+fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) -> Result<Prepared, Fault> {
+    let mut prepared = Prepared::new(smooths, origin);
     prepared.text.reserve(text.len() + 16);
     let mut smoothing_groups = Vec::new();
     let mut libraries = HashSet::new();
@@ -268,7 +292,7 @@ fn prepare(text: &str, smooths: bool, warnings: &mut Warnings) -> Result<Prepare
 }
 
 impl Prepared {
-    fn new(smooths: bool) -> Self {
+    fn new(smooths: bool, origin: DVec3) -> Self {
         Self {
             libraries: Vec::new(),
             text: String::new(),
@@ -281,6 +305,7 @@ impl Prepared {
             section: Section { object: 0, object_name: 0, group_name: 0, smoothing: Section::UNGROUPED },
             section_has: None,
             smooths,
+            origin,
         }
     }
 
@@ -298,7 +323,15 @@ impl Prepared {
             return Err((line, mixed_color(has_color, first.0)));
         }
         self.counts.vertex += 1;
-        self.keep("v", rest);
+        match position(rest).filter(|_| self.origin != DVec3::ZERO) {
+            None => self.keep("v", rest),
+            // tobj reads f32: the origin is taken off before.
+            Some(position) => {
+                let [x, y, z] = (position - self.origin).as_vec3().to_array();
+                let color = if has_color { rest.split_whitespace().skip(3).collect() } else { Vec::new() };
+                self.keep("v", &format!("{x} {y} {z} {}", color.join(" ")));
+            }
+        }
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! How scene files are read.
 
+use super::Origin;
 use crate::Limits;
 
 /// What becomes of a texture of a material that can't be read: its file is missing, broken, too large or none at all.
@@ -29,6 +30,7 @@ pub struct SceneOptions {
     pub(super) limits: Limits,
     pub(super) missing_textures: MissingTextures,
     pub(super) crease_angle: Option<f32>,
+    pub(super) origin: Origin,
 }
 
 /// The options under the name that they have where OBJ files are read.
@@ -44,6 +46,12 @@ impl SceneOptions {
     /// What becomes of textures that can't be read. An error where nothing is said.
     pub fn missing_textures(mut self, missing: MissingTextures) -> Self {
         self.missing_textures = missing;
+        self
+    }
+
+    /// Which world position the file's coordinates become relative to. [`Origin::Auto`] where nothing is said.
+    pub fn origin(mut self, origin: Origin) -> Self {
+        self.origin = origin;
         self
     }
 

@@ -217,7 +217,7 @@ mod tests {
         scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap();
         assert_eq!([0, 1, 2].map(|id| scene.object_of(id)), [0, 1, crate::MISS]);
         assert_eq!((scene.primitive_count(), scene.object_count(), scene.plane_ids()), (2, 2, 1..2));
-        assert_eq!(scene.bounds(), Some((Vec3::NEG_ONE, Vec3::ONE)));
+        assert_eq!(scene.local_bounds(), Some((Vec3::NEG_ONE, Vec3::ONE)));
         let turn = Quat::from_rotation_x(0.5);
         let transform = Affine3A::from_scale_rotation_translation(Vec3::splat(3.0), turn, Vec3::Y);
         scene.transform_object(1, &transform).unwrap();

@@ -8,7 +8,7 @@ mod values;
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use self::{
     header::{Element, Encoding, Header, Kind},
@@ -16,6 +16,7 @@ use self::{
 };
 use super::{
     MaterialId, Mesh, Scene, SceneOptions, linear,
+    origin::bounds_of,
     polygon::{Split, split},
     smooth::{check_crease, smooth_normals, unit},
     warnings::{Place, Warnings},
@@ -47,7 +48,8 @@ const UV: usize = 9;
 /// All of a file, before it becomes a mesh.
 #[derive(Default)]
 struct Content {
-    positions: Vec<Vec3>,
+    /// World coordinates.
+    positions: Vec<DVec3>,
     /// As long as the positions, or empty; so are the next two.
     normals: Vec<Vec3>,
     colors: Vec<Vec3>,
@@ -75,11 +77,13 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     };
     let content = content.map_err(fault)?;
     drop(bytes);
-    let mut mesh = content.into_mesh(&mut warnings).map_err(fault)?;
+    let origin = options.origin.choose(|| bounds_of(content.positions.iter().copied()));
+    let mut mesh = content.into_mesh(origin, &mut warnings).map_err(fault)?;
     if let Some(degrees) = options.crease_angle.filter(|_| mesh.normals.is_empty()) {
         mesh.normals = smooth_normals(&mesh.positions, &mesh.triangles, &[], degrees);
     }
     let mut scene = Scene::new();
+    scene.set_origin(origin).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     scene.push_mesh(&mesh).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
     warnings.warn_of_dropped(&scene);
     Ok(scene)
@@ -178,7 +182,7 @@ impl Content {
         }
         let [has_normals, has_colors, has_uv] = [has(NORMAL, 3), has(COLOR, 3), has(UV, 2)];
         for index in 0..element.count {
-            let mut vertex = [0.0f32; PLACES.len()];
+            let mut vertex = [0.0f64; PLACES.len()];
             let mut read = || {
                 values.begin()?;
                 for (property, place) in element.properties.iter().zip(&places) {
@@ -187,7 +191,7 @@ impl Content {
                             let value = values.number(scalar)?;
                             // Colours in whole numbers are shares of the largest one.
                             let is_share = !scalar.is_float() && (COLOR..UV).contains(&place);
-                            vertex[place] = if is_share { value / scalar.largest() } else { value } as f32;
+                            vertex[place] = if is_share { value / scalar.largest() } else { value };
                         }
                         (kind, _) => skip_property(kind, values)?,
                     }
@@ -195,14 +199,16 @@ impl Content {
                 values.end()
             };
             read().map_err(|reason| (index, reason))?;
-            if let Some(place) = vertex.iter().position(|value| !value.is_finite()) {
+            if let Some(place) = vertex.iter().position(|value| !(*value as f32).is_finite()) {
                 return Err((
                     index,
                     format!("its {} is {}; it must be a finite number", PLACES[place][0], vertex[place]),
                 ));
             }
+            let position = DVec3::new(vertex[POSITION], vertex[POSITION + 1], vertex[POSITION + 2]);
+            self.positions.push(position);
+            let vertex = vertex.map(|value| value as f32);
             let three = |first: usize| Vec3::new(vertex[first], vertex[first + 1], vertex[first + 2]);
-            self.positions.push(three(POSITION));
             if has_normals {
                 self.normals.push(unit(three(NORMAL)));
             }
@@ -255,12 +261,13 @@ impl Content {
         Ok(())
     }
 
-    /// Splits the faces.
-    fn into_mesh(self, warnings: &mut Warnings) -> Result<Mesh, Fault> {
+    /// Splits the faces. Positions become relative to the origin.
+    fn into_mesh(self, origin: DVec3, warnings: &mut Warnings) -> Result<Mesh, Fault> {
         if self.counts.is_empty() {
             let points = counted(self.positions.len(), "vertex", "vertices");
             return Err((None, format!("no faces and {points}; a scene needs faces of 3 corners or more, not points")));
         }
+        let positions: Vec<Vec3> = self.positions.iter().map(|position| (position - origin).as_vec3()).collect();
         let mut mesh = Mesh::new(Vec::new(), Vec::with_capacity(self.corners.len() - 2 * self.counts.len()));
         let (mut rest, mut fanned, mut first_fanned, mut points) = (&self.corners[..], 0usize, 0, Vec::new());
         for (index, &count) in self.counts.iter().enumerate() {
@@ -271,7 +278,7 @@ impl Content {
                 continue;
             }
             points.clear();
-            points.extend(face.iter().map(|&corner| self.positions[corner as usize]));
+            points.extend(face.iter().map(|&corner| positions[corner as usize]));
             match split(&points) {
                 Split::Ears(ears) => mesh.triangles.extend(ears.into_iter().map(|ear| ear.map(|corner| face[corner]))),
                 fan => {
@@ -301,7 +308,7 @@ impl Content {
             .for_each(|flat| *flat = [Vec3::ZERO; 3]);
         mesh.colors = spread(&self.colors, &mesh.triangles);
         mesh.uv = spread(&self.uv, &mesh.triangles);
-        mesh.positions = self.positions;
+        mesh.positions = positions;
         Ok(mesh)
     }
 }

@@ -195,7 +195,7 @@ impl Trial {
             mirror.finish = Finish::Mirror { fresnel: false };
             scene.set_material(id, mirror).expect("a material that is there");
         }
-        let diagonal = scene.bounds().map_or(0.0, |(low, high)| low.distance(high));
+        let diagonal = scene.local_bounds().map_or(0.0, |(low, high)| low.distance(high));
         for light in &mut scene.lights {
             *light = Light::sphere(light.position, 0.005 * diagonal, light.intensity);
         }

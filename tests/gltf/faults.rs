@@ -110,7 +110,7 @@ fn nodes_in_circles_or_with_two_parents_are_refused() {
     }
     builder.json["scenes"][0]["nodes"] = json!([20_000]);
     let scene = open_with(builder.text(), &SceneOptions::default()).unwrap().scene;
-    assert_eq!(scene.triangles()[0].corners[0].z, 20_000.0);
+    assert_eq!(scene.bounds().unwrap().0.z, 20_000.0);
 }
 
 #[test]
@@ -119,7 +119,10 @@ fn numbers_that_are_none_are_named() {
     says("nodes[0]: the last row of its matrix is [0, 0, 0, 2]; it must be 0, 0, 0, 1", |json| {
         json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]);
     });
-    says("vertex 0: coordinate 1000000000 is beyond", |json| json["nodes"][0]["translation"] = json!([0, 1e9, 0]));
+    says("vertex 2: coordinate 1000000000 is beyond", |json| json["nodes"][0]["scale"] = json!([1, 1e9, 1]));
+    says("origin: it is [0, 1000000000000000, 0]; its coordinates must be numbers within ±1e13", |json| {
+        json["nodes"][0]["translation"] = json!([0, 1e15, 0]);
+    });
     says("no JSON of glTF: ", |json| json["nodes"][0]["translation"] = json!([0, null, 0]));
     let mut builder = Builder::triangle(json!({}));
     let nan = builder.floats(&[[0.0f32; 3], [0.0, f32::NAN, 0.0], [1.0; 3]]);

@@ -55,7 +55,7 @@ fn chains_of_nodes_place_meshes_as_double_precision_does() {
         let local = [DVec3::ZERO, DVec3::X, DVec3::Y];
         for (found, corner) in corners(&scene)[0].iter().zip(order) {
             let expected = matrix.transform_point3(local[corner]);
-            let error = (found.as_dvec3() - expected).abs();
+            let error = (scene.origin() + found.as_dvec3() - expected).abs();
             assert!(error.max_element() <= 1e-7 * expected.abs().max_element().max(1e-3), "{found} {expected}");
         }
         let upright = |normal: DVec3| matrix.inverse().transpose().transform_vector3(normal).normalize().as_vec3();
@@ -178,10 +178,10 @@ fn lights_give_what_they_give_at_the_middle_of_the_scene() {
     );
     let [sun, lamp, dim, spot] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert_eq!(sun.shape, LightShape::Directional { radius: 0.0 });
-    assert_near(sun.position, Vec3::X);
+    assert_near(sun.position.as_vec3(), Vec3::X);
     assert_near(sun.intensity, Vec3::new(0.5, 0.25, 0.0));
     // Two units off: a quarter.
-    assert_eq!((lamp.shape, lamp.position), (LightShape::Point, Vec3::new(0.5, 0.5, 2.0)));
+    assert_eq!((lamp.shape, lamp.position), (LightShape::Point, DVec3::new(0.5, 0.5, 2.0)));
     assert_near(lamp.intensity, Vec3::splat(0.25));
     assert_near(dim.intensity, Vec3::new(0.0, 0.05, 0.1) / pi);
     assert_near(spot.intensity, Vec3::splat(0.1));

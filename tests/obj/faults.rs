@@ -18,7 +18,7 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("v 0 0 1.#INF", "vertex: '1.#INF' is not a number"),
         ("v -1.#IND 0 0", "vertex: '-1.#IND' is not a number"),
         ("v -inf 0 0", "vertex: -inf is not a finite number"),
-        ("v 1e39 0 0", "vertex: inf is not a finite number"),
+        ("v 1e39 0 0", "vertex: 1e39 is beyond ±1e8"),
         ("v 0 2e8 0", "is beyond ±1e8"),
         ("v 1 2 3 0", "vertex: the weight w is 0"),
         ("v 1 2 3 1e-9", "is beyond ±1e8"),

@@ -73,7 +73,7 @@ fn lights_by_rule_stand_on_the_eyes_side_of_planes() {
             let camera = StereoCamera::look_at(eye, Vec3::new(0.0, 0.5, 0.0)).size(64, 48);
             scene.place_lights(7, &camera).unwrap();
             for light in &scene.lights {
-                let y = light.position.y;
+                let y = light.position.y as f32;
                 assert!(y * eye.y > 0.0 && y < eye.y + 0.2, "{eye} {things:?}: {}", light.position);
             }
         }

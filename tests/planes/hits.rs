@@ -133,10 +133,11 @@ fn lists_of_rays_meet_planes_within_their_limits() {
     let any = renderer.any_hits(&uploaded, &rays).unwrap().hits;
     let mut on_planes = 0;
     for ((ray, hit), any) in rays.iter().zip(&closest).zip(any) {
-        let (t, id) = closest_hit(&scene, ray.origin, ray.direction, ray.t_min, ray.t_max.min(stereotrace::FAR));
+        let (t, id) =
+            closest_hit(&scene, ray.origin.as_vec3(), ray.direction, ray.t_min, ray.t_max.min(stereotrace::FAR));
         assert_eq!((hit.primitive, any), (id, id != MISS), "{ray:?}: {hit:?} {t}");
         if ray.t_min == 0.0 && ray.t_max.is_infinite() {
-            let (expected, primitive) = truth.closest(ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            let (expected, primitive) = truth.closest(ray.origin, ray.direction.as_dvec3());
             assert_eq!(hit.primitive, primitive, "{ray:?}");
             let close = |t: f32| (f64::from(t) / expected - 1.0).abs() < 1e-3;
             assert!(primitive == MISS || close(hit.t), "{ray:?}: {} {expected}", hit.t);

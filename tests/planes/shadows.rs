@@ -61,7 +61,7 @@ fn a_ground_casts_no_shadow_on_itself() {
                         let case = Case { distance, angle, lamp, turn, aside };
                         let (scene, camera) = (case.scene(), case.camera());
                         let view = left_of(&scene, &camera);
-                        let light = scene.lights[0].position.as_dvec3();
+                        let light = scene.lights[0].position;
                         let normal = scene.planes()[0].normal.as_dvec3().normalize();
                         let pose = camera.pose().unwrap();
                         let (mut seen, mut dark) = (0, 0);
@@ -73,11 +73,11 @@ fn a_ground_casts_no_shadow_on_itself() {
                             let [right, up, forward] = [pose.right, pose.up, pose.forward].map(Vec3::as_dvec3);
                             let d = f64::from(pose.screen_distance);
                             let way = forward + right * (x * screen[0] / d) + up * (y * screen[1] / d);
-                            let point = pose.eye.as_dvec3() + way * f64::from(*depth);
+                            let point = pose.eye + way * f64::from(*depth);
                             let cosine = (light - point).normalize().dot(normal);
                             let found = f64::from(view.linear[index][0]);
                             // Shadow rays end off the surface by so much, as docs/ARCHITECTURE.md has it.
-                            let (from_eye, way) = (point.distance(pose.eye.as_dvec3()), point.distance(light));
+                            let (from_eye, way) = (point.distance(pose.eye), point.distance(light));
                             let off = from_eye / 131_072.0 + point.length() / 2_097_152.0 + way / 1_048_576.0;
                             dark += usize::from(found == 0.0 && cosine > 1.01 * off / way);
                             worst = worst.max((found - cosine).abs() / (off / way));
@@ -110,7 +110,7 @@ fn what_stands_on_a_ground_has_its_shadow_at_its_foot() {
                 let way = pose.forward * pose.screen_distance
                     + pose.right * (pose.screen_size[0] * (x / 56.0 - 0.5))
                     + pose.up * (pose.screen_size[1] * (0.5 - y / 40.0));
-                let point = pose.eye + way * (view.depth[index] / pose.screen_distance);
+                let point = pose.eye.as_vec3() + way * (view.depth[index] / pose.screen_distance);
                 // The lamp is 40 radii up: the shadow is a little wider than the ball.
                 let (lamp, centre) = (40.0, 1.0_f32);
                 let reach = radius * lamp / ((lamp - centre).powi(2) - 1.0).sqrt();

@@ -59,7 +59,7 @@ fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket()
             for _ in 0..30 {
                 let radius = random.between(0.05, 0.8);
                 let aside = random.point(1.0).reject_from(forward).normalize() * random.between(0.9, 3.0);
-                let center = camera().pose().unwrap().eye + aside + forward * (radius + away);
+                let center = camera().pose().unwrap().eye.as_vec3() + aside + forward * (radius + away);
                 let axes = Mat3::from_diagonal(radius * Vec3::new(1.0, random.between(0.1, 1.0), 1.0));
                 match round {
                     true => scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap(),
@@ -80,7 +80,7 @@ fn balls_at_the_plane_of_the_eyes_are_those_of_rays_and_so_they_are_by_bracket()
 #[test]
 fn from_inside_a_sphere_everything_is_that_of_rays() {
     let mut scene = Scene::new();
-    let eye = camera().pose().unwrap().eye;
+    let eye = camera().pose().unwrap().eye.as_vec3();
     scene.add_sphere(Sphere::new(eye + Vec3::new(0.1, 0.0, -0.2), 2.0, MaterialId(0))).unwrap();
     scene.add_sphere(Sphere::new(Vec3::new(0.0, 0.4, 1.5), 0.3, MaterialId(0))).unwrap();
     assert_eq!(check("inside a sphere", &scene, &camera()), 1.0);

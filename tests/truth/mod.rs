@@ -107,7 +107,7 @@ impl Truth {
             spheres: scene.spheres().iter().map(sphere).collect(),
             ellipsoids: scene.ellipsoids().iter().map(ellipsoid).collect(),
             planes: scene.planes().iter().map(plane).collect(),
-            lights: scene.lights.iter().map(|l| (l.position.as_dvec3(), l.intensity.as_dvec3())).collect(),
+            lights: scene.lights.iter().map(|l| (l.position - scene.origin(), l.intensity.as_dvec3())).collect(),
             shadows: scene.shadows,
             ambient: scene.rendered_ambient().as_dvec3(),
             sky: sky.as_dvec3(),

@@ -1,7 +1,10 @@
 //! Cameras: plain objects on JavaScript's side.
 
 use serde::{Deserialize, Serialize};
-use stereotrace::{Convergence, StereoCamera, glam::Vec3};
+use stereotrace::{
+    Convergence, StereoCamera,
+    glam::{DVec3, Vec3},
+};
 use wasm_bindgen::JsValue;
 
 use crate::{
@@ -13,8 +16,8 @@ use crate::{
 #[derive(Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Camera {
-    eye: [f32; 3],
-    target: [f32; 3],
+    eye: [f64; 3],
+    target: [f64; 3],
     #[serde(default, skip_serializing_if = "Option::is_none")]
     up: Option<[f32; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -35,7 +38,7 @@ struct Camera {
 pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
     let Camera { eye, target, up, size, fov, screen_distance, interaxial, interaxial_pixels, toe_in } =
         values::read("camera", value)?;
-    let mut camera = StereoCamera::look_at(Vec3::from_array(eye), Vec3::from_array(target));
+    let mut camera = StereoCamera::look_at(DVec3::from_array(eye), DVec3::from_array(target));
     if interaxial.is_some() && interaxial_pixels.is_some() {
         return Err(refused("camera: interaxial and interaxialPixels say the same; give one of them"));
     }

@@ -10,7 +10,8 @@ use js_sys::{Float32Array, Object, Uint8Array, Uint32Array};
 use serde::{Deserialize, Serialize};
 use stereotrace::{
     Builtin, Finish, Light, Limits, Material, MaterialId, Mesh, MissingTextures, Plane, SceneFile, SceneOptions, Sky,
-    Sphere, StereoCamera, Texture, TextureId, Wrap, glam::Vec3,
+    Sphere, StereoCamera, Texture, TextureId, Wrap,
+    glam::{DVec3, Vec3},
 };
 use wasm_bindgen::{JsCast, prelude::*};
 use web_sys::ImageData;
@@ -314,7 +315,7 @@ struct Info {
     materials: usize,
     textures: usize,
     lights: usize,
-    bounds: Option<[[f32; 3]; 2]>,
+    bounds: Option<[[f64; 3]; 2]>,
 }
 
 /// `Material` of `types.d.ts`.
@@ -354,13 +355,13 @@ fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
 /// `Light` of `types.d.ts`.
 #[derive(Deserialize)]
 struct GivenLight {
-    position: [f32; 3],
+    position: [f64; 3],
     intensity: [f32; 3],
     radius: Option<f32>,
 }
 
 fn light_of(given: &GivenLight) -> Light {
-    let (position, intensity) = (Vec3::from_array(given.position), Vec3::from_array(given.intensity));
+    let (position, intensity) = (DVec3::from_array(given.position), Vec3::from_array(given.intensity));
     given.radius.map_or(Light::point(position, intensity), |radius| Light::sphere(position, radius, intensity))
 }
 

@@ -3,7 +3,7 @@
 use std::{error::Error, fs, path::PathBuf};
 
 use clap::Args;
-use stereotrace::{Convergence, Limits, Scene, StereoCamera, camera::Display, glam::Vec3};
+use stereotrace::{Convergence, Limits, Scene, StereoCamera, camera::Display, glam::DVec3};
 
 use super::values::{above_zero, display, point};
 use crate::{shown, studio};
@@ -17,15 +17,15 @@ pub(crate) struct CameraArguments {
     /// Name in that file [default: the scene's name], or of one of the scene file's own cameras [default: its first]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
-    /// Midpoint between the eyes
+    /// Midpoint between the eyes, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    eye: Option<Vec3>,
-    /// Point to look at
+    eye: Option<DVec3>,
+    /// Point to look at, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    target: Option<Vec3>,
+    target: Option<DVec3>,
     /// Direction that is up in the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    up: Option<Vec3>,
+    up: Option<DVec3>,
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     fov: Option<f32>,
@@ -93,13 +93,13 @@ impl CameraArguments {
         [width, height]: [u32; 2],
         flattered: bool,
     ) -> Result<StereoCamera, stereotrace::Error> {
-        let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+        let (low, high) = scene.bounds().unwrap_or((DVec3::NEG_ONE, DVec3::ONE));
         let camera = StereoCamera::fitting((low, high), width, height);
         if self.eye.is_none() && self.target.is_none() {
             return Ok(if flattered { studio::from_a_corner(camera) } else { camera });
         }
         let eye = self.eye.unwrap_or(camera.pose()?.eye);
-        let distance = eye.distance(self.target.unwrap_or(low.midpoint(high)));
+        let distance = eye.distance(self.target.unwrap_or(low.midpoint(high))) as f32;
         Ok(camera.screen_distance(distance).interaxial(distance / 30.0))
     }
 
@@ -112,7 +112,7 @@ impl CameraArguments {
             camera = camera.target(target);
         }
         if let Some(up) = self.up {
-            camera = camera.up(up);
+            camera = camera.up(up.as_vec3());
         }
         if let Some(degrees) = self.fov {
             camera = camera.vertical_fov_degrees(degrees);
@@ -158,6 +158,7 @@ impl CameraArguments {
             }
         };
         let pose = camera.pose()?;
-        Ok(calibrated.eye(pose.eye).target(pose.eye + pose.forward * pose.subject_distance).up(pose.up))
+        let ahead = pose.forward.as_dvec3() * f64::from(pose.subject_distance);
+        Ok(calibrated.eye(pose.eye).target(pose.eye + ahead).up(pose.up))
     }
 }

@@ -89,7 +89,7 @@ impl PictureArguments {
 
     /// What to render a scene with.
     pub(crate) fn options(&self, scene: &Scene, reach: f32) -> Options {
-        let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).filter(|diagonal| *diagonal > 0.0);
+        let diagonal = scene.bounds().map(|(low, high)| low.distance(high) as f32).filter(|diagonal| *diagonal > 0.0);
         let occlusion = self.occlusion.and_then(|OcclusionArgument(rays, radius)| {
             let radius = radius.or(diagonal.map(|diagonal| reach * diagonal))?;
             Some(AmbientOcclusion::new(rays, radius))

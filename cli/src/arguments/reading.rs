@@ -1,9 +1,9 @@
 //! How files are read.
 
 use clap::Args;
-use stereotrace::{Limits, MissingTextures, SceneOptions};
+use stereotrace::{Limits, MissingTextures, Origin, SceneOptions};
 
-use super::values::{CreaseAngle, crease_angle, missing_textures};
+use super::values::{CreaseAngle, crease_angle, missing_textures, origin};
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading files")]
@@ -14,6 +14,10 @@ pub(crate) struct ReadingArguments {
     /// What becomes of textures that can't be read: error, or warn and go on without them
     #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
     missing_textures: MissingTextures,
+    /// World position that a scene file's coordinates are stored relative to: none for 0, auto for the middle of a file that
+    /// lies farther away than 8 times its size. Cameras, lights and ground truth stay in world coordinates
+    #[arg(long, value_name = "auto|none|X,Y,Z", default_value = "auto", value_parser = origin, allow_hyphen_values = true)]
+    origin: Origin,
     /// Largest scene, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
@@ -53,5 +57,6 @@ impl ReadingArguments {
             .limits(self.limits())
             .missing_textures(self.missing_textures)
             .crease_angle(self.crease_angle.0)
+            .origin(self.origin)
     }
 }

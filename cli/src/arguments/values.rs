@@ -2,7 +2,11 @@
 
 use std::ops::Range;
 
-use stereotrace::{Adaptive, Light, MissingTextures, ShadowBuffer, ShadowRule, Tone, camera::Display, glam::Vec3};
+use stereotrace::{
+    Adaptive, Light, MissingTextures, Origin, ShadowBuffer, ShadowRule, Tone,
+    camera::Display,
+    glam::{DVec3, Vec3},
+};
 
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +24,18 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-pub(crate) fn point(text: &str) -> Result<Vec3, String> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    let numbers = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-    numbers.map(Vec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+pub(crate) fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    numbers.map(DVec3::from_array).ok_or_else(|| "it must be three numbers like -1,0,2.5".into())
+}
+
+pub(crate) fn origin(text: &str) -> Result<Origin, String> {
+    match text {
+        "auto" => Ok(Origin::Auto),
+        "none" => Ok(Origin::World),
+        _ => point(text).map(Origin::At).map_err(|_| "it must be auto, none, or three numbers like 500000,0,0".into()),
+    }
 }
 
 /// A light's intensity where none is said.
@@ -48,7 +60,7 @@ pub(crate) fn light(text: &str) -> Result<Light, String> {
 
 /// Linear light: one number for all channels, or three.
 pub(crate) fn ambient(text: &str) -> Result<Vec3, String> {
-    let light = text.parse().map(Vec3::splat).or_else(|_| point(text));
+    let light = text.parse().map(Vec3::splat).or_else(|_| point(text).map(|light| light.as_vec3()));
     let light = light.ok().filter(|light| light.is_finite() && light.min_element() >= 0.0);
     light.ok_or_else(|| "light must be a number like 0.3, or three like 1,0.9,0.8, of at least 0".into())
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use stereotrace::{
     Builtin,
+    glam::DVec3,
     message::{counted, escaped},
     wgpu,
 };
@@ -86,6 +87,10 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
     if let Some((low, high)) = bounds {
         writeln!(text, "           from {low} to {high}")?;
     }
+    let origin = stage.scene.origin();
+    if origin != DVec3::ZERO {
+        writeln!(text, "           stored relative to its origin {origin}")?;
+    }
     let info = stage.uploaded.info();
     let bytes = info.node_bytes + info.primitive_bytes;
     let build = info.build.as_secs_f64();
@@ -128,6 +133,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         "textured": textured,
         "normals": stage.scene.has_normals(),
         "objects": objects,
+        "origin": origin.to_array(),
         "bounds": bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
         "bytes": bytes,
         "depth": { "nearest": finite(near), "farthest": finite(far) },

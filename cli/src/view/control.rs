@@ -4,7 +4,7 @@ use std::{error::Error, f64::consts::PI};
 
 use stereotrace::{
     Pose, StereoCamera,
-    glam::{DQuat, DVec3, Vec3},
+    glam::{DQuat, DVec3},
 };
 
 /// The least angle between the view and the direction that is up, radians: the horizon is lost where they meet.
@@ -49,7 +49,7 @@ impl Place {
             );
         }
         Ok(Self {
-            eye: eye.as_dvec3(),
+            eye,
             forward: forward.as_dvec3().normalize(),
             axis: camera.up_direction().as_dvec3().normalize(),
             reach: subject_distance.into(),
@@ -65,13 +65,13 @@ impl Place {
         camera.screen_distance(self.screen_distance()).interaxial(self.interaxial())
     }
 
-    pub(super) fn eye(&self) -> Vec3 {
-        self.eye.as_vec3()
+    pub(super) fn eye(&self) -> DVec3 {
+        self.eye
     }
 
     /// The middle of the screen.
-    pub(super) fn target(&self) -> Vec3 {
-        self.middle().as_vec3()
+    pub(super) fn target(&self) -> DVec3 {
+        self.middle()
     }
 
     pub(super) fn screen_distance(&self) -> f32 {
@@ -158,14 +158,14 @@ mod tests {
     use super::*;
 
     fn camera() -> StereoCamera {
-        StereoCamera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).size(200, 100).vertical_fov_degrees(90.0)
+        StereoCamera::look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO).size(200, 100).vertical_fov_degrees(90.0)
     }
 
     fn place() -> Place {
         Place::of(&camera()).unwrap()
     }
 
-    fn near(a: Vec3, b: Vec3) -> bool {
+    fn near(a: DVec3, b: DVec3) -> bool {
         a.distance(b) < 1e-5
     }
 
@@ -182,11 +182,11 @@ mod tests {
         let mut place = place();
         place.orbit(FRAC_PI_2, 0.0);
         // The view turns left, from -z to -x, so the eyes go to +x.
-        assert!(near(place.eye(), Vec3::new(5.0, 0.0, 0.0)) && near(place.target(), Vec3::ZERO), "{place:?}");
+        assert!(near(place.eye(), DVec3::new(5.0, 0.0, 0.0)) && near(place.target(), DVec3::ZERO), "{place:?}");
         for _ in 0..300 {
             place.orbit(TAU / 400.0, 0.0);
         }
-        assert!(near(place.eye(), Vec3::new(0.0, 0.0, 5.0)) && near(place.target(), Vec3::ZERO), "{place:?}");
+        assert!(near(place.eye(), DVec3::new(0.0, 0.0, 5.0)) && near(place.target(), DVec3::ZERO), "{place:?}");
         assert_eq!((place.screen_distance(), place.interaxial()), (5.0, camera().pose().unwrap().interaxial));
     }
 
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn what_is_on_the_screen_follows_the_mouse() {
-        let (mut place, point) = (place(), Vec3::new(1.0, 0.5, 0.0));
+        let (mut place, point) = (place(), DVec3::new(1.0, 0.5, 0.0));
         let at = |place: &Place| place.camera(camera()).pose().unwrap().project(point, 0.0);
         let before = at(&place);
         place.pan(12.0, -7.0, 100);
@@ -223,21 +223,21 @@ mod tests {
         let mut place = place();
         let before = place.interaxial() / place.screen_distance();
         place.zoom(3.0);
-        assert!(near(place.target(), Vec3::ZERO) && near(place.eye(), Vec3::Z * (5.0 * 0.729)), "{place:?}");
+        assert!(near(place.target(), DVec3::ZERO) && near(place.eye(), DVec3::Z * (5.0 * 0.729)), "{place:?}");
         assert!((place.interaxial() / place.screen_distance() - before).abs() < 1e-6);
         place.zoom(-3.0);
-        assert!(near(place.eye(), Vec3::Z * 5.0));
+        assert!(near(place.eye(), DVec3::Z * 5.0));
     }
 
     #[test]
     fn flight_goes_where_the_eyes_look() {
         let mut place = place();
         place.look(FRAC_PI_2, 0.0);
-        assert!(near(place.eye(), Vec3::Z * 5.0) && near(place.target(), Vec3::new(-5.0, 0.0, 5.0)), "{place:?}");
+        assert!(near(place.eye(), DVec3::Z * 5.0) && near(place.target(), DVec3::new(-5.0, 0.0, 5.0)), "{place:?}");
         place.fly([0.0, 0.0, 1.0]);
-        assert!(near(place.eye(), Vec3::new(-5.0, 0.0, 5.0)), "{place:?}");
+        assert!(near(place.eye(), DVec3::new(-5.0, 0.0, 5.0)), "{place:?}");
         place.fly([1.0, 0.2, 0.0]);
-        assert!(near(place.eye(), Vec3::new(-5.0, 1.0, 0.0)), "{place:?}");
+        assert!(near(place.eye(), DVec3::new(-5.0, 1.0, 0.0)), "{place:?}");
     }
 
     #[test]
@@ -246,7 +246,7 @@ mod tests {
         let mut place = Place::of(&camera).unwrap();
         place.orbit(FRAC_PI_2, 0.0);
         place.zoom(1.0);
-        assert!(near(place.eye(), Vec3::X * 4.5) && near(place.target(), Vec3::ZERO), "{place:?}");
+        assert!(near(place.eye(), DVec3::X * 4.5) && near(place.target(), DVec3::ZERO), "{place:?}");
         let pose = place.camera(camera).pose().unwrap();
         assert!(pose.screen_distance == f32::INFINITY && (pose.interaxial - 0.09).abs() < 1e-6, "{pose:?}");
         place.move_screen(1.1);

@@ -3,12 +3,13 @@
 use std::{
     error::Error,
     ffi::{OsStr, OsString},
+    fmt::Display,
     fs,
     path::{Path, PathBuf},
 };
 
 use clap::{CommandFactory, parser::ValueSource};
-use stereotrace::{Light, LightShape, Scene, StereoPair, glam::Vec3, message, output::Batch};
+use stereotrace::{Light, LightShape, Scene, StereoPair, message, output::Batch};
 
 use super::settings::{Mode, Settings};
 use crate::arguments::Cli;
@@ -103,9 +104,9 @@ impl Origin {
         say("--size", format!("{width}x{height}"));
         if moved {
             let place = &settings.place;
-            say("--eye", point(place.eye()));
-            say("--target", point(place.target()));
-            say("--up", point(settings.camera().up_direction()));
+            say("--eye", point(place.eye().to_array()));
+            say("--target", point(place.target().to_array()));
+            say("--up", point(settings.camera().up_direction().to_array()));
             say("--fov", place.fov().to_string());
             say("--screen", place.screen_distance().to_string());
             say("--interaxial", place.interaxial().to_string());
@@ -133,14 +134,14 @@ impl Origin {
     }
 }
 
-fn point(point: Vec3) -> String {
-    format!("{},{},{}", point.x, point.y, point.z)
+fn point([x, y, z]: [impl Display; 3]) -> String {
+    format!("{x},{y},{z}")
 }
 
 /// A scene's lights as options; nothing where one is of a shape that has none: that one was not placed around a camera.
 fn light_words(scene: &Scene) -> Option<Vec<(&'static str, String)>> {
     let word = |light: &Light| {
-        let (place, intensity) = (point(light.position), point(light.intensity));
+        let (place, intensity) = (point(light.position.to_array()), point(light.intensity.to_array()));
         match light.shape {
             LightShape::Point => Some(("--light", format!("{place}:{intensity}"))),
             LightShape::Sphere { radius } => Some(("--light", format!("{place}:{intensity}:{radius}"))),
@@ -151,7 +152,7 @@ fn light_words(scene: &Scene) -> Option<Vec<(&'static str, String)>> {
     if words.is_empty() {
         words.push(("--lights", "0".into()));
     }
-    words.extend(scene.ambient.map(|ambient| ("--ambient", point(ambient))));
+    words.extend(scene.ambient.map(|ambient| ("--ambient", point(ambient.to_array()))));
     Some(words)
 }
 

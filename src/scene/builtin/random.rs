@@ -195,7 +195,7 @@ mod tests {
                 (2 * count / 5, count + 2 * SQUARES * SQUARES)
             );
             let (low, high) = scene.bounds().unwrap();
-            assert!(low.y == 0.0 && high.y < CENTER.y + HALF_BOX.y + 1e-3, "{low} {high}");
+            assert!(low.y == 0.0 && high.as_vec3().y < CENTER.y + HALF_BOX.y + 1e-3, "{low} {high}");
             let mixed = plain.shares(0.3, 0.3).scene();
             let shape = |scene: &Scene| -> Vec<_> {
                 let ellipsoids = scene.ellipsoids().iter().map(|one| (one.center, one.axes.x_axis.length()));

@@ -160,7 +160,7 @@ mod tests {
     const COUNTS: [usize; 9] = [1, 2, 3, 10, 50, 100, 500, 2000, 6000];
 
     fn square(scene: &Scene) -> (Vec3, Vec3) {
-        scene.bounds().unwrap()
+        scene.local_bounds().unwrap()
     }
 
     #[test]

@@ -41,8 +41,9 @@ impl Caster {
         let [x, y] = [i, j].map(|k| k as f32 + 0.5);
         let (x, y) = (x / pose.size[0] as f32 - 0.5, 0.5 - y / pose.size[1] as f32);
         let screen = pose.forward * pose.screen_distance;
-        let point = pose.eye + screen + pose.right * pose.screen_size[0] * x + pose.up * pose.screen_size[1] * y;
-        let origin = pose.eye_position(side);
+        let point =
+            pose.eye.as_vec3() + screen + pose.right * pose.screen_size[0] * x + pose.up * pose.screen_size[1] * y;
+        let origin = pose.eye_in_scene(side);
         // Of length one along the view: t is the depth.
         let direction = (point - origin) / pose.screen_distance;
         let mut hits = Vec::new();

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use gltf_json::{camera::Type, validation::Checked};
 
 use super::{Placed, document::Document};
@@ -21,12 +21,11 @@ const MOST_ASPECT: f32 = 16.0;
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],
-    bounds: Option<(Vec3, Vec3)>,
+    bounds: Option<(DVec3, DVec3)>,
     warnings: &mut Warnings,
 ) -> Result<Vec<(String, StereoCamera)>, Error> {
     let root = &document.root;
     let (low, high) = bounds.unwrap_or_default();
-    let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let mut cameras = Vec::new();
     for &((node, index), place) in places {
         let description = document.item(("cameras", &root.cameras), index, format_args!("nodes[{node}]"))?;
@@ -49,7 +48,7 @@ pub(super) fn read(
         let own_up = place.transform_vector3(DVec3::Y).normalize_or_zero();
         // A camera that looks down is level: the world's up shows it the same picture, and what turns about its up, as orbits do, stays level.
         let is_level = forward.cross(own_up).dot(DVec3::Y).abs() < LEVEL && own_up.y > LEVEL;
-        let camera = StereoCamera::look_at(eye.as_vec3(), (eye + distance * forward).as_vec3())
+        let camera = StereoCamera::look_at(eye, eye + distance * forward)
             .up(if is_level { DVec3::Y } else { own_up }.as_vec3())
             .vertical_fov_degrees(perspective.yfov.to_degrees())
             .screen_distance(distance as f32)

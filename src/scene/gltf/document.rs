@@ -12,6 +12,7 @@ use base64::{Engine, alphabet, engine};
 use gltf_json::{Buffer, Index, Root, buffer::View};
 use percent_encoding::percent_decode_str;
 
+use super::nodes::{Shifts, shifts};
 use crate::{Error, Limits, input::Files, message::counted, scene::warnings::Warnings};
 
 /// What is read of extensions, or makes no difference to what is read.
@@ -36,6 +37,8 @@ pub(super) struct Document<'a> {
     pub(super) files: Files<'a>,
     pub(super) path: &'a Path,
     pub(super) root: Root,
+    /// Of each node, in f64; `root` has them in f32.
+    pub(super) shifts: Vec<Shifts>,
     pub(super) limits: Limits,
     /// A binary file, and where its buffer is in it.
     chunk: Option<(Cow<'a, [u8]>, Range<usize>)>,
@@ -51,10 +54,12 @@ impl<'a> Document<'a> {
         let is_binary = bytes.starts_with(b"glTF");
         let fault = |reason: String| Error::parse(path, None, reason);
         let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
-        let root = parse(path, &bytes[json], is_binary, &limits)?;
+        let root = parse(path, &bytes[json.clone()], is_binary, &limits)?;
+        let shifts = shifts(&bytes[json]).map_err(|error| fault(format!("no JSON of glTF: {error}")))?;
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
         let chunk = chunk.map(|chunk| (bytes, chunk));
-        let document = Self { files, path, root, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
+        let document =
+            Self { files, path, root, shifts, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
         match document.root.asset.version.split('.').next() {
             Some("2") => Ok(document),
             _ => Err(document.fault(format!("it is glTF {}; version 2 is read", document.root.asset.version))),
@@ -201,8 +206,13 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> 
     json.map(|json| (json, buffer)).ok_or_else(|| "it has no JSON chunk".into())
 }
 
+/// JSON without a byte order mark.
+pub(super) fn without_mark(json: &[u8]) -> &[u8] {
+    json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json)
+}
+
 fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<Root, Error> {
-    let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
+    let json = without_mark(json);
     let bytes = structure_bytes(json);
     if bytes > limits.json_bytes {
         return Err(Error::TooLarge {

@@ -22,14 +22,14 @@ use crate::{
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],
-    bounds: Option<(Vec3, Vec3)>,
+    (origin, bounds): (DVec3, Option<(DVec3, DVec3)>),
     warnings: &mut Warnings,
 ) -> Result<Vec<Light>, Error> {
     let root = &document.root;
     let descriptions = root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     let descriptions = descriptions.map_or(&[][..], |extension| &extension.lights);
     let (low, high) = bounds.unwrap_or_default();
-    let (middle, nearest) = (low.as_dvec3().midpoint(high.as_dvec3()), 0.5 * (high - low).max_element().max(1e-6));
+    let (middle, nearest) = (low.midpoint(high), 0.5 * (high - low).max_element().max(1e-6));
     let mut lights: Vec<(Light, DVec3)> = Vec::new();
     let mut directional = 0;
     for &((node, index), place) in places {
@@ -55,15 +55,15 @@ pub(super) fn read(
         }
         let (light, radiance) = match kind {
             Type::Directional => {
-                let towards = place.transform_vector3(DVec3::Z).normalize_or_zero().as_vec3();
+                let towards = place.transform_vector3(DVec3::Z).normalize_or_zero();
                 (Light::directional(towards, 0.0, Vec3::ZERO), color * strength)
             }
             Type::Point | Type::Spot => {
-                let distance = place.translation.distance(middle).max(nearest.into());
-                (Light::point(place.translation.as_vec3(), Vec3::ZERO), color * strength / (distance * distance))
+                let distance = place.translation.distance(middle).max(nearest);
+                (Light::point(place.translation, Vec3::ZERO), color * strength / (distance * distance))
             }
         };
-        light.check().map_err(|reason| document.fault(format!("lights[{index}] at nodes[{node}]: {reason}")))?;
+        light.check(origin).map_err(|reason| document.fault(format!("lights[{index}] at nodes[{node}]: {reason}")))?;
         lights.push((light, radiance));
     }
     let total: DVec3 = lights.iter().map(|(_, radiance)| radiance).sum();

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, Vec2, Vec3};
+use glam::{BVec3, DAffine3, DMat3, DVec3, Vec2, Vec3};
 use gltf_json::{
     Mesh as Description,
     accessor::Type,
@@ -20,6 +20,7 @@ use crate::{
     message::counted,
     scene::{
         Mesh, SceneOptions,
+        origin::bounds_of,
         smooth::{smooth_normals, unit},
         warnings::{Place, Warnings},
     },
@@ -39,14 +40,13 @@ impl<'a> Meshes<'a> {
         Self { document, crease_angle: options.crease_angle, read: HashMap::new(), triangles: 0, vertices: 0 }
     }
 
-    /// A mesh as a node shows it.
-    pub(super) fn instance(
+    /// Reads a mesh that a node shows, if it was not read before, and counts it.
+    pub(super) fn read(
         &mut self,
         mesh: usize,
         node: usize,
-        (name, place): Placed<Option<&str>>,
         (surfaces, warnings): (&mut Surfaces, &mut Warnings),
-    ) -> Result<Mesh, Error> {
+    ) -> Result<(), Error> {
         let document = self.document;
         let description = document.item(("meshes", &document.root.meshes), mesh, format_args!("nodes[{node}]"))?;
         if !self.read.contains_key(&mesh) {
@@ -57,9 +57,33 @@ impl<'a> Meshes<'a> {
         self.triangles += read.triangles.len() as u64;
         self.vertices += read.positions.len() as u64;
         document.check_size("its scene", "triangles", self.triangles, 1)?;
-        document.check_size("its scene", "vertices", self.vertices, 3)?;
-        let name = name.filter(|name| !name.is_empty()).or(description.name.as_deref()).unwrap_or_default();
-        Ok(placed(read, place).name(name))
+        document.check_size("its scene", "vertices", self.vertices, 3)
+    }
+
+    /// A box around the meshes that were read, at their places, in world coordinates: each one's own box is turned.
+    pub(super) fn bounds(&self, shown: &[Placed<(usize, usize)>]) -> Option<(DVec3, DVec3)> {
+        let own: HashMap<usize, Option<(DVec3, DVec3)>> = self
+            .read
+            .iter()
+            .map(|(&index, mesh)| (index, bounds_of(mesh.positions.iter().map(|position| position.as_dvec3()))))
+            .collect();
+        bounds_of(shown.iter().flat_map(|((_, mesh), place)| {
+            let corners = own[mesh].into_iter().flat_map(|(low, high)| {
+                (0..8).map(move |corner| {
+                    let is_high = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
+                    DVec3::select(BVec3::from_array(is_high), high, low)
+                })
+            });
+            corners.map(|corner| place.transform_point3(corner))
+        }))
+    }
+
+    /// A mesh that was read, as a node shows it at a place relative to the scene's origin.
+    pub(super) fn instance(&self, mesh: usize, node: usize, place: DAffine3) -> Mesh {
+        let root = &self.document.root;
+        let name = root.nodes[node].name.as_deref().filter(|name| !name.is_empty());
+        let name = name.or(root.meshes[mesh].name.as_deref()).unwrap_or_default();
+        placed(&self.read[&mesh], place).name(name)
     }
 
     fn smoothed(&self, mut mesh: Mesh) -> Mesh {

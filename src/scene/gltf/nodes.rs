@@ -3,8 +3,27 @@
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf_json::{Node, scene::UnitQuaternion};
 
-use super::document::Document;
+use serde::Deserialize;
+
+use super::document::{Document, without_mark};
 use crate::Error;
+
+/// The parts of a node that place it, in f64. gltf-json has them in f32, which rounds places far from the world's origin.
+#[derive(Deserialize)]
+pub(super) struct Shifts {
+    matrix: Option<Box<[f64; 16]>>,
+    translation: Option<[f64; 3]>,
+}
+
+/// Those of all nodes of a file that gltf-json has read.
+pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
+    #[derive(Deserialize)]
+    struct File {
+        #[serde(default)]
+        nodes: Vec<Shifts>,
+    }
+    serde_json::from_slice::<File>(without_mark(json)).map(|file| file.nodes)
+}
 
 /// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the order of the file.
 /// Without a default scene the first one is taken, and without any all nodes that are nobody's children.
@@ -32,7 +51,8 @@ pub(super) fn walk(
             let reason = format!("{}: its child nodes[{index}] has another parent, or is above it", by());
             return Err(document.fault(reason));
         }
-        let own = transform(node).map_err(|reason| document.fault(format!("nodes[{index}]: {reason}")))?;
+        let own = transform(node, &document.shifts[index])
+            .map_err(|reason| document.fault(format!("nodes[{index}]: {reason}")))?;
         let place = place * own;
         visit(index, node, place)?;
         let children = node.children.iter().flatten().rev();
@@ -52,13 +72,10 @@ fn orphans(nodes: &[Node]) -> Vec<usize> {
 }
 
 /// What a node does to what is below it, in f64.
-fn transform(node: &Node) -> Result<DAffine3, String> {
-    let vector = |vector: Option<[f32; 3]>, otherwise: DVec3| {
-        vector.map_or(otherwise, |vector| glam::Vec3::from_array(vector).as_dvec3())
-    };
-    let transform = match node.matrix {
+fn transform(node: &Node, shifts: &Shifts) -> Result<DAffine3, String> {
+    let transform = match &shifts.matrix {
         Some(matrix) => {
-            let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+            let matrix = DMat4::from_cols_array(matrix);
             if matrix.row(3) != glam::DVec4::W {
                 return Err(format!("the last row of its matrix is {}; it must be 0, 0, 0, 1", matrix.row(3)));
             }
@@ -70,8 +87,8 @@ fn transform(node: &Node) -> Result<DAffine3, String> {
             if !(rotation.length() > 0.0 && rotation.length().is_finite()) {
                 return Err(format!("its rotation {rotation} is none"));
             }
-            let scale = vector(node.scale, DVec3::ONE);
-            let translation = vector(node.translation, DVec3::ZERO);
+            let scale = node.scale.map_or(DVec3::ONE, |scale| DVec3::from_array(scale.map(f64::from)));
+            let translation = shifts.translation.map_or(DVec3::ZERO, DVec3::from_array);
             DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation)
         }
     };

@@ -1,5 +1,7 @@
 //! Numbers and indices of an OBJ file, checked before tobj reads them: it names no line.
 
+use glam::DVec3;
+
 use crate::message::{counted, noun};
 
 use super::{Fault, MAX_COORDINATE, lines, split_keyword};
@@ -57,16 +59,17 @@ fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
 }
 
 /// The first `v`, `vt` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
-pub(super) fn find_bad_number(text: &str) -> Option<Fault> {
+/// Vertices may reach [`MAX_COORDINATE`] from the scene's origin.
+pub(super) fn find_bad_number(text: &str, origin: DVec3) -> Option<Fault> {
     lines(text).find_map(|(number, line)| {
         let (keyword, rest) = split_keyword(&line);
         let fault = match keyword {
-            "v" => check_numbers("vertex", rest, MAX_COORDINATE),
+            "v" => check_numbers("vertex", rest, MAX_COORDINATE, origin),
             "vt" => check_texture(rest),
             // tobj reads three numbers and leaves alone what follows them.
             "vn" => {
                 let words: Vec<&str> = rest.split_whitespace().take(3).collect();
-                check_numbers("normal", &words.join(" "), f32::MAX)
+                check_numbers("normal", &words.join(" "), f32::MAX, DVec3::ZERO)
             }
             _ => return None,
         };
@@ -74,10 +77,10 @@ pub(super) fn find_bad_number(text: &str) -> Option<Fault> {
     })
 }
 
-fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
+fn check_numbers(what: &str, words: &str, largest: f32, origin: DVec3) -> Result<(), String> {
     let mut values = Vec::new();
     for word in words.split_whitespace() {
-        values.push(word.parse::<f32>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
+        values.push(word.parse::<f64>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
     }
     let count = values.len();
     let (coordinates, more) =
@@ -92,10 +95,13 @@ fn check_numbers(what: &str, words: &str, largest: f32) -> Result<(), String> {
         [w] => w,
         _ => return Err(format!("{what}: {count} numbers; give x y z, x y z w, or x y z r g b")),
     };
-    match coordinates.iter().map(|value| value / scale).find(|value| value.is_nan() || value.abs() > largest) {
+    let is_bad = |(value, from): &(f64, f64)| value.is_nan() || (value - from).abs() > f64::from(largest);
+    let bad = coordinates.iter().map(|value| value / scale).zip(origin.to_array()).find(is_bad);
+    match bad.map(|(value, _)| value) {
         None => Ok(()),
         Some(value) if value.is_finite() => {
-            Err(format!("{what}: {value} is beyond ±{largest:e}; scale the scene down"))
+            let of = if origin == DVec3::ZERO { "" } else { " of the scene's origin" };
+            Err(format!("{what}: {value:?} is beyond ±{largest:e}{of}; scale the scene down"))
         }
         Some(value) => Err(format!("{what}: {value} is not a finite number")),
     }

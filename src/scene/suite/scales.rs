@@ -42,7 +42,7 @@ impl Placement {
             (sphere.center, sphere.radius) = (self.of(sphere.center), sphere.radius * self.scale);
         }
         for light in &mut scene.lights {
-            light.position = self.of(light.position);
+            light.position = self.of(light.position.as_vec3()).as_dvec3();
         }
         scene
     }
