@@ -98,6 +98,10 @@ impl AmbientOcclusion {
 }
 
 /// Adaptive supersampling: see [`Options::adaptive`].
+///
+/// A cell that is divided in one view is divided in the others too, so that both eyes see an edge equally sharp. The left
+/// view so depends on the right one. Where methods infer the right view's shadows differently, their left views may
+/// differ in such cells; by [`Method::BRACKET_RAYS`](crate::Method::BRACKET_RAYS) both are those of `naive`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Adaptive {

@@ -172,13 +172,28 @@ impl Renderer {
         options: &Options,
         drawn: bool,
     ) -> (Method, Option<Choice>, Plan) {
-        let method = if self.steps.always { Method::Naive } else { effective(options.method, eyes, scene) };
+        let method = if self.steps.always { Method::Naive } else { self.effective(options, eyes, scene) };
         let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
         let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
         let soft = is_soft.then(|| scene.soft.parts(options).len());
         let chosen = early.map_or(method, |choice| choice.method);
         let plan = Plan::of(chosen, &eyes.sources, scene.variant.mirrors, soft, options.samples > 1, drawn);
         (method, early, plan)
+    }
+
+    /// The method that views are made by. Without interaxial all views are equal, unless each has noise of its own. Where
+    /// there is no tree, `bracket` has nothing to search. Pictures too wide for its texture of samples are traced, if the
+    /// choice is ours.
+    fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
+        let width = eyes.pose.size[0];
+        match options.method {
+            Method::Naive => Method::Naive,
+            _ if eyes.pose.interaxial == 0.0 && options.noise_by_view => Method::Naive,
+            _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
+            Method::Auto | Method::Bracket(_) if !scene.variant.has_tree() => Method::Naive,
+            Method::Auto if width > self.gpu.limits.max_texture_dimension_2d => Method::Naive,
+            method => method,
+        }
     }
 
     /// How many primitives are drawn into a T-buffer, where a frame without masks has one.
@@ -378,16 +393,5 @@ impl Frame<'_> {
             intermediate_bytes: targets.intermediate_bytes(used) + self.driver.most_slot_bytes + lanes,
             shadow_buffer: ShadowBufferWork::default(),
         }
-    }
-}
-
-/// The method that views are made by: without interaxial all are equal, and where there is no tree there is nothing to
-/// bracket.
-fn effective(method: Method, eyes: &Eyes, scene: &UploadedScene) -> Method {
-    match method {
-        Method::Naive => Method::Naive,
-        _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
-        Method::Auto | Method::Bracket(_) if !scene.variant.has_tree() => Method::Naive,
-        method => method,
     }
 }

@@ -114,3 +114,16 @@ fn a_scene_over_one_limit_is_read_the_other_way_and_over_both_refused_with_the_c
     assert!(message.starts_with("the scene's table of lights, materials, sky and textures needs 131"), "{message}");
     assert!(message.ends_with("enough for 65536; use smaller or fewer pictures"), "{message}");
 }
+
+/// `bracket` keeps a texture as wide as the picture, of which WebGPU promises 8192 pixels.
+#[test]
+fn auto_traces_both_views_of_pictures_that_are_too_wide_for_bracket() {
+    let mut renderer = Renderer::new(gpu_with_limits(wgpu::Limits::default()));
+    let uploaded = renderer.upload(&Builtin::Near.scene()).unwrap();
+    let camera = Builtin::Near.camera(8200, 1).vertical_fov_degrees(0.005);
+    let mut pair = |method| renderer.render(&uploaded, &camera, &Options::new(method));
+    let refused = pair(Method::BRACKET).unwrap_err().to_string();
+    assert!(refused.contains("8192"), "{refused}");
+    let (found, naive) = (pair(Method::Auto).unwrap(), pair(Method::Naive).unwrap());
+    assert!(found.right == naive.right && found.statistics.method == Method::Naive);
+}

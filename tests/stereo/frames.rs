@@ -1,6 +1,8 @@
 //! Frames: what one keeps, counts and says of its progress, and that the next one is not changed by it.
 
-use stereotrace::{Check, Error, GBuffer, Method, Options, PixelSource, metrics::compare, scene::builtin::Builtin};
+use stereotrace::{
+    Check, Error, GBuffer, Light, Method, Options, PixelSource, metrics::compare, scene::builtin::Builtin,
+};
 
 use crate::{
     SIZE,
@@ -37,6 +39,29 @@ fn one_renderer_takes_scenes_and_sizes_in_any_order() {
     renderer.render(&fence, &Builtin::Fence.camera(33, 90), &options).unwrap();
     let again = renderer.render(&spheres, &Builtin::Spheres.camera(64, 48), &options).unwrap();
     assert_eq!(first.right, again.right);
+}
+
+#[test]
+fn equal_eyes_with_noise_of_their_own_are_both_traced() {
+    let mut scene = Builtin::Near.scene();
+    for light in &mut scene.lights {
+        *light = Light::sphere(light.position, 0.4, light.intensity);
+    }
+    let camera = Builtin::Near.camera(64, 48).interaxial(0.0);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let mut pair = |method, by_view| {
+        let options = Options::new(method).shadow_rays(4).noise_by_view(by_view);
+        renderer.render(&uploaded, &camera, &options).unwrap()
+    };
+    let naive = pair(Method::Naive, true);
+    assert!(naive.left.rgba8 != naive.right.rgba8, "nothing in the picture is noise");
+    for method in [Method::BRACKET_RAYS, Method::BRACKET, Method::Auto, Method::ATOMIC] {
+        let found = pair(method, true);
+        assert!(found.left == naive.left && found.right == naive.right, "{method}");
+        let copied = pair(method, false);
+        assert!(copied.left.rgba8 == copied.right.rgba8, "{method}");
+    }
 }
 
 #[test]
