@@ -23,7 +23,7 @@ pub(crate) const RAYS: u32 = 4;
 /// The camera moved around the object, as far as numbers allow.
 pub(crate) fn from_a_corner(camera: StereoCamera) -> StereoCamera {
     let Ok(pose) = camera.pose() else { return camera };
-    let moved = camera.eye(center(&pose) + (CORNER.normalize() * pose.screen_distance).as_dvec3());
+    let moved = camera.eye(center(&pose) + (CORNER.normalize() * pose.subject_distance).as_dvec3());
     if moved.pose().is_ok() { moved } else { camera }
 }
 
@@ -31,16 +31,16 @@ pub(crate) fn from_a_corner(camera: StereoCamera) -> StereoCamera {
 pub(crate) fn light(scene: &mut Scene, camera: &StereoCamera) -> Result<(), stereotrace::Error> {
     let pose = camera.pose()?;
     let way = pose.right * KEY.x + pose.up * KEY.y - pose.forward * KEY.z;
-    let radius = KEY_RADIUS * pose.screen_distance;
-    let place = center(&pose) + (way.normalize() * pose.screen_distance).as_dvec3();
+    let radius = KEY_RADIUS * pose.subject_distance;
+    let place = center(&pose) + (way.normalize() * pose.subject_distance).as_dvec3();
     scene.lights = vec![Light::sphere(place, radius, KEY_INTENSITY)];
     scene.ambient.get_or_insert(FILL);
     Ok(())
 }
 
-/// The middle of the screen, where the object is.
+/// The middle of what the camera looks at, where the object is.
 fn center(pose: &Pose) -> DVec3 {
-    pose.eye + (pose.forward * pose.screen_distance).as_dvec3()
+    pose.eye + (pose.forward * pose.subject_distance).as_dvec3()
 }
 
 pub(crate) fn backdrop() -> Sky {

@@ -259,6 +259,9 @@ fn parallel_cameras_keep_the_interaxial_that_the_camera_had() {
     assert!((interaxial(&["--screen", "inf", "--interaxial", "0.125"]) - 0.125).abs() < 1e-6);
     let message = error_of(&[&command[..], &["--screen", "inf", "--interaxial-px", "3"]].concat());
     assert!(message.contains("give it in world units"), "{message}");
+    // A file's light stands by what the camera looks at, not by the screen.
+    let scene = folder.write("triangle.obj", TRIANGLE).to_str().unwrap().to_owned();
+    printed(&[&SMALL[..], &[&scene, "--screen", "inf", "--out", &out]].concat());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stereotrace::{
-    LightShape,
+    LightShape, SceneFile,
     glam::{DMat4, DQuat, DVec3, EulerRot, Vec3},
 };
 
@@ -205,4 +205,25 @@ fn lights_are_scaled_down_together_and_what_they_can_not_is_named_once() {
     let left_out = "sun.gltf: left out: cones of spot lights, which shine all around in lights[2]; falloffs of lights in lights[2]; ranges of \
                     lights in lights[2]";
     assert_eq!(warnings[1], left_out);
+}
+
+/// Of a chain of nodes in UTM coordinates, whose sum f32 rounds to a quarter of a unit.
+#[test]
+fn nodes_far_from_the_origin_keep_their_places_and_what_stands_there() {
+    let mut builder = Builder::triangle(json!({}));
+    builder.json["nodes"] = json!([
+        { "mesh": 0, "translation": [0.123_456, 0, 0.25] },
+        { "camera": 0, "translation": [0.5, 0.25, 3.0625] },
+        { "children": [0, 1], "translation": [500_000.123_4, 12.5, -5_400_000.432_1] },
+    ]);
+    builder.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.1 } }]);
+    builder.json["scenes"][0]["nodes"] = json!([2]);
+    let SceneFile { scene, cameras, .. } = open(builder.text());
+    let place = DVec3::new(500_000.123_4, 12.5, -5_400_000.432_1);
+    assert_eq!(scene.origin(), DVec3::new(500_001.0, 13.0, -5_400_000.0));
+    let found = scene.origin() + corners(&scene)[0][1].as_dvec3();
+    let expected = place + DVec3::new(1.123_456, 0.0, 0.25);
+    assert!((found - expected).abs().max_element() < 1e-7, "{found} {expected}");
+    let eye = cameras[0].1.pose().unwrap().eye;
+    assert!((eye - place - DVec3::new(0.5, 0.25, 3.0625)).abs().max_element() < 1e-8, "{eye}");
 }

@@ -282,3 +282,19 @@ fn files_over_the_limit_are_not_read() {
     let message = Scene::from_ply_with(path, &options).unwrap_err().to_string();
     assert!(message.contains("over the limit of 100; raise it by --max-file"), "{message}");
 }
+
+/// Doubles in UTM coordinates, as scanners write them, which f32 rounds to half a unit.
+#[test]
+fn doubles_far_from_the_origin_keep_what_they_say() {
+    let corners =
+        [[500_000.125, 12.5, 5_400_000.062_5], [500_001.125, 12.5, 5_400_000.0], [500_000.5, 13.25, 5_400_000.0]];
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty \
+                  double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let mut bytes = header.as_bytes().to_vec();
+    corners.iter().flatten().for_each(|value: &f64| bytes.extend(value.to_le_bytes()));
+    bytes.push(3);
+    (0..3i32).for_each(|corner| bytes.extend(corner.to_le_bytes()));
+    let scene = scene(bytes);
+    let found = scene.triangles()[0].corners.map(|corner| (scene.origin() + corner.as_dvec3()).to_array());
+    assert_eq!(found, corners);
+}
