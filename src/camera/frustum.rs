@@ -109,11 +109,11 @@ impl Pose {
 
     /// The same, relative to the scene's origin, as kernels get it.
     pub(crate) fn eye_in_scene(&self, side: f32) -> Vec3 {
-        self.to_scene(self.unrounded_eye(side)).as_vec3()
+        self.local(self.unrounded_eye(side)).as_vec3()
     }
 
     /// A world position relative to the scene's origin.
-    pub(crate) fn to_scene(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn local(&self, point: DVec3) -> DVec3 {
         point - self.scene_origin.unwrap_or_default()
     }
 

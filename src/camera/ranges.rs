@@ -97,7 +97,7 @@ pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(
 /// Checks that the eyes of a rendered pose survive their rounding to f32.
 pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
     let farthest = DVec3::splat(f64::from(MAX_EYE_COORDINATE));
-    if pose.to_scene(pose.eye).abs().cmpgt(farthest).any() {
+    if pose.local(pose.eye).abs().cmpgt(farthest).any() {
         let reason = "its coordinates must lie within ±2e8 of the scene's origin";
         return fault("eye", format!("{:?}", pose.eye.to_array()), reason);
     }

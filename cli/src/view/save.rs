@@ -210,7 +210,7 @@ pub(super) fn write(
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use stereotrace::{Builtin, Gpu, Options, Renderer};
+    use stereotrace::{Builtin, Gpu, Options, Renderer, glam::Vec3};
 
     use super::*;
     use crate::{arguments::Command, folder::Folder};
