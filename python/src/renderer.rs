@@ -379,7 +379,8 @@ impl Renderer {
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
     ) -> PyResult<Hits<'py>> {
-        let (origins, directions) = (values::points("origins", origins)?, values::points("directions", directions)?);
+        let (origins, directions) =
+            (values::world_points("origins", origins)?, values::points("directions", directions)?);
         if origins.len() != directions.len() && origins.len() != 1 {
             return Err(refused(format!(
                 "origins: {} for {} directions; give one, or one each",

@@ -179,7 +179,7 @@ impl Scene {
 
     /// Adds triangles as one object and returns the object's id.
     ///
-    /// - ``vertices``: world positions, ``(n, 3)``.
+    /// - ``vertices``: positions relative to ``origin``, which is 0 unless it was set, ``(n, 3)``.
     /// - ``faces``: the corners of each triangle as indices into them, whole numbers, ``(m, 3)``.
     /// - ``name``: the object's name.
     /// - ``material``: the id of a material, or one for each triangle; the grey one, 0, where nothing is said.
@@ -238,14 +238,14 @@ impl Scene {
         Ok(object as u32)
     }
 
-    /// Adds a sphere about a world position as an object of its own; the radius is in world units, above 0. Raises ``ValueError`` for a
+    /// Adds a sphere about a position relative to ``origin`` as an object of its own; the radius is in world units, above 0. Raises ``ValueError`` for a
     /// centre or radius that is not finite or too large, a radius that is not above 0, and a material that is not there.
     #[pyo3(signature = (center, radius, material = 0))]
     fn add_sphere(&mut self, center: Point, radius: f32, material: u32) -> PyResult<()> {
         self.changed().add_sphere(Sphere::new(center.0, radius, MaterialId(material))).map_err(raised)
     }
 
-    /// Adds many spheres, each as an object of its own: ``centers`` are world positions, ``(n, 3)``; ``radii`` are in world units, one
+    /// Adds many spheres, each as an object of its own: ``centers`` are relative to ``origin``, ``(n, 3)``; ``radii`` are in world units, one
     /// number or one each; ``materials`` are ids, one or one each, 0 where nothing is said. Raises ``ValueError`` as ``add_sphere`` does;
     /// then none is added.
     #[pyo3(signature = (centers, radii, materials = None))]
@@ -294,7 +294,7 @@ impl Scene {
         self.changed().add_ellipsoid(Ellipsoid::new(center.0, axes, MaterialId(material))).map_err(raised)
     }
 
-    /// Adds an infinite plane through a world position as an object of its own; at most 8 can be in a scene.
+    /// Adds an infinite plane through a position relative to ``origin`` as an object of its own; at most 8 can be in a scene.
     ///
     /// ``normal`` is of any length but 0; it points up where nothing is said. A texture fills squares whose side is ``tile`` world units,
     /// 1e-6 to 1e8: on grounds its right is the world's +x, on walls, seen from where the normal points, its top is up. A plane of glass is

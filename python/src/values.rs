@@ -3,7 +3,7 @@
 use std::{fmt::Display, str::FromStr};
 
 use numpy::{
-    PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArray,
+    Element, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArray,
     PyUntypedArrayMethods,
 };
 use pyo3::{conversion::FromPyObjectOwned, exceptions::PyTypeError, prelude::*, types::PyDict};
@@ -127,11 +127,20 @@ fn is_of_kind(array: &Bound<'_, PyUntypedArray>, kinds: &[u8]) -> bool {
 
 /// Rows of `N` floats, as `(rows, N)`.
 pub(crate) fn rows<const N: usize>(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f32; N]>> {
+    rows_of(what, value, "float32")
+}
+
+/// The same of another type of floats, by `NumPy`'s name.
+fn rows_of<T: Element + Copy, const N: usize>(
+    what: &str,
+    value: &Bound<'_, PyAny>,
+    name: &str,
+) -> PyResult<Vec<[T; N]>> {
     let array = array(value)?;
     if !is_of_kind(&array, b"fiu") {
         return Err(refused(format!("{what}: they are {}, and must be numbers", array.dtype())));
     }
-    let found: PyReadonlyArray2<'_, f32> = match of_type(&array, "float32")?.extract() {
+    let found: PyReadonlyArray2<'_, T> = match of_type(&array, name)?.extract() {
         Ok(found) if array.shape().get(1) == Some(&N) => found,
         _ if array.shape().iter().product::<usize>() == 0 => return Ok(Vec::new()),
         _ => return Err(misshapen(what, &format!("(n, {N})"), array.shape())),
@@ -140,7 +149,12 @@ pub(crate) fn rows<const N: usize>(what: &str, value: &Bound<'_, PyAny>) -> PyRe
     Ok(all.to_vec())
 }
 
-/// World positions, as `(n, 3)`.
+/// Positions in world coordinates, as `(n, 3)`.
+pub(crate) fn world_points(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
+    Ok(rows_of::<f64, 3>(what, value, "float64")?.into_iter().map(DVec3::from_array).collect())
+}
+
+/// Positions relative to a scene's origin, or directions, as `(n, 3)`.
 pub(crate) fn points(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     Ok(rows::<3>(what, value)?.into_iter().map(Vec3::from_array).collect())
 }
