@@ -3,8 +3,8 @@
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
 use stereotrace::{
-    Limits, Material, Method, MissingTextures, Options, Scene, SceneFile, SceneOptions, StereoCamera, TextureKind,
-    Wrap,
+    Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
+    TextureKind, Wrap,
     glam::{Vec2, Vec3},
 };
 
@@ -58,6 +58,50 @@ fn pictures_are_read_from_views_data_and_files_beside() {
         let TextureKind::Image { size: [2, 1], pixels } = texture.kind() else { panic!("{texture:?}") };
         assert_eq!(pixels[1], [4, 5, 6, 255]);
     }
+}
+
+#[test]
+fn buffers_and_pictures_outside_the_scenes_folder_are_refused_unless_the_option_allows_them() {
+    let folder = Folder::new("gltf_outside");
+    warnings::collect();
+    let picture = png(1, 1, &[[1, 2, 3, 255]]);
+    let mut builder = textured(&[[0; 4]], json!({}));
+    let bytes = builder.bytes.clone();
+    folder.write("a b.png", &picture);
+    folder.write("a.bin", &bytes);
+    folder.write("in/a.png", &picture);
+    folder.write("in/a.bin", &bytes);
+    let allow = SceneOptions::default().outside_files(OutsideFiles::Allow);
+    let absolute = folder.file("a.bin").display().to_string();
+    for (buffer, image, fault) in [
+        ("a.bin", "a.png", None),
+        ("../in/a.bin", "x/../a.png", None),
+        ("../a.bin", "a.png", Some("scene.gltf: buffers[0]: ")),
+        ("%2e%2e/a.bin", "a.png", Some("scene.gltf: buffers[0]: ")),
+        ("a.bin", "../a%20b.png", Some("materials[0], baseColorTexture: images[0]: ")),
+        ("a.bin", "..\\a b.png", Some("materials[0], baseColorTexture: images[0]: ")),
+        // Absolute paths of other machines, and of this one where the file beside the scene takes its place.
+        ("C:/models/a.bin", "C:\\textures\\a.png", None),
+        (&absolute, "/nowhere/a.png", None),
+    ] {
+        std::fs::create_dir_all(folder.file("in/x")).unwrap();
+        builder.json["buffers"] = json!([{ "byteLength": bytes.len(), "uri": buffer }]);
+        builder.json["images"] = json!([{ "uri": image }]);
+        let path = folder.write("in/scene.gltf", serde_json::to_string(&builder.json).unwrap());
+        assert!(SceneFile::open(&path, &allow).is_ok(), "{buffer} {image}");
+        match (SceneFile::open(&path, &SceneOptions::default()), fault) {
+            (Ok(file), None) => assert_eq!(file.scene.textures().len(), 1),
+            (Err(error), Some(fault)) => {
+                let message = error.to_string();
+                let says = [fault, "outside the scene's folder ", "use SceneOptions::outside_files"];
+                assert!(says.iter().all(|text| message.contains(text)), "{message}");
+            }
+            (found, _) => panic!("{buffer} {image}: {found:?}"),
+        }
+    }
+    let warned = warnings::of(&folder);
+    let of_elsewhere = warned.iter().filter(|text| text.contains("a path of another machine")).count();
+    assert_eq!(of_elsewhere, 4, "once a file that is read: {warned:?}");
 }
 
 #[test]

@@ -166,7 +166,8 @@ impl<'a> Document<'a> {
             return Err(self.fault(format!("{by}: URIs of '{scheme}:' are not read; files and base64 data are")));
         }
         let name: Cow<'_, str> = percent_decode_str(uri).decode_utf8_lossy();
-        Ok(self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name))
+        let located = self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name);
+        located.map_err(|error| Error::parse_from(self.path, None, format!("{by}: {error}"), error))
     }
 }
 
