@@ -111,8 +111,8 @@ fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
     let mut builder = textured(&[[9; 4]], json!({}));
     for (image, expected) in [
         (json!({ "uri": "none.png" }), "materials[0], baseColorTexture: "),
-        (json!({ "uri": "scene.gltf" }), "baseColorTexture: no picture of a texture: it is neither PNG nor JPEG"),
-        (json!({ "bufferView": 0 }), "baseColorTexture: no picture of a texture: it is neither PNG nor JPEG"),
+        (json!({ "uri": "scene.gltf" }), "baseColorTexture: no picture of a texture: it is not PNG"),
+        (json!({ "bufferView": 0 }), "baseColorTexture: no picture of a texture: it is not PNG"),
         (json!({}), "images[0] has no URI and no bufferView"),
     ] {
         builder.json["images"] = json!([image]);
@@ -132,6 +132,44 @@ fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
     let limits = Limits::default().texture_pixels(9).texture_option_name("--max-textures");
     let message = Scene::from_gltf_with(path, &SceneOptions::default().limits(limits)).unwrap_err().to_string();
     assert!(message.contains("10x1 pixels, 10 in all, over the limit of 9; raise it by --max-textures"), "{message}");
+}
+
+/// A texture with a PNG and, by the extension, a WebP picture.
+#[test]
+fn webp_pictures_of_the_extension_are_read_with_the_feature() {
+    let mut builder = textured(&[[1, 2, 3, 255]], json!({}));
+    builder.push("images", json!({ "uri": "gone.webp" }));
+    builder.json["textures"][0]["extensions"] = json!({ "EXT_texture_webp": { "source": 1 } });
+    builder.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let folder = Folder::new("gltf_webp");
+    let read = |builder: &Builder| Scene::from_gltf(folder.write("scene.gltf", builder.text()));
+    let first = |scene: Scene| match scene.textures()[0].kind() {
+        TextureKind::Image { pixels, .. } => pixels[0],
+        other => panic!("{other:?}"),
+    };
+    #[cfg(not(feature = "more-textures"))]
+    {
+        assert_eq!(first(read(&builder).unwrap()), [1, 2, 3, 255]);
+        builder.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+        assert!(read(&builder).unwrap_err().to_string().contains("it requires EXT_texture_webp"));
+    }
+    #[cfg(feature = "more-textures")]
+    {
+        builder.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+        assert!(read(&builder).unwrap_err().to_string().contains("gone.webp: "));
+        let mut webp = Vec::new();
+        let encoder = image::codecs::webp::WebPEncoder::new_lossless(&mut webp);
+        encoder.write_image(&[9, 8, 7, 255], 1, 1, ExtendedColorType::Rgba8).unwrap();
+        folder.write("gone.webp", webp);
+        assert_eq!(first(read(&builder).unwrap()), [9, 8, 7, 255]);
+        builder.json["textures"][0].as_object_mut().unwrap().remove("source");
+        assert_eq!(first(read(&builder).unwrap()), [9, 8, 7, 255]);
+        builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(-1);
+        let message = read(&builder).unwrap_err().to_string();
+        assert!(message.contains("scene.gltf: textures of EXT_texture_webp are wrong: "), "{message}");
+        builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(7);
+        assert!(read(&builder).unwrap_err().to_string().contains("there is no images[7], of 2"));
+    }
 }
 
 #[test]
