@@ -45,7 +45,7 @@ pub(super) fn decode(
 ) -> Result<(u32, u32, Vec<Vec3>), Error> {
     let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
     match reader.format() {
-        Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => {}
+        None | Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => {}
         Some(image::ImageFormat::Hdr) => {
             let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
             return colors(path, image::codecs::hdr::HdrDecoder::new(bytes), limits);
@@ -157,6 +157,9 @@ mod tests {
             [&odd, &broken, &missing].iter().all(|message| message.contains("sky.png")),
             "{odd} {broken} {missing}"
         );
+        // Formats that the image crate may have for other parts of a program.
+        let other = SkyMap::from_bytes("sky.gif", b"GIF89a", &Limits::default()).unwrap_err().to_string();
+        assert!(other.contains("sky.gif: no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR"), "{other}");
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
     }
 
