@@ -17,14 +17,27 @@ use serde_json::Value;
 /// What catches a hang; nothing here takes nearly as long.
 const DEADLINE: Duration = Duration::from_secs(60);
 
-fn start(arguments: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
-    command.args(arguments).env("NODEVICE_SELECT", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
-    command.spawn().expect("the command runs")
+/// The command as it runs; a test that fails leaves none behind.
+struct Run(Option<Child>);
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.0.take() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
 }
 
-fn send(signal: &str, to: &Child) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &to.id().to_string()]).status().unwrap();
+fn start(arguments: &[&str]) -> Run {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stereotrace"));
+    command.args(arguments).env("NODEVICE_SELECT", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    Run(Some(command.spawn().expect("the command runs")))
+}
+
+fn send(signal: &str, to: &Run) {
+    let id = to.0.as_ref().unwrap().id().to_string();
+    let sent = Command::new("kill").args([&format!("-{signal}"), &id]).status().unwrap();
     assert!(sent.success(), "{signal}");
 }
 
@@ -37,9 +50,9 @@ fn wait_for(what: &str, mut is_there: impl FnMut() -> bool) {
     }
 }
 
-fn end_of(mut child: Child) -> Output {
-    wait_for("the end", || child.try_wait().unwrap().is_some());
-    child.wait_with_output().unwrap()
+fn end_of(mut run: Run) -> Output {
+    wait_for("the end", || run.0.as_mut().unwrap().try_wait().unwrap().is_some());
+    run.0.take().unwrap().wait_with_output().unwrap()
 }
 
 /// All files below a folder.

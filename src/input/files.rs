@@ -16,6 +16,7 @@ use crate::{Error, Limits};
 /// Where a scene file is read from, and what it names.
 #[derive(Clone, Copy)]
 pub(crate) enum Files<'a> {
+    #[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
     Disk(&'a SceneFolder),
     Memory(&'a Given<'a>),
 }

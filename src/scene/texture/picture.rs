@@ -219,9 +219,9 @@ mod tests {
         drop(encoder);
         let texture = Texture::from_bytes("a.gif", &bytes, &Limits::default()).unwrap();
         assert_eq!(pixels(&texture), [[255, 0, 0, 255]; 2]);
-        // A screen of one pixel, two colours, and a picture of 65535x65535 on it: 17 GB.
+        // A screen of one pixel, two colours, and a picture of 8192x8192 on it: 256 MiB.
         let mut bytes = b"GIF89a\x01\0\x01\0\x80\0\0\0\0\0\xff\xff\xff".to_vec();
-        bytes.extend(b"\x2c\0\0\0\0\xff\xff\xff\xff\0\x02\x02\x4c\x01\0\x3b");
+        bytes.extend(b"\x2c\0\0\0\0\0\x20\0\x20\0\x02\x02\x4c\x01\0\x3b");
         let message = Texture::from_bytes("a.gif", &bytes, &Limits::default()).unwrap_err().to_string();
         assert!(message.contains("a.gif: no picture of a texture: ") && message.contains("limit"), "{message}");
     }
