@@ -6,7 +6,7 @@ set -eu
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 # shellcheck source=scripts/wasm.sh
 . "$root/scripts/wasm.sh"
-for features in webgpu webgpu,obj,gltf,ply,png,jpeg,exr,textures,sky,json; do
+for features in webgpu webgpu,obj,gltf,ply,png,jpeg,exr,more-textures,sky,json; do
     echo "wasm32: $features"
     # With --target, flags are the target's alone: what is built for this machine stays.
     RUSTFLAGS='-D warnings' cargo check --quiet --manifest-path "$root/Cargo.toml" --package stereotrace --lib --target "$target" \

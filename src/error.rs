@@ -217,6 +217,17 @@ impl Error {
         Self::Io { path: path.into(), source }
     }
 
+    /// Without the path, for a message that says it otherwise: messages cut long words.
+    #[cfg(feature = "obj")]
+    pub(crate) fn without_path(&self) -> String {
+        match self {
+            Self::Io { source, .. } => source.to_string(),
+            Self::Parse { reason, .. } => reason.clone(),
+            Self::TooLarge { size, limit, remedy, .. } => format!("{size}, over the limit of {limit}; {remedy}"),
+            other => other.to_string(),
+        }
+    }
+
     /// Of what is to be written to a file and can't be.
     pub(crate) fn unwritable(path: impl Into<PathBuf>, reason: impl Into<Source>) -> Self {
         Self::io(path, std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))

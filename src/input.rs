@@ -10,7 +10,7 @@ use std::{
 };
 
 #[cfg(feature = "scene-files")]
-pub(crate) use self::files::{Files, Given};
+pub(crate) use self::files::{Files, Given, SceneFolder};
 use crate::{Error, Gpu, message::counted};
 
 /// How large a file may be that the library reads. A larger one is an error, before it takes memory.

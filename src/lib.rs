@@ -152,7 +152,7 @@ pub use scene::{
     TextureId, TextureKind, Triangle, Wrap,
 };
 #[cfg(feature = "scene-files")]
-pub use scene::{MissingTextures, ObjOptions, Origin, SceneFile, SceneOptions};
+pub use scene::{MissingTextures, ObjOptions, Origin, OutsideFiles, SceneFile, SceneOptions};
 pub use shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use upload::{Update, UploadInfo, UploadedScene};

@@ -167,7 +167,7 @@ fn faults_are_named_as_those_of_files_on_the_disk_are() {
             &[("a.obj", mtl), ("a.mtl", b"newmtl a\nmap_Kd tex\\a.png")],
             "a.mtl:2: map_Kd 'tex\\a.png' of material 'a': no",
         ),
-        (&[("a.obj", mtl), ("a.mtl", b"newmtl a\nmap_Kd a.png"), ("a.png", b"text")], "it is neither PNG nor JPEG"),
+        (&[("a.obj", mtl), ("a.mtl", b"newmtl a\nmap_Kd a.png"), ("a.png", b"text")], "it is not PNG"),
         (&[("a.obj", mtl), ("a.mtl", b"newmtl a\nmap_Kd ./a.obj")], "it is the OBJ file itself"),
     ];
     for (files, expected) in cases {

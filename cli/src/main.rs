@@ -13,6 +13,7 @@ mod commands;
 mod folder;
 mod progress;
 mod record;
+mod stop;
 mod studio;
 mod summary;
 mod target;
@@ -32,6 +33,7 @@ use stereotrace::message;
 use crate::{
     arguments::{Cli, Command},
     commands::{compare, dataset, info, render, sequence, views},
+    stop::{INTERRUPTED, Interrupted},
     summary::Summary,
 };
 
@@ -55,7 +57,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             complain(&error.to_string());
-            ExitCode::FAILURE
+            if error.is::<Interrupted>() { ExitCode::from(INTERRUPTED) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -150,6 +150,42 @@ fn textures_that_are_missing_or_too_large_are_errors_or_warnings_as_asked() {
 }
 
 #[test]
+fn textures_outside_the_scenes_folder_are_read_where_the_option_allows_it() {
+    let folder = Folder::new("outside");
+    let picture = Picture::new(1, 1, vec![[255; 4]]);
+    picture.save_png(folder.file("out.png")).unwrap();
+    folder.write("in/one.mtl", "newmtl red\nmap_Kd ../out.png\n");
+    let obj = "mtllib one.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
+    let scene = folder.write("in/one.obj", obj).to_str().unwrap().to_owned();
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &[&scene, "--out", &out]].concat();
+    let message = error_of(&command);
+    let says = ["one.mtl:2: map_Kd '../out.png'", "outside the scene's folder ", "use --outside-files allow"];
+    assert!(says.iter().all(|text| message.contains(text)), "{message}");
+    assert!(printed(&[&command[..], &["--outside-files", "allow"]].concat()).contains("one: 1 triangle"));
+}
+
+/// What help prints in `[default: …]` can be given as it stands there.
+#[test]
+fn limits_take_the_defaults_that_help_prints() {
+    let help = printed(&["render", "--help"]);
+    let mut found = 0;
+    for option in ["--max-file", "--max-sky", "--max-texture", "--max-triangles"] {
+        let (_, text) = help.split_once(&format!("{option} <")).unwrap_or_else(|| panic!("no {option}"));
+        let (_, default) = text.split_once("[default: ").unwrap();
+        let value = &default[..default.find([',', ']']).unwrap()];
+        let message = error_of(&["render", "none.obj", option, value]);
+        assert!(message.starts_with("none.obj: no such file"), "{option} {value}: {message}");
+        found += 1;
+    }
+    assert_eq!(found, 4);
+    for value in ["", "-1", "nan", "inf", "8M"] {
+        let message = error_of(&["render", "none.obj", &format!("--max-sky={value}")]);
+        assert!(message.contains("--max-sky"), "{value}: {message}");
+    }
+}
+
+#[test]
 fn a_file_is_flattered_unless_it_is_to_be_plain() {
     let folder = Folder::new("studio");
     let [scene, out] = one_triangle(&folder);

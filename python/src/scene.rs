@@ -8,8 +8,8 @@ use std::{
 use pyo3::prelude::*;
 use sha2::{Digest, Sha256};
 use stereotrace::{
-    Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, Plane, SceneFile, SceneOptions, Sky, SkyMap, Sphere,
-    StereoCamera, Texture, TextureId, Wrap,
+    Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile, SceneOptions, Sky,
+    SkyMap, Sphere, StereoCamera, Texture, TextureId, Wrap,
     glam::{Affine3A, Mat3, Mat4, Vec3},
 };
 
@@ -96,7 +96,8 @@ impl Scene {
     /// A glTF file brings its lights and cameras (``camera_names``); scenes of other files have no lights yet: see ``place_lights``.
     /// ``crease_angle`` in degrees, 0 to 180, gives smooth normals to objects without any: edges across which the normals of triangles are
     /// less than so many degrees apart are smooth. Without it such objects are flat. ``missing_textures`` says what becomes of a texture
-    /// that can't be read: ``"error"`` is an error, with ``"warn"`` the material is without it and a warning is logged.
+    /// that can't be read: ``"error"`` is an error, with ``"warn"`` the material is without it and a warning is logged. Files outside the
+    /// scene file's folder that it names, as textures in ``../textures``, are refused unless ``outside_files`` is ``"allow"``.
     ///
     /// Raises ``OSError`` if the file can't be read, and ``ValueError`` for a file of another format, for content that is wrong (the
     /// message names line or item), and for files over 1 GiB.
@@ -105,12 +106,13 @@ impl Scene {
     /// or ``"auto"``: the middle of a file that lies farther away than 8 times its size. Cameras, lights, bounds and
     /// ground truth stay in world coordinates, in double precision.
     #[staticmethod]
-    #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error", origin = None))]
+    #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error", outside_files = "refuse", origin = None))]
     fn open(
         py: Python<'_>,
         path: PathBuf,
         crease_angle: Option<f32>,
         missing_textures: &str,
+        outside_files: &str,
         origin: Option<OriginArgument>,
     ) -> PyResult<Self> {
         let missing = match missing_textures {
@@ -118,7 +120,13 @@ impl Scene {
             "warn" => MissingTextures::Warn,
             other => return Err(refused(format!("missing_textures: '{other}' is neither 'error' nor 'warn'"))),
         };
+        let outside = match outside_files {
+            "refuse" => OutsideFiles::Refuse,
+            "allow" => OutsideFiles::Allow,
+            other => return Err(refused(format!("outside_files: '{other}' is neither 'refuse' nor 'allow'"))),
+        };
         let options = SceneOptions::default().crease_angle(crease_angle).missing_textures(missing);
+        let options = options.outside_files(outside).outside_option_name("outside_files=\"allow\"");
         let options = options.origin(origin.map_or(Origin::Auto, |origin| origin.0));
         let SceneFile { scene, cameras, .. } = py.detach(|| SceneFile::open(path, &options)).map_err(raised)?;
         Ok(Self::of(scene, cameras, None))

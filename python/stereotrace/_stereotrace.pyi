@@ -272,6 +272,7 @@ class Scene:
         *,
         crease_angle: float | None = None,
         missing_textures: Literal["error", "warn"] = "error",
+        outside_files: Literal["refuse", "allow"] = "refuse",
         origin: Point | Literal["auto", "none"] | None = None,
     ) -> Scene: ...
     @staticmethod

@@ -1,22 +1,50 @@
 //! Where a scene's files come from: the disk or memory.
 
-#[cfg(any(feature = "obj", feature = "gltf"))]
-use std::path::PathBuf;
 use std::{
     borrow::Cow,
+    cell::Cell,
     collections::HashMap,
     io::{self, ErrorKind, Read},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use super::{check_size, open};
+#[cfg(any(feature = "obj", feature = "gltf"))]
+use crate::error::located;
 use crate::{Error, Limits};
 
 /// Where a scene file is read from, and what it names.
 #[derive(Clone, Copy)]
 pub(crate) enum Files<'a> {
-    Disk,
+    #[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
+    Disk(&'a SceneFolder),
     Memory(&'a Given<'a>),
+}
+
+/// The folder of a scene file on the disk, which the names in that file may not leave.
+#[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
+pub(crate) struct SceneFolder {
+    /// The scene file as it was given.
+    scene: PathBuf,
+    /// Its folder without links; `None` where the system can't tell.
+    real: Option<PathBuf>,
+    /// What a message says that opens the way out; `None` where it is open.
+    opened_by: Option<&'static str>,
+    /// A path of another machine has been warned of.
+    is_warned: Cell<bool>,
+}
+
+impl SceneFolder {
+    /// The folder that `scene` stands in. Where the file itself is a link, that is the link's folder.
+    pub(crate) fn of(scene: &Path, opened_by: Option<&'static str>) -> Self {
+        let real = parent(scene).canonicalize().ok();
+        Self { scene: scene.into(), real, opened_by, is_warned: Cell::new(false) }
+    }
+}
+
+/// The folder of a file; of a name alone the current one.
+fn parent(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Files in memory, by their paths as [`normalised`] makes them.
@@ -76,7 +104,7 @@ impl<'a> Files<'a> {
         let (limit, raised_by) = (limits.file_bytes, limits.option_names[0]);
         let mut start = Vec::new();
         let read = match self {
-            Self::Disk => open(path, limit, raised_by)?.0.take(count).read_to_end(&mut start),
+            Self::Disk(_) => open(path, limit, raised_by)?.0.take(count).read_to_end(&mut start),
             Self::Memory(_) => self.read_bytes(path, limit, raised_by)?.take(count).read_to_end(&mut start),
         };
         read.map_err(|source| Error::io(path, source))?;
@@ -94,15 +122,29 @@ impl<'a> Files<'a> {
 #[cfg(any(feature = "obj", feature = "gltf"))]
 impl Files<'_> {
     /// Where a file lies that another one in `folder` names. In memory, which may be without folders, one that is not at its path is found by its
-    /// last component, if no other has the same but for upper and lower case.
-    pub(crate) fn locate(self, folder: &Path, name: &str) -> PathBuf {
+    /// last component, if no other has the same but for upper and lower case. On the disk an absolute path may be one of another machine: where
+    /// nothing is there that may be read, a file of its last component is taken, from `folder` or from the scene's.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file on the disk outside the scene's folder, unless the options allow it.
+    pub(crate) fn locate(self, folder: &Path, name: &str) -> Result<PathBuf, Error> {
         let path = self.join(folder, name);
         match self {
             Self::Memory(given) if !self.is_file(&path) => {
                 let found = given.paths.get(&last_component(&normalised(&path.to_string_lossy())));
-                found.cloned().flatten().map_or(path, PathBuf::from)
+                Ok(found.cloned().flatten().map_or(path, PathBuf::from))
             }
-            _ => path,
+            Self::Memory(_) => Ok(path),
+            Self::Disk(scene) => {
+                let checked = scene.check(&path);
+                if checked.is_ok() && path.is_file() {
+                    return Ok(path);
+                }
+                match scene.beside(folder, name) {
+                    Some(beside) => Ok(beside),
+                    None => checked.map(|()| path),
+                }
+            }
         }
     }
 
@@ -110,14 +152,14 @@ impl Files<'_> {
     pub(crate) fn join(self, folder: &Path, name: &str) -> PathBuf {
         let path = folder.join(name);
         match self {
-            Self::Disk if path.is_file() => path,
+            Self::Disk(_) if path.is_file() => path,
             _ => folder.join(name.replace('\\', "/")),
         }
     }
 
     pub(crate) fn is_file(self, path: &Path) -> bool {
         match self {
-            Self::Disk => path.is_file(),
+            Self::Disk(_) => path.is_file(),
             Self::Memory(given) => given.bytes(path).is_some(),
         }
     }
@@ -126,10 +168,51 @@ impl Files<'_> {
     #[cfg(feature = "obj")]
     pub(crate) fn real(self, path: &Path) -> PathBuf {
         match self {
-            Self::Disk => path.canonicalize().unwrap_or_else(|_| path.into()),
+            Self::Disk(_) => path.canonicalize().unwrap_or_else(|_| path.into()),
             Self::Memory(_) => normalised(&path.to_string_lossy()).into(),
         }
     }
+}
+
+#[cfg(any(feature = "obj", feature = "gltf"))]
+impl SceneFolder {
+    /// Refuses a file outside the folder, also one that a link leads to. What is no file is for [`open`] to refuse.
+    fn check(&self, path: &Path) -> Result<(), Error> {
+        let Some(option) = self.opened_by.filter(|_| path.is_file()) else { return Ok(()) };
+        let real = path.canonicalize().map_err(|source| Error::io(path, source))?;
+        if self.real.as_ref().is_some_and(|folder| real.starts_with(folder)) {
+            return Ok(());
+        }
+        let folder = self.real.as_deref().unwrap_or(parent(&self.scene)).display();
+        let reason = format!("it is {}, outside the scene's folder {folder}; to read it, use {option}", real.display());
+        Err(Error::io(path, io::Error::new(ErrorKind::PermissionDenied, reason)))
+    }
+
+    /// The file that an absolute path of another machine means. The first one is warned of.
+    fn beside(&self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let last = last_of_absolute(name)?;
+        let places = [folder, parent(&self.scene)].map(|folder| folder.join(last));
+        let found = places.into_iter().find(|path| path.is_file() && self.check(path).is_ok())?;
+        if !self.is_warned.replace(true) {
+            let text = format!(
+                "it names '{name}', a path of another machine; {} is read, and so for others like it",
+                found.display()
+            );
+            log::warn!("{}", located(&self.scene, None, &text));
+        }
+        Some(found)
+    }
+}
+
+/// The last component of an absolute path, be it of this system or of another; `None` for other paths.
+#[cfg(any(feature = "obj", feature = "gltf"))]
+fn last_of_absolute(name: &str) -> Option<&str> {
+    let behind_drive = match name.as_bytes() {
+        [letter, b':', ..] if letter.is_ascii_alphabetic() => Some(&name[2..]),
+        _ => None,
+    };
+    let path = behind_drive.or_else(|| name.starts_with(['/', '\\']).then_some(name))?;
+    path.rsplit(['/', '\\']).next().filter(|last| !last.is_empty())
 }
 
 /// A path with `/` alone, without `.` and without folders that `..` leaves. What begins with a separator, as paths of a drop in a browser do, is the
@@ -176,7 +259,7 @@ mod tests {
     fn find(keys: &[&str], folder: &str, name: &str) -> Option<String> {
         let given = Given::new(keys.iter().map(|key| (*key, key.as_bytes())));
         let files = Files::Memory(&given);
-        let path = files.locate(Path::new(folder), name);
+        let path = files.locate(Path::new(folder), name).ok()?;
         let found = files.given(&path).ok()?.expect("files in memory");
         assert!(files.is_file(&path));
         Some(String::from_utf8(found.to_vec()).unwrap())
@@ -212,10 +295,31 @@ mod tests {
     }
 
     #[test]
+    fn absolute_paths_of_any_system_have_a_last_component() {
+        for (name, expected) in [
+            ("C:\\textures\\a b.png", Some("a b.png")),
+            ("d:/tex/a.png", Some("a.png")),
+            ("C:a.png", Some("a.png")),
+            ("\\\\server\\share\\a.png", Some("a.png")),
+            ("/home/me/a.png", Some("a.png")),
+            ("/", None),
+            ("C:", None),
+            ("tex\\a.png", None),
+            ("../a.png", None),
+            ("", None),
+            ("\u{e9}:a.png", None),
+        ] {
+            assert_eq!(last_of_absolute(name), expected, "{name}");
+        }
+    }
+
+    #[test]
     fn what_is_not_found_keeps_the_path_that_the_disk_would_be_asked_for() {
         let given = Given::new([("a.obj", &b""[..])].into_iter());
-        for files in [Files::Disk, Files::Memory(&given)] {
-            assert_eq!(files.locate(Path::new("none"), "./tex\\a.png"), Path::new("none/./tex/a.png"));
+        let disk = SceneFolder::of(Path::new("none/a.obj"), Some("an option"));
+        for files in [Files::Disk(&disk), Files::Memory(&given)] {
+            let located = files.locate(Path::new("none"), "./tex\\a.png").unwrap();
+            assert_eq!(located, Path::new("none/./tex/a.png"));
         }
         let error = Files::Memory(&given).read_bytes(Path::new("tex/a.obj"), 9, "Limits").unwrap_err();
         assert!(matches!(&error, Error::Io { source, .. } if source.kind() == ErrorKind::NotFound), "{error}");

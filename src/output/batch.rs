@@ -8,6 +8,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::stale;
 use crate::Error;
 
+/// How long a pipe is waited for that nobody reads.
+#[cfg(unix)]
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
+
 /// As many links to links are followed, as Linux does.
 const MOST_LINKS: u32 = 40;
 
@@ -17,7 +21,7 @@ const MOST_LINKS: u32 = 40;
 /// that a killed process left in the folder are removed, at a process's first write there.
 ///
 /// # Errors
-/// [`Error::Io`], naming `path`; the file is as it was before, and the temporary one gone.
+/// [`Error::Io`], naming `path`, also for a named pipe that has no reader within five seconds; the file is as it was before, and the temporary one gone.
 pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
     let mut batch = Batch::new();
     batch.add(path, bytes)?;
@@ -89,7 +93,7 @@ impl Batch {
     pub fn commit(mut self) -> Result<Vec<PathBuf>, Error> {
         for Staged { path, content } in &self.staged {
             if let Content::Direct(bytes) = content {
-                let written = OpenOptions::new().write(true).open(path).and_then(|mut file| file.write_all(bytes));
+                let written = open_direct(path).and_then(|mut file| file.write_all(bytes));
                 written.map_err(|source| Error::io(path, source))?;
             }
         }
@@ -135,6 +139,43 @@ fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<
         let _ = fs::remove_file(&temporary); // the first error is the one to tell
     })?;
     Ok(Content::Temporary { temporary, target, replaces: old.is_some() })
+}
+
+/// Opens what can't be replaced.
+fn open_direct(path: &Path) -> io::Result<File> {
+    #[cfg(unix)]
+    if std::os::unix::fs::FileTypeExt::is_fifo(&fs::metadata(path)?.file_type()) {
+        return open_pipe(path, PATIENCE);
+    }
+    OpenOptions::new().write(true).open(path)
+}
+
+/// Opens a named pipe as soon as it has a reader; without one, a usual open waits for ever.
+#[cfg(unix)]
+fn open_pipe(path: &Path, patience: std::time::Duration) -> io::Result<File> {
+    use std::{os::unix::fs::OpenOptionsExt, thread::sleep, time::Duration, time::Instant};
+
+    use rustix::{
+        fs::{OFlags, fcntl_setfl},
+        io::Errno,
+    };
+
+    let begin = Instant::now();
+    loop {
+        match OpenOptions::new().write(true).custom_flags(OFlags::NONBLOCK.bits() as i32).open(path) {
+            Ok(file) => {
+                // Writing is to wait for the reader again.
+                fcntl_setfl(&file, OFlags::empty())?;
+                return Ok(file);
+            }
+            Err(error) if error.raw_os_error() != Some(Errno::NXIO.raw_os_error()) => return Err(error),
+            Err(_) if begin.elapsed() >= patience => {
+                let reason = format!("the pipe had no reader for {patience:?}");
+                return Err(io::Error::new(ErrorKind::TimedOut, reason));
+            }
+            Err(_) => sleep(Duration::from_millis(20)),
+        }
+    }
 }
 
 /// Where a link leads in the end, be there a file or not.
@@ -288,6 +329,31 @@ mod tests {
         assert!(write_whole(&socket, b"x").is_err());
         assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
         assert_eq!(folder.names(), ["file", "link", &long, "socket"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_as_it_is_read_and_given_up_without_a_reader() {
+        use std::{io::Read, process::Command, thread, time::Duration};
+
+        let folder = Folder::new("pipe");
+        let pipe = folder.file("pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = open_pipe(&pipe, Duration::from_millis(50)).unwrap_err();
+        assert_eq!((error.kind(), error.to_string()), (ErrorKind::TimedOut, "the pipe had no reader for 50ms".into()));
+        // More than a pipe holds at once.
+        let bytes = vec![7; 1 << 20];
+        let reader = thread::spawn({
+            let pipe = pipe.clone();
+            move || {
+                let mut found = Vec::new();
+                File::open(pipe).unwrap().read_to_end(&mut found).unwrap();
+                found
+            }
+        });
+        write_whole(&pipe, &bytes).unwrap();
+        assert!(reader.join().unwrap() == bytes);
+        assert_eq!(folder.names(), ["pipe"]);
     }
 
     #[cfg(unix)]

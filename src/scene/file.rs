@@ -53,7 +53,8 @@ impl SceneFile {
     /// [`Error::UnknownName`] for a file of another format; those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and
     /// [`Scene::from_ply_with`]; [`Error::Parse`] where the feature that reads the format is not there.
     pub fn open(path: impl AsRef<Path>, options: &SceneOptions) -> Result<Self, Error> {
-        Self::read(Files::Disk, path.as_ref(), options)
+        let path = path.as_ref();
+        Self::read(Files::Disk(&options.folder_of(path)), path, options)
     }
 
     /// Reads a scene file from memory, as [`SceneFile::open`] does from the disk: in a browser, which has no disk to read from, what a user drops on a
@@ -130,8 +131,9 @@ mod tests {
     #[test]
     fn content_tells_the_format_and_the_ending_where_it_does_not() {
         let folder = Folder::new("scene_file");
-        let format =
-            |name: &str, content: &str| format_of(Files::Disk, &folder.write(name, content), &SceneOptions::default());
+        let options = SceneOptions::default();
+        let disk = options.folder_of(&folder.file("a.obj"));
+        let format = |name: &str, content: &str| format_of(Files::Disk(&disk), &folder.write(name, content), &options);
         for (name, content, expected) in [
             ("a.obj", "v 0 0 0", Format::Obj),
             ("A.OBJ", "", Format::Obj),
@@ -149,9 +151,6 @@ mod tests {
             let expected = format!("unknown ending of a scene file '{ending}'; use one of obj, gltf, glb, ply");
             assert_eq!(message, expected);
         }
-        assert!(matches!(
-            format_of(Files::Disk, &folder.file("none.obj"), &SceneOptions::default()),
-            Err(Error::Io { .. })
-        ));
+        assert!(matches!(format_of(Files::Disk(&disk), &folder.file("none.obj"), &options), Err(Error::Io { .. })));
     }
 }

@@ -43,7 +43,7 @@ pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
 #[cfg(feature = "scene-files")]
-pub use options::{MissingTextures, ObjOptions, SceneOptions};
+pub use options::{MissingTextures, ObjOptions, OutsideFiles, SceneOptions};
 #[cfg(feature = "scene-files")]
 pub use origin::Origin;
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
@@ -248,7 +248,7 @@ impl Scene {
     /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "obj")]
     pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
-        obj::read(Files::Disk, path.as_ref(), options)
+        obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
     /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its nodes show them, with base colours,
@@ -270,7 +270,7 @@ impl Scene {
     /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "gltf")]
     pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        gltf::read(Files::Disk, path.as_ref(), options).map(|file| file.scene)
+        gltf::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options).map(|file| file.scene)
     }
 
     /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture
@@ -292,7 +292,7 @@ impl Scene {
     /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
     #[cfg(feature = "ply")]
     pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        ply::read(Files::Disk, path.as_ref(), options)
+        ply::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
     /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.

@@ -14,7 +14,7 @@ use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
 use glam::{DVec3, Vec3};
 
 use self::{
-    checks::{Corners, check_face, find_bad_number, mixed_color},
+    checks::{Corners, check_face, find_bad_number},
     models::{Joined, join_models},
 };
 use super::{
@@ -27,6 +27,9 @@ use crate::{Error, Limits, input::Files, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
+
+/// The colour of a vertex without one, behind its coordinates.
+const WHITE: &str = " 1 1 1";
 
 /// What is wrong, and on which line, counted from 1.
 type Fault = (usize, String);
@@ -63,8 +66,10 @@ struct Prepared {
     used_materials: Vec<(usize, String)>,
     /// Vertices, texture coordinates and normals so far.
     counts: Corners<usize>,
-    /// The first vertex's line, and whether it has a colour: then all have one.
-    first_vertex: Option<(usize, bool)>,
+    /// Whether a vertex so far has a colour, how many have none, and the line of the first with a weight.
+    has_colors: bool,
+    colorless: usize,
+    first_weight: Option<usize>,
     /// The lines of the faces of more than three corners.
     polygon_lines: Vec<usize>,
     /// What a face belongs to here, and what the last one of it had.
@@ -284,6 +289,10 @@ fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) ->
             _ => note_left_out(keyword, number, warnings),
         }
     }
+    if prepared.has_colors && prepared.colorless > 0 {
+        let vertices = counted(prepared.colorless, "vertex", "vertices");
+        warnings.warn_once(format!("{vertices} without a colour, of {}; they are white", prepared.counts.vertex));
+    }
     // Beside normals, which say more, they go without saying.
     if prepared.counts.normal == 0 {
         smoothing_groups.into_iter().for_each(|line| warnings.left_out("smoothing groups (s)", line));
@@ -300,7 +309,9 @@ impl Prepared {
             names: vec![String::new()],
             used_materials: Vec::new(),
             counts: Corners::default(),
-            first_vertex: None,
+            has_colors: false,
+            colorless: 0,
+            first_weight: None,
             polygon_lines: Vec::new(),
             section: Section { object: 0, object_name: 0, group_name: 0, smoothing: Section::UNGROUPED },
             section_has: None,
@@ -315,24 +326,46 @@ impl Prepared {
         }
     }
 
-    /// tobj counts colours on their own: of vertices with and without, it gives some another's.
+    /// tobj counts colours on their own: of vertices with and without, it gives some another's. So where one has a colour, all others get white.
     fn vertex(&mut self, rest: &str, line: usize) -> Result<(), Fault> {
-        let has_color = rest.split_whitespace().count() == 6;
-        let first = *self.first_vertex.get_or_insert((line, has_color));
-        if first.1 != has_color {
-            return Err((line, mixed_color(has_color, first.0)));
+        let numbers = rest.split_whitespace().count();
+        if numbers == 6 && !self.has_colors {
+            self.has_colors = true;
+            self.whiten();
         }
         self.counts.vertex += 1;
+        self.colorless += usize::from(numbers != 6);
+        self.first_weight = self.first_weight.or((numbers == 4).then_some(line));
+        if let Some(line) = self.first_weight.filter(|_| self.has_colors) {
+            return Err((line, "this vertex has a weight w, and others have colours; give all x y z r g b".into()));
+        }
         match position(rest).filter(|_| self.origin != DVec3::ZERO) {
             None => self.keep("v", rest),
             // tobj reads f32: the origin is taken off before.
             Some(position) => {
                 let [x, y, z] = (position - self.origin).as_vec3().to_array();
-                let color = if has_color { rest.split_whitespace().skip(3).collect() } else { Vec::new() };
+                let color = if numbers == 6 { rest.split_whitespace().skip(3).collect() } else { Vec::new() };
                 self.keep("v", &format!("{x} {y} {z} {}", color.join(" ")));
             }
         }
+        if self.has_colors && numbers == 3 {
+            self.text.insert_str(self.text.len() - 1, WHITE);
+        }
         Ok(())
+    }
+
+    /// Gives all vertices so far a colour.
+    fn whiten(&mut self) {
+        if self.colorless == 0 {
+            return;
+        }
+        let mut text = String::with_capacity(self.text.len() + WHITE.len() * self.colorless);
+        for line in self.text.split_inclusive('\n') {
+            text.push_str(line.trim_end_matches('\n'));
+            text.push_str(if line.starts_with("v ") { WHITE } else { "" });
+            text.push('\n');
+        }
+        self.text = text;
     }
 
     /// Texture coordinates or a normal.

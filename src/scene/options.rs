@@ -1,7 +1,9 @@
 //! How scene files are read.
 
+use std::path::Path;
+
 use super::Origin;
-use crate::Limits;
+use crate::{Limits, input::SceneFolder};
 
 /// What becomes of a texture of a material that can't be read: its file is missing, broken, too large or none at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -12,6 +14,18 @@ pub enum MissingTextures {
     Error,
     /// The material is without it, and a warning names what the error would.
     Warn,
+}
+
+/// What becomes of files outside the scene file's folder that the scene file, or an MTL file of it, names. Files in the folder and below it are
+/// always read. Links count by where they lead.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum OutsideFiles {
+    /// They are not read: [`Error::Io`](crate::Error::Io) or [`Error::Parse`](crate::Error::Parse) names the path.
+    #[default]
+    Refuse,
+    /// They are read. For scene files that you trust.
+    Allow,
 }
 
 /// How [`SceneFile::open`](crate::SceneFile::open) and the constructors of [`Scene`](crate::Scene) read a file.
@@ -31,6 +45,8 @@ pub struct SceneOptions {
     pub(super) missing_textures: MissingTextures,
     pub(super) crease_angle: Option<f32>,
     pub(super) origin: Origin,
+    outside_files: OutsideFiles,
+    outside_option_name: Option<&'static str>,
 }
 
 /// The options under the name that they have where OBJ files are read.
@@ -53,6 +69,25 @@ impl SceneOptions {
     pub fn origin(mut self, origin: Origin) -> Self {
         self.origin = origin;
         self
+    }
+
+    /// Whether files may lie outside the scene file's folder, as textures in `../textures`. They are refused where nothing is said. Of scenes in
+    /// memory it says nothing: these have only the files that they are given.
+    pub fn outside_files(mut self, outside: OutsideFiles) -> Self {
+        self.outside_files = outside;
+        self
+    }
+
+    /// What messages say that [`SceneOptions::outside_files`] is set by: a program's own option. That method where nothing is said.
+    pub fn outside_option_name(mut self, name: &'static str) -> Self {
+        self.outside_option_name = Some(name);
+        self
+    }
+
+    /// The folder that the names in a scene file on the disk may not leave.
+    pub(super) fn folder_of(&self, scene: &Path) -> SceneFolder {
+        let option = self.outside_option_name.unwrap_or("SceneOptions::outside_files(OutsideFiles::Allow)");
+        SceneFolder::of(scene, (self.outside_files == OutsideFiles::Refuse).then_some(option))
     }
 
     /// Smooth normals for objects without any: edges across which the normals of triangles are less than so many degrees

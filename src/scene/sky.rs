@@ -82,8 +82,9 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
-    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). Its size is checked before it is
-    /// decoded; decoding takes 12 bytes a pixel, beside what the format itself needs.
+    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). With the feature `exr` also `OpenEXR` (linear): one part
+    /// with channels R, G and B, where light below 0 becomes 0. Its size is checked before it is decoded; decoding takes 12 bytes a pixel,
+    /// beside what the format itself needs.
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,

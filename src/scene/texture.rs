@@ -129,7 +129,8 @@ impl Texture {
         Self { kind, wrap: Wrap::default() }
     }
 
-    /// Reads a PNG or JPEG file, taken as sRGB; what has no alpha is opaque, and 16 bits a channel are rounded to 8. Its size is
+    /// Reads a PNG or JPEG file, taken as sRGB; with the feature `more-textures` also BMP, GIF (its first picture), TGA (by the ending of its
+    /// name), TIFF and WebP. What has no alpha is opaque, and 16 bits a channel are rounded to 8. Its size is
     /// checked before it is decoded, which takes up to 16 bytes a pixel beside what the format itself needs; 4 stay.
     ///
     /// # Errors
@@ -151,7 +152,7 @@ impl Texture {
         Self::decode(path, std::io::BufReader::new(file), limits)
     }
 
-    /// Reads a PNG or JPEG file from memory, as [`Texture::open`] does from the disk. Messages name it `name`.
+    /// Reads a picture's file from memory, as [`Texture::open`] does from the disk. Messages name it `name`.
     ///
     /// # Errors
     /// Those of [`Texture::open`] but [`Error::Io`].

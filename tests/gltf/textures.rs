@@ -3,8 +3,8 @@
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use serde_json::{Value, json};
 use stereotrace::{
-    Limits, Material, Method, MissingTextures, Options, Scene, SceneFile, SceneOptions, StereoCamera, TextureKind,
-    Wrap,
+    Limits, Material, Method, MissingTextures, Options, OutsideFiles, Scene, SceneFile, SceneOptions, StereoCamera,
+    TextureKind, Wrap,
     glam::{Vec2, Vec3},
 };
 
@@ -61,14 +61,58 @@ fn pictures_are_read_from_views_data_and_files_beside() {
 }
 
 #[test]
+fn buffers_and_pictures_outside_the_scenes_folder_are_refused_unless_the_option_allows_them() {
+    let folder = Folder::new("gltf_outside");
+    warnings::collect();
+    let picture = png(1, 1, &[[1, 2, 3, 255]]);
+    let mut builder = textured(&[[0; 4]], json!({}));
+    let bytes = builder.bytes.clone();
+    folder.write("a b.png", &picture);
+    folder.write("a.bin", &bytes);
+    folder.write("in/a.png", &picture);
+    folder.write("in/a.bin", &bytes);
+    let allow = SceneOptions::default().outside_files(OutsideFiles::Allow);
+    let absolute = folder.file("a.bin").display().to_string();
+    for (buffer, image, fault) in [
+        ("a.bin", "a.png", None),
+        ("../in/a.bin", "x/../a.png", None),
+        ("../a.bin", "a.png", Some("scene.gltf: buffers[0]: ")),
+        ("%2e%2e/a.bin", "a.png", Some("scene.gltf: buffers[0]: ")),
+        ("a.bin", "../a%20b.png", Some("materials[0], baseColorTexture: images[0]: ")),
+        ("a.bin", "..\\a b.png", Some("materials[0], baseColorTexture: images[0]: ")),
+        // Absolute paths of other machines, and of this one where the file beside the scene takes its place.
+        ("C:/models/a.bin", "C:\\textures\\a.png", None),
+        (&absolute, "/nowhere/a.png", None),
+    ] {
+        std::fs::create_dir_all(folder.file("in/x")).unwrap();
+        builder.json["buffers"] = json!([{ "byteLength": bytes.len(), "uri": buffer }]);
+        builder.json["images"] = json!([{ "uri": image }]);
+        let path = folder.write("in/scene.gltf", serde_json::to_string(&builder.json).unwrap());
+        assert!(SceneFile::open(&path, &allow).is_ok(), "{buffer} {image}");
+        match (SceneFile::open(&path, &SceneOptions::default()), fault) {
+            (Ok(file), None) => assert_eq!(file.scene.textures().len(), 1),
+            (Err(error), Some(fault)) => {
+                let message = error.to_string();
+                let says = [fault, "outside the scene's folder ", "use SceneOptions::outside_files"];
+                assert!(says.iter().all(|text| message.contains(text)), "{message}");
+            }
+            (found, _) => panic!("{buffer} {image}: {found:?}"),
+        }
+    }
+    let warned = warnings::of(&folder);
+    let of_elsewhere = warned.iter().filter(|text| text.contains("a path of another machine")).count();
+    assert_eq!(of_elsewhere, 4, "once a file that is read: {warned:?}");
+}
+
+#[test]
 fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
     let folder = Folder::new("gltf_lost");
     warnings::collect();
     let mut builder = textured(&[[9; 4]], json!({}));
     for (image, expected) in [
         (json!({ "uri": "none.png" }), "materials[0], baseColorTexture: "),
-        (json!({ "uri": "scene.gltf" }), "baseColorTexture: no picture of a texture: it is neither PNG nor JPEG"),
-        (json!({ "bufferView": 0 }), "baseColorTexture: no picture of a texture: it is neither PNG nor JPEG"),
+        (json!({ "uri": "scene.gltf" }), "baseColorTexture: no picture of a texture: it is not PNG"),
+        (json!({ "bufferView": 0 }), "baseColorTexture: no picture of a texture: it is not PNG"),
         (json!({}), "images[0] has no URI and no bufferView"),
     ] {
         builder.json["images"] = json!([image]);
@@ -88,6 +132,44 @@ fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
     let limits = Limits::default().texture_pixels(9).texture_option_name("--max-textures");
     let message = Scene::from_gltf_with(path, &SceneOptions::default().limits(limits)).unwrap_err().to_string();
     assert!(message.contains("10x1 pixels, 10 in all, over the limit of 9; raise it by --max-textures"), "{message}");
+}
+
+/// A texture with a PNG and, by the extension, a WebP picture.
+#[test]
+fn webp_pictures_of_the_extension_are_read_with_the_feature() {
+    let mut builder = textured(&[[1, 2, 3, 255]], json!({}));
+    builder.push("images", json!({ "uri": "gone.webp" }));
+    builder.json["textures"][0]["extensions"] = json!({ "EXT_texture_webp": { "source": 1 } });
+    builder.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let folder = Folder::new("gltf_webp");
+    let read = |builder: &Builder| Scene::from_gltf(folder.write("scene.gltf", builder.text()));
+    let first = |scene: Scene| match scene.textures()[0].kind() {
+        TextureKind::Image { pixels, .. } => pixels[0],
+        other => panic!("{other:?}"),
+    };
+    #[cfg(not(feature = "more-textures"))]
+    {
+        assert_eq!(first(read(&builder).unwrap()), [1, 2, 3, 255]);
+        builder.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+        assert!(read(&builder).unwrap_err().to_string().contains("it requires EXT_texture_webp"));
+    }
+    #[cfg(feature = "more-textures")]
+    {
+        builder.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+        assert!(read(&builder).unwrap_err().to_string().contains("gone.webp: "));
+        let mut webp = Vec::new();
+        let encoder = image::codecs::webp::WebPEncoder::new_lossless(&mut webp);
+        encoder.write_image(&[9, 8, 7, 255], 1, 1, ExtendedColorType::Rgba8).unwrap();
+        folder.write("gone.webp", webp);
+        assert_eq!(first(read(&builder).unwrap()), [9, 8, 7, 255]);
+        builder.json["textures"][0].as_object_mut().unwrap().remove("source");
+        assert_eq!(first(read(&builder).unwrap()), [9, 8, 7, 255]);
+        builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(-1);
+        let message = read(&builder).unwrap_err().to_string();
+        assert!(message.contains("scene.gltf: textures of EXT_texture_webp are wrong: "), "{message}");
+        builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(7);
+        assert!(read(&builder).unwrap_err().to_string().contains("there is no images[7], of 2"));
+    }
 }
 
 #[test]

@@ -75,6 +75,32 @@ fn colours_of_vertices_are_srgb_and_clamped_with_one_warning() {
     assert!(folder.scene(format!("{SIX}f 1 2 3\n")).colors().is_empty());
 }
 
+#[test]
+fn vertices_without_a_colour_beside_others_are_white() {
+    let folder = Folder::new("some_colours");
+    let [red, plain] = [" 1 0 0", ""];
+    // Each vertex with a colour or without, and one that no face has, which would shift the others'.
+    for last in [red, plain] {
+        for of_colors in 0..8 {
+            let of = |vertex: usize| if of_colors >> vertex & 1 == 1 { red } else { plain };
+            let obj = format!("v 1 0 0{}\n# c\nv 2 1 0{}\nv 3 0 1{}\nv 9 9 9{last}\nf 1 2 3\n", of(0), of(1), of(2));
+            let scene = folder.scene(&obj);
+            let colored = (0..3).filter(|&vertex| of(vertex) == red).count() + usize::from(last == red);
+            let expected = [0, 1, 2].map(|vertex| if of(vertex) == red { Vec3::X } else { Vec3::ONE });
+            match colored {
+                0 => assert!(scene.colors().is_empty()),
+                _ => assert_eq!(scene.colors(), [expected], "{obj}"),
+            }
+            let warned = folder.warnings().last().cloned().unwrap_or_default();
+            let count = format!(
+                "scene.obj: {} without a colour, of 4; they are white",
+                ["", "1 vertex", "2 vertices", "3 vertices"][(4 - colored) % 4]
+            );
+            assert!(matches!(colored, 0 | 4) || warned == count, "{warned} {count}");
+        }
+    }
+}
+
 fn smoothed(folder: &Folder, degrees: f32, content: &str) -> Scene {
     folder.read_with(content, &ObjOptions::default().crease_angle(Some(degrees))).unwrap()
 }

@@ -123,18 +123,14 @@ fn utf_16_is_named_and_so_is_the_remedy() {
 }
 
 #[test]
-fn vertices_with_and_without_colours_are_an_error_with_a_remedy() {
+fn colours_of_vertices_that_are_none_are_errors() {
     let folder = Folder::new("colours");
     let faces = "f 1 2 3\n";
-    folder.fails_on_line(
-        3,
-        "this vertex has no colour and the first, on line 1, has one; give all vertices x y z r g b, or none",
-        format!("v 1 0 0 1 1 1\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"),
-    );
-    folder.fails_on_line(3, "this vertex has a colour", format!("# c\nv 1 0 0\nv 2 1 0 1 1 1\nv 3 0 1\n{faces}"));
-    // Also where no face has the vertex: a colour too few would shift all that follow.
-    folder.fails_on_line(7, "this vertex has a colour", format!("{SIX}v 7 0 0 1 1 1\nf 2 3 4\n"));
     folder.fails_on_line(2, "'red' is not a number", format!("v 1 0 0 1 1 1\nv 2 1 0 1 red 1\nv 3 0 1 1 1 1\n{faces}"));
+    folder.fails_on_line(2, "vertex: 5 numbers; give", format!("v 1 0 0 1 1 1\nv 2 1 0 1 1\nv 3 0 1\n{faces}"));
+    for obj in ["v 1 0 0 2\nv 2 1 0 1 1 1\nv 3 0 1\n", "v 1 0 0 2\nv 2 1 0\nv 3 0 1 1 1 1\n"] {
+        folder.fails_on_line(1, "this vertex has a weight w, and others have colours", format!("{obj}{faces}"));
+    }
 }
 
 #[test]

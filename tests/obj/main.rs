@@ -7,6 +7,8 @@ mod corners;
 mod faces;
 mod faults;
 mod materials;
+#[cfg(feature = "textures")]
+mod outside;
 mod polygons;
 mod surfaces;
 #[cfg(feature = "textures")]

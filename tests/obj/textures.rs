@@ -108,7 +108,7 @@ fn textures_that_can_not_be_read_are_errors_with_line_and_name_or_warnings() {
         ("gone.png", if cfg!(unix) { "No such file" } else { "" }),
         ("no such name.png", ""),
         ("huge.png", "100000x100000 pixels; each side can have 1 to 8192"),
-        ("text.png", "it is neither PNG nor JPEG"),
+        ("text.png", "it is not PNG"),
         ("cut.png", "no picture of a texture"),
         ("folder", "it is a folder; only regular files are read"),
         ("m.mtl", "it is the MTL file itself"),

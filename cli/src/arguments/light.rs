@@ -22,7 +22,7 @@ pub(crate) struct LightArguments {
     /// Light from all around, linear: one number, or red, green and blue [default: the scene's; 0.15, or 1 where there are no lights]
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
-    /// Sky: a PNG, JPEG or HDR file (equirectangular), or `procedural` [default: the scene's]
+    /// Sky: a PNG, JPEG, HDR or EXR file (equirectangular), or `procedural` [default: the scene's]
     #[arg(long, value_name = "FILE")]
     sky: Option<PathBuf>,
 }

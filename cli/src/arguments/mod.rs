@@ -38,7 +38,8 @@ Examples:
   stereotrace info bunny.obj                              what is in it, and what this machine renders with
 
 Exit status: 0 where all was written, 1 where something could not be read, rendered or written, 2 for a command line that says nothing
-that can be done. Errors are one line on standard error.
+that can be done, 130 where SIGINT or SIGTERM ended `sequence` or `dataset`: after the pair at hand, and the same command makes the rest; a second
+signal does not wait. Errors are one line on standard error.
 STEREOTRACE_ADAPTER chooses the adapter where --adapter does not, NO_COLOR keeps colours off.";
 
 /// Ray-traces stereo pairs on the GPU for little more than one eye's price, and says how exact the second eye is

@@ -1,16 +1,21 @@
 //! How files are read.
 
-use clap::Args;
-use stereotrace::{Limits, MissingTextures, Origin, SceneOptions};
+use std::path::Path;
 
-use super::values::{CreaseAngle, crease_angle, missing_textures, origin};
+use clap::Args;
+use stereotrace::{Limits, MissingTextures, Origin, OutsideFiles, SceneOptions};
+
+use super::values::{CreaseAngle, Millions, crease_angle, millions, missing_textures, origin, outside_files};
+
+/// In degrees, as modellers have it.
+const CREASE_ANGLE: f32 = 30.0;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading files")]
 pub(crate) struct ReadingArguments {
-    /// Where a file has no normals, edges are smooth that turn by less than DEG degrees, or none: off
-    #[arg(long, value_name = "DEG|off", default_value = "30", value_parser = crease_angle, allow_hyphen_values = true)]
-    crease_angle: CreaseAngle,
+    /// Where a file has no normals, edges are smooth that turn by less than DEG degrees, or none: off [default: 30; off for glTF, as its specification says]
+    #[arg(long, value_name = "DEG|off", value_parser = crease_angle, allow_hyphen_values = true)]
+    crease_angle: Option<CreaseAngle>,
     /// What becomes of textures that can't be read: error, or warn and go on without them
     #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
     missing_textures: MissingTextures,
@@ -18,18 +23,21 @@ pub(crate) struct ReadingArguments {
     /// lies farther away than 8 times its size. Cameras, lights and ground truth stay in world coordinates
     #[arg(long, value_name = "auto|none|X,Y,Z", default_value = "auto", value_parser = origin, allow_hyphen_values = true)]
     origin: Origin,
+    /// Files outside the scene file's folder that the scene names, as textures in ../textures: refuse, or allow if you trust the scene
+    #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]
+    outside_files: OutsideFiles,
     /// Largest scene, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
-    /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.4, which is 4096x2048]
-    #[arg(long, value_name = "MILLIONS")]
-    max_sky: Option<u32>,
-    /// Largest texture, and largest sum of a file's, in millions of pixels [default: 67.1, which is 8192x8192]
-    #[arg(long, value_name = "MILLIONS")]
-    max_texture: Option<u32>,
-    /// Most triangles, instances counted as often as they are shown, in millions [default: the library's]
-    #[arg(long, value_name = "MILLIONS")]
-    max_triangles: Option<u32>,
+    /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.388608, which is 4096x2048]
+    #[arg(long, value_name = "MILLIONS", value_parser = millions)]
+    max_sky: Option<Millions>,
+    /// Largest texture, and largest sum of a file's, in millions of pixels [default: 67.108864, which is 8192x8192]
+    #[arg(long, value_name = "MILLIONS", value_parser = millions)]
+    max_texture: Option<Millions>,
+    /// Most triangles, instances counted as often as they are shown, in millions [default: 33.554432]
+    #[arg(long, value_name = "MILLIONS", value_parser = millions)]
+    max_triangles: Option<Millions>,
 }
 
 impl ReadingArguments {
@@ -40,23 +48,29 @@ impl ReadingArguments {
             let bytes = u64::from(mebibytes) << 20;
             limits = limits.file_bytes(bytes).json_bytes(bytes);
         }
-        if let Some(millions) = self.max_sky {
-            limits = limits.sky_pixels(1_000_000 * u64::from(millions));
+        if let Some(Millions(count)) = self.max_sky {
+            limits = limits.sky_pixels(count);
         }
-        if let Some(millions) = self.max_texture {
-            limits = limits.texture_pixels(1_000_000 * u64::from(millions));
+        if let Some(Millions(count)) = self.max_texture {
+            limits = limits.texture_pixels(count);
         }
-        if let Some(millions) = self.max_triangles {
-            limits = limits.triangles(1_000_000 * u64::from(millions));
+        if let Some(Millions(count)) = self.max_triangles {
+            limits = limits.triangles(count);
         }
         limits
     }
 
-    pub(crate) fn options(&self) -> SceneOptions {
+    /// How this scene file is read.
+    pub(crate) fn options(&self, scene: &Path) -> SceneOptions {
+        let is_gltf =
+            ["gltf", "glb"].iter().any(|ending| scene.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending)));
+        let otherwise = CreaseAngle(if is_gltf { None } else { Some(CREASE_ANGLE) });
         SceneOptions::default()
             .limits(self.limits())
             .missing_textures(self.missing_textures)
-            .crease_angle(self.crease_angle.0)
+            .outside_files(self.outside_files)
+            .outside_option_name("--outside-files allow")
+            .crease_angle(self.crease_angle.unwrap_or(otherwise).0)
             .origin(self.origin)
     }
 }

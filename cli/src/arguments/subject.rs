@@ -165,7 +165,7 @@ impl Subject {
             let names = Vec::from_iter(names).join(", ");
             return Err(format!("{}: {fault}; give a scene file, or one of {names}", shown(&self.scene)).into());
         }
-        let SceneFile { scene, cameras, .. } = SceneFile::open(&self.scene, &self.reading.options())?;
+        let SceneFile { scene, cameras, .. } = SceneFile::open(&self.scene, &self.reading.options(&self.scene))?;
         Ok((scene, cameras))
     }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use stereotrace::{
-    Adaptive, Light, MissingTextures, Origin, ShadowBuffer, ShadowRule, Tone,
+    Adaptive, Light, MissingTextures, Origin, OutsideFiles, ShadowBuffer, ShadowRule, Tone,
     camera::Display,
     glam::{DVec3, Vec3},
 };
@@ -11,6 +11,10 @@ use stereotrace::{
 /// Of what has no normals; none: it is flat.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CreaseAngle(pub(crate) Option<f32>);
+
+/// A count, which is given in millions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Millions(pub(crate) u64);
 
 /// Rays, and how far they go if that is said.
 #[derive(Clone, Copy, Debug)]
@@ -134,6 +138,21 @@ pub(crate) fn missing_textures(text: &str) -> Result<MissingTextures, String> {
         "warn" => Ok(MissingTextures::Warn),
         _ => Err("it must be error or warn".into()),
     }
+}
+
+pub(crate) fn outside_files(text: &str) -> Result<OutsideFiles, String> {
+    match text {
+        "refuse" => Ok(OutsideFiles::Refuse),
+        "allow" => Ok(OutsideFiles::Allow),
+        _ => Err("it must be refuse or allow".into()),
+    }
+}
+
+/// A count of 8,388,608 is 8.388608.
+pub(crate) fn millions(text: &str) -> Result<Millions, String> {
+    let count = text.parse().ok().filter(|millions: &f64| millions.is_finite() && *millions >= 0.0);
+    let count = count.ok_or("it must be a number of millions like 100 or 8.4")?;
+    Ok(Millions((1e6 * count).round() as u64))
 }
 
 pub(crate) fn above_zero(text: &str) -> Result<f32, String> {

@@ -24,6 +24,7 @@ use crate::{
     arguments::{Global, Stage, Subject, above_zero, frames},
     progress::Progress,
     record, shown,
+    stop::{Interrupted, Stop},
     summary::Summary,
     target::Target,
 };
@@ -81,13 +82,18 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return Err(format!("--items {}..{}: the data set has {count}", range.start, range.end).into());
     }
     let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
+    let stop = Stop::on_signals()?;
     let mut manifest = Manifest::open(&folder, record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut failed = Vec::new();
-    for &item in &pending {
+    for (done, &item) in pending.iter().enumerate() {
+        if stop.is_asked_for() {
+            let done = done - failed.len();
+            return Err(Interrupted { done, of: pending.len(), can_go_on: true }.into());
+        }
         match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
             Ok(line) => manifest.add(&line)?,
             Err(error) => {

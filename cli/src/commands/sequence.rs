@@ -19,6 +19,7 @@ use crate::{
     arguments::{Global, Subject, frames},
     progress::Progress,
     record, shown,
+    stop::{Interrupted, Stop},
     summary::Summary,
     target::{EyesArguments, Target, add_pair, is_open_exr},
 };
@@ -57,6 +58,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if range.end > all.end {
         return Err(format!("--frames {}..{}: the sequence has {}", range.start, range.end, all.end).into());
     }
+    let stop = Stop::on_signals()?;
     let pending = match names.folder() {
         Some(folder) => {
             let record = record::of(&arguments.subject, &stage.scene, &(&arguments.eyes, &motion))?;
@@ -73,11 +75,19 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut size = [0, 0];
-    for &frame in &pending {
+    for (done, &frame) in pending.iter().enumerate() {
+        let interrupted = || Interrupted { done, of: pending.len(), can_go_on: names != Names::Stdout };
+        if stop.is_asked_for() {
+            return Err(interrupted().into());
+        }
         let camera = motion.at(frame);
         let pair =
             stage.renderer.render_with(&stage.uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
-        size = names.write(&pair, frame, &arguments.eyes)?;
+        size = match names.write(&pair, frame, &arguments.eyes) {
+            // The signal may have ended the one who reads the pipe, too.
+            Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
+            written => written?,
+        };
         progress.next();
     }
     progress.clear();

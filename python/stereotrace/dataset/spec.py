@@ -307,6 +307,7 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
         "weight": (_within(0), 1),
         "crease_angle": (_finite, None),
         "missing_textures": (_one_of("error", "warn"), None),
+        "outside_files": (_one_of("refuse", "allow"), None),
         "camera": (_camera, None),
         "lights": (_lights, None),
         "ambient": (_color, None),

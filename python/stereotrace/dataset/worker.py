@@ -31,7 +31,10 @@ def open_scene(spec: Spec, scene: int) -> Scene:
         found = Scene.builtin(entry["builtin"])
     else:
         textures = entry.get("missing_textures", "error")
-        found = Scene.open(path, crease_angle=entry.get("crease_angle"), missing_textures=textures)
+        outside = entry.get("outside_files", "refuse")
+        found = Scene.open(
+            path, crease_angle=entry.get("crease_angle"), missing_textures=textures, outside_files=outside
+        )
     sky = entry.get("sky")
     if sky == "procedural":
         found.set_sky_map(sky)

@@ -15,8 +15,12 @@ use percent_encoding::percent_decode_str;
 use super::nodes::{Shifts, shifts};
 use crate::{Error, Limits, input::Files, message::counted, scene::warnings::Warnings};
 
+/// Textures have a WebP picture by this one.
+#[cfg(feature = "more-textures")]
+const WEBP: &str = "EXT_texture_webp";
+
 /// What is read of extensions, or makes no difference to what is read.
-const EXTENSIONS: [&str; 7] = [
+const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -24,6 +28,8 @@ const EXTENSIONS: [&str; 7] = [
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    #[cfg(feature = "more-textures")]
+    WEBP,
 ];
 
 /// Padding may be missing.
@@ -40,6 +46,9 @@ pub(super) struct Document<'a> {
     /// Of each node, in f64; `root` has them in f32.
     pub(super) shifts: Vec<Shifts>,
     pub(super) limits: Limits,
+    /// The images that textures have by [`WEBP`].
+    #[cfg(feature = "more-textures")]
+    webp: Vec<Option<usize>>,
     /// A binary file, and where its buffer is in it.
     chunk: Option<(Cow<'a, [u8]>, Range<usize>)>,
     /// Each is read when it is first asked for.
@@ -54,12 +63,31 @@ impl<'a> Document<'a> {
         let is_binary = bytes.starts_with(b"glTF");
         let fault = |reason: String| Error::parse(path, None, reason);
         let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
-        let root = parse(path, &bytes[json.clone()], is_binary, &limits)?;
-        let shifts = shifts(&bytes[json]).map_err(|error| fault(format!("no JSON of glTF: {error}")))?;
+        let json = without_mark(&bytes[json]);
+        let root = parse(path, json, is_binary, &limits)?;
+        let shifts = shifts(json).map_err(|error| fault(format!("no JSON of glTF: {error}")))?;
+        #[cfg(feature = "more-textures")]
+        let webp = match root.extensions_used.iter().any(|name| name == WEBP) {
+            true => webp_images(json).map_err(|error| {
+                Error::parse_from(path, None, format!("textures of {WEBP} are wrong: {error}"), error)
+            })?,
+            false => Vec::new(),
+        };
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
         let chunk = chunk.map(|chunk| (bytes, chunk));
-        let document =
-            Self { files, path, root, shifts, limits, chunk, buffers, bytes_left: Cell::new(limits.file_bytes) };
+        let bytes_left = Cell::new(limits.file_bytes);
+        let document = Self {
+            files,
+            path,
+            root,
+            shifts,
+            limits,
+            #[cfg(feature = "more-textures")]
+            webp,
+            chunk,
+            buffers,
+            bytes_left,
+        };
         match document.root.asset.version.split('.').next() {
             Some("2") => Ok(document),
             _ => Err(document.fault(format!("it is glTF {}; version 2 is read", document.root.asset.version))),
@@ -95,6 +123,14 @@ impl<'a> Document<'a> {
         by: impl Display,
     ) -> Result<&'b T, Error> {
         items.get(index).ok_or_else(|| self.fault(format!("{by}: there is no {list}[{index}], of {}", items.len())))
+    }
+
+    /// The image that a texture has by an extension that is read.
+    pub(super) fn extended_image(&self, _texture: usize) -> Option<usize> {
+        #[cfg(feature = "more-textures")]
+        return self.webp.get(_texture).copied().flatten();
+        #[cfg(not(feature = "more-textures"))]
+        None
     }
 
     /// The bytes of a view.
@@ -171,7 +207,8 @@ impl<'a> Document<'a> {
             return Err(self.fault(format!("{by}: URIs of '{scheme}:' are not read; files and base64 data are")));
         }
         let name: Cow<'_, str> = percent_decode_str(uri).decode_utf8_lossy();
-        Ok(self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name))
+        let located = self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name);
+        located.map_err(|error| Error::parse_from(self.path, None, format!("{by}: {error}"), error))
     }
 }
 
@@ -207,12 +244,11 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> 
 }
 
 /// JSON without a byte order mark.
-pub(super) fn without_mark(json: &[u8]) -> &[u8] {
+fn without_mark(json: &[u8]) -> &[u8] {
     json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json)
 }
 
 fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<Root, Error> {
-    let json = without_mark(json);
     let bytes = structure_bytes(json);
     if bytes > limits.json_bytes {
         return Err(Error::TooLarge {
@@ -226,6 +262,33 @@ fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<R
         let line = Some(error.line()).filter(|&line| line > 0 && !is_binary);
         Error::parse_from(path, line, format!("no JSON of glTF: {error}"), error)
     })
+}
+
+/// The image of each texture by [`WEBP`]: gltf-json has it only with all other extensions, as maps.
+#[cfg(feature = "more-textures")]
+fn webp_images(json: &[u8]) -> Result<Vec<Option<usize>>, serde_json::Error> {
+    #[derive(serde::Deserialize)]
+    struct Root {
+        #[serde(default)]
+        textures: Vec<Texture>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Texture {
+        extensions: Option<Extensions>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Extensions {
+        #[serde(rename = "EXT_texture_webp")]
+        webp: Option<Webp>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Webp {
+        source: usize,
+    }
+
+    let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
+    let root: Root = serde_json::from_slice(json)?;
+    Ok(root.textures.into_iter().map(|texture| Some(texture.extensions?.webp?.source)).collect())
 }
 
 /// How many bytes stand beside strings: what takes more memory than it has bytes. A brace may become a node.

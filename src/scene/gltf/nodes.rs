@@ -5,7 +5,7 @@ use gltf_json::{Node, scene::UnitQuaternion};
 
 use serde::Deserialize;
 
-use super::document::{Document, without_mark};
+use super::document::Document;
 use crate::Error;
 
 /// The parts of a node that place it, in f64. gltf-json has them in f32, which rounds places far from the world's origin.
@@ -22,7 +22,7 @@ pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
         #[serde(default)]
         nodes: Vec<Shifts>,
     }
-    serde_json::from_slice::<File>(without_mark(json)).map(|file| file.nodes)
+    serde_json::from_slice::<File>(json).map(|file| file.nodes)
 }
 
 /// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the order of the file.

@@ -130,7 +130,8 @@ impl<'a> Textures<'a> {
     /// The number of a texture's image, if it has one that may be read: others are of formats of extensions.
     fn image(&self, index: Index<Description>, by: &str) -> Result<Option<usize>, Error> {
         let description = self.document.item(("textures", &self.document.root.textures), index.value(), by)?;
-        Ok(Some(description.source.value()).filter(|&source| source != u32::MAX as usize))
+        let own = Some(description.source.value()).filter(|&source| source != u32::MAX as usize);
+        Ok(self.document.extended_image(index.value()).or(own))
     }
 
     /// The picture of a texture, and its image's number; `None` for one that can't be read, where that is no error.

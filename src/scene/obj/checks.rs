@@ -120,11 +120,3 @@ fn check_texture(words: &str) -> Result<(), String> {
     }
     if count > 0 { Ok(()) } else { Err(format!("{what}: 0 numbers of 2")) }
 }
-
-/// What to say of a vertex that has a colour where the first has none, or the other way round.
-pub(super) fn mixed_color(has_color: bool, first_line: usize) -> String {
-    let (has, had) = if has_color { ("a", "none") } else { ("no", "one") };
-    format!(
-        "this vertex has {has} colour and the first, on line {first_line}, has {had}; give all vertices x y z r g b, or none"
-    )
-}

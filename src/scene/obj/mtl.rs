@@ -48,9 +48,14 @@ pub(super) fn read(
     let mut library = Library::default();
     let mut read = HashSet::new();
     let mut limits_left = options.limits;
-    let names = prepared.libraries.iter();
-    let libraries =
-        names.flat_map(|(line, name)| locate(files, folder, name).into_iter().map(move |file| (*line, file)));
+    let mut libraries = Vec::new();
+    for (line, name) in &prepared.libraries {
+        let located = locate(files, folder, name);
+        let located = located.map_err(|error| {
+            Error::parse_from(obj, Some(*line), format!("mtllib '{name}': {}", error.without_path()), error)
+        })?;
+        libraries.extend(located.into_iter().map(|file| (*line, file)));
+    }
     for (line, file) in libraries {
         // A file may have several names.
         if !read.insert(files.real(&file)) {
@@ -69,14 +74,16 @@ pub(super) fn read(
 }
 
 /// The files of one `mtllib` line: several where one of them is there, else the name as it stands.
-fn locate(files: Files, folder: &Path, names: &str) -> Vec<PathBuf> {
+fn locate(files: Files, folder: &Path, names: &str) -> Result<Vec<PathBuf>, Error> {
     // By its path: the last component of several names is that of the last one.
-    let whole = files.join(folder, names);
-    if files.is_file(&whole) {
-        return vec![whole];
+    if !files.is_file(&files.join(folder, names)) {
+        let several = names.split_whitespace().map(|name| files.locate(folder, name));
+        let several = several.collect::<Result<Vec<_>, _>>()?;
+        if several.iter().any(|file| files.is_file(file)) {
+            return Ok(several);
+        }
     }
-    let several: Vec<_> = names.split_whitespace().map(|name| files.locate(folder, name)).collect();
-    if several.iter().any(|file| files.is_file(file)) { several } else { vec![files.locate(folder, names)] }
+    Ok(vec![files.locate(folder, names)?])
 }
 
 impl Library {

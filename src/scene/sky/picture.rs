@@ -1,5 +1,8 @@
 //! Pictures of skies, decoded into linear colours.
 
+#[cfg(feature = "exr")]
+mod open_exr;
+
 use std::{
     io::{BufRead, Seek},
     path::Path,
@@ -41,14 +44,43 @@ pub(super) fn decode(
     limits: &Limits,
 ) -> Result<(u32, u32, Vec<Vec3>), Error> {
     let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
-    if reader.format() == Some(image::ImageFormat::Hdr) {
-        let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
-        return colors(path, image::codecs::hdr::HdrDecoder::new(bytes), limits);
+    match reader.format() {
+        None | Some(image::ImageFormat::Png | image::ImageFormat::Jpeg) => {}
+        Some(image::ImageFormat::Hdr) => {
+            let bytes = HdrBytes { inner: reader.into_inner(), marks: 0 };
+            return colors(path, image::codecs::hdr::HdrDecoder::new(bytes), limits);
+        }
+        #[cfg(feature = "exr")]
+        Some(image::ImageFormat::OpenExr) => return open_exr::decode(path, reader.into_inner(), limits),
+        #[cfg(not(feature = "exr"))]
+        Some(image::ImageFormat::OpenExr) => {
+            let reason = "no picture of a sky: it is OpenEXR; stereotrace is built without its feature `exr`";
+            return Err(Error::parse(path, None, reason));
+        }
+        _ => return Err(Error::parse(path, None, "no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR")),
     }
     let mut format_limits = image::Limits::default();
     format_limits.max_alloc = Some(limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64));
     reader.limits(format_limits);
     colors(path, reader.into_decoder(), limits)
+}
+
+/// How many pixels a picture has; refuses one that is no map, and one over the limit.
+fn check_size(path: &Path, [width, height]: [u32; 2], limits: &Limits) -> Result<u64, Error> {
+    let count = u64::from(width) * u64::from(height);
+    if !is_map(width, height) {
+        let reason = format!("no picture of a sky: {width}x{height} pixels make no map, which has an even width");
+        return Err(Error::parse(path, None, reason));
+    }
+    if count > limits.largest_sky() {
+        return Err(Error::TooLarge {
+            path: path.into(),
+            size: format!("the picture has {width}x{height} pixels, {count} in all"),
+            limit: limits.largest_sky(),
+            remedy: format!("raise it by {}, up to what the adapter holds", limits.option_names[1]),
+        });
+    }
+    Ok(count)
 }
 
 /// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of
@@ -62,18 +94,7 @@ fn colors(
     let said = |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a sky: {error}"), error);
     let decoder = decoder.map_err(said)?;
     let (width, height) = decoder.dimensions();
-    let count = u64::from(width) * u64::from(height);
-    if !is_map(width, height) {
-        return Err(no_sky(format!("{width}x{height} pixels make no map, which has an even width")));
-    }
-    if count > limits.largest_sky() {
-        return Err(Error::TooLarge {
-            path: path.into(),
-            size: format!("the picture has {width}x{height} pixels, {count} in all"),
-            limit: limits.largest_sky(),
-            remedy: format!("raise it by {}, up to what the adapter holds", limits.option_names[1]),
-        });
-    }
+    let count = check_size(path, [width, height], limits)?;
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());
     if sample > size_of::<Vec3>() {
@@ -136,6 +157,9 @@ mod tests {
             [&odd, &broken, &missing].iter().all(|message| message.contains("sky.png")),
             "{odd} {broken} {missing}"
         );
+        // Formats that the image crate may have for other parts of a program.
+        let other = SkyMap::from_bytes("sky.gif", b"GIF89a", &Limits::default()).unwrap_err().to_string();
+        assert!(other.contains("sky.gif: no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR"), "{other}");
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
     }
 

@@ -5,13 +5,38 @@ use std::{
     path::Path,
 };
 
+use image::{ImageDecoder, ImageFormat};
+
 use super::check_size;
 use crate::{Error, Limits};
 
 /// What decoding may take for each pixel: RGBA of 16 bits, and the same of 8, with as much again for the decoder's own.
 const DECODING_BYTES: u64 = 24;
 
-/// Reads a PNG or JPEG picture: its width and height, and its pixels. Messages name `path`.
+/// What is read beside PNG and JPEG.
+const MORE: [(ImageFormat, &str); 5] = [
+    (ImageFormat::Bmp, "BMP"),
+    (ImageFormat::Gif, "GIF"),
+    (ImageFormat::Tga, "TGA"),
+    (ImageFormat::Tiff, "TIFF"),
+    (ImageFormat::WebP, "WebP"),
+];
+
+/// Refuses formats that are not read: the image crate may have been built with them for other parts of a program.
+fn check_format(format: Option<ImageFormat>) -> Result<(), String> {
+    let has_more = cfg!(feature = "more-textures");
+    if matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+        return Ok(());
+    }
+    match MORE.iter().find(|(more, _)| Some(*more) == format) {
+        Some(_) if has_more => Ok(()),
+        Some((_, name)) => Err(format!("it is {name}; stereotrace is built without its feature `more-textures`")),
+        None if has_more => Err(format!("it is not PNG, JPEG, {}", MORE.map(|(_, name)| name).join(", "))),
+        None => Err("it is not PNG or JPEG".into()),
+    }
+}
+
+/// Reads a picture of a format that [`check_format`] knows, of several the first: its width and height, and its pixels. Messages name `path`.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,
@@ -21,14 +46,20 @@ pub(super) fn decode(
     let said =
         |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a texture: {error}"), error);
     let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
-    if !matches!(reader.format(), Some(image::ImageFormat::Png | image::ImageFormat::Jpeg)) {
-        return Err(no_texture("it is neither PNG nor JPEG".into()));
+    // No bytes tell a TGA file.
+    let is_tga = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
+    if reader.format().is_none() && is_tga {
+        reader.set_format(ImageFormat::Tga);
     }
-    let mut format_limits = image::Limits::default();
-    format_limits.max_alloc = Some(limits.texture_pixels.saturating_mul(DECODING_BYTES).max(1 << 20));
-    reader.limits(format_limits);
-    let decoder = reader.into_decoder().map_err(said)?;
-    let (width, height) = image::ImageDecoder::dimensions(&decoder);
+    check_format(reader.format()).map_err(no_texture)?;
+    let within = |pixels: u64| {
+        let mut within = image::Limits::default();
+        within.max_alloc = Some(pixels.saturating_mul(DECODING_BYTES).saturating_add(1 << 20));
+        within
+    };
+    reader.limits(within(limits.texture_pixels));
+    let mut decoder = reader.into_decoder().map_err(said)?;
+    let (width, height) = decoder.dimensions();
     check_size(width, height).map_err(no_texture)?;
     let count = u64::from(width) * u64::from(height);
     if count > limits.texture_pixels {
@@ -39,6 +70,8 @@ pub(super) fn decode(
             remedy: format!("raise it by {}, if it is right", limits.texture_option_name),
         });
     }
+    // A GIF's first picture, and parts of others, may be larger than the whole.
+    decoder.set_limits(within(count)).map_err(said)?;
     let picture = image::DynamicImage::from_decoder(decoder).map_err(said)?.into_rgba8();
     // Bytes of a length that is no multiple of four in memory are copied.
     let pixels = bytemuck::try_cast_vec(picture.into_raw()).unwrap_or_else(|(_, bytes)| bytes.as_chunks().0.to_vec());
@@ -126,11 +159,78 @@ mod tests {
             assert!(message.contains(name), "{message}");
             message
         };
-        assert!(said("text.png", b"no picture").contains("it is neither PNG nor JPEG"));
-        assert!(said("empty.png", b"").contains("it is neither PNG nor JPEG"));
+        assert!(said("text.png", b"no picture").contains("it is not PNG"));
+        assert!(said("empty.png", b"").contains("it is not PNG"));
         let whole = std::fs::read(&path).unwrap();
         assert!(said("cut.jpg", &whole[..40]).contains("no picture of a texture"));
         assert!(Texture::open(folder.path()).unwrap_err().to_string().contains("it is a folder"));
+    }
+
+    #[cfg(feature = "more-textures")]
+    #[test]
+    fn other_formats_are_read_too_and_their_sizes_checked_before_they_are_decoded() {
+        let folder = Folder::new("texture_formats");
+        let colors = [[9, 8, 7, 255], [255, 0, 0, 255], [0, 200, 0, 255], [3, 2, 1, 255], [0, 0, 250, 255], [255; 4]];
+        let picture = image::RgbaImage::from_fn(3, 2, |x, y| image::Rgba(colors[(3 * y + x) as usize]));
+        for (format, name) in MORE {
+            let path = folder.file(&format!("picture.{}", format.extensions_str()[0]));
+            picture.save_with_format(&path, format).unwrap();
+            let texture = Texture::open(&path).unwrap();
+            assert_eq!(pixels(&texture), colors, "{name}");
+            // TGA alone has nothing that tells it but the ending.
+            let bytes = std::fs::read(&path).unwrap();
+            let renamed = Texture::from_bytes("a.png", &bytes, &Limits::default());
+            match format {
+                ImageFormat::Tga => assert!(renamed.unwrap_err().to_string().contains("it is not PNG, JPEG, BMP, GIF")),
+                _ => assert_eq!(renamed.unwrap(), texture, "{name}"),
+            }
+            // All but TIFF have the size in front: no pixel is looked at.
+            let start = if format == ImageFormat::Tiff { bytes.len() } else { bytes.len() - 2 };
+            let limits = Limits::default().texture_pixels(5);
+            let message = Texture::from_bytes(&path, &bytes[..start], &limits).unwrap_err().to_string();
+            assert!(message.contains("3x2 pixels, 6 in all, over the limit of 5"), "{name}: {message}");
+            for end in 0..bytes.len() {
+                let _ = Texture::from_bytes(&path, &bytes[..end], &Limits::default());
+            }
+        }
+        // Where a header says how wide the picture is, in how many bytes.
+        for (name, at, bytes) in [("bmp", 18, 4), ("gif", 6, 2), ("tga", 12, 2)] {
+            let path = folder.file(&format!("picture.{name}"));
+            let mut wide = std::fs::read(&path).unwrap();
+            for width in [8193u32, 65535] {
+                wide[at..at + bytes].copy_from_slice(&width.to_le_bytes()[..bytes]);
+                let message = Texture::from_bytes(&path, &wide, &Limits::default()).unwrap_err().to_string();
+                assert!(message.contains(&format!("{width}x2 pixels; each side can have 1 to 8192")), "{message}");
+            }
+        }
+    }
+
+    #[cfg(feature = "more-textures")]
+    #[test]
+    fn of_several_pictures_the_first_is_read_and_none_larger_than_the_file_says() {
+        use image::{Delay, Frame, codecs::gif::GifEncoder};
+
+        let mut bytes = Vec::new();
+        let mut encoder = GifEncoder::new(&mut bytes);
+        for color in [[255, 0, 0, 255], [0, 0, 255, 255]] {
+            let picture = image::RgbaImage::from_pixel(2, 1, image::Rgba(color));
+            encoder.encode_frame(Frame::from_parts(picture, 0, 0, Delay::from_numer_denom_ms(1, 1))).unwrap();
+        }
+        drop(encoder);
+        let texture = Texture::from_bytes("a.gif", &bytes, &Limits::default()).unwrap();
+        assert_eq!(pixels(&texture), [[255, 0, 0, 255]; 2]);
+        // A screen of one pixel, two colours, and a picture of 8192x8192 on it: 256 MiB.
+        let mut bytes = b"GIF89a\x01\0\x01\0\x80\0\0\0\0\0\xff\xff\xff".to_vec();
+        bytes.extend(b"\x2c\0\0\0\0\0\x20\0\x20\0\x02\x02\x4c\x01\0\x3b");
+        let message = Texture::from_bytes("a.gif", &bytes, &Limits::default()).unwrap_err().to_string();
+        assert!(message.contains("a.gif: no picture of a texture: ") && message.contains("limit"), "{message}");
+    }
+
+    #[cfg(not(feature = "more-textures"))]
+    #[test]
+    fn formats_of_the_feature_are_named_without_it() {
+        let message = Texture::from_bytes("a.png", b"GIF89a", &Limits::default()).unwrap_err().to_string();
+        assert!(message.contains("it is GIF; stereotrace is built without its feature `more-textures`"), "{message}");
     }
 
     /// The header of a PNG of this size, and no pixels.

@@ -43,13 +43,7 @@ impl<'a> Textures<'a> {
             Ok(id) => return Ok(Some(id)),
             Err(error) => error,
         };
-        // Without the path, which the statement says: messages cut long words.
-        let reason = match &error {
-            Error::Io { source, .. } => source.to_string(),
-            Error::Parse { reason, .. } => reason.clone(),
-            Error::TooLarge { size, limit, remedy, .. } => format!("{size}, over the limit of {limit}; {remedy}"),
-            other => other.to_string(),
-        };
+        let reason = error.without_path();
         let text = format!("{} '{}' of material '{material}': {reason}", map.keyword, map.name);
         match self.missing {
             MissingTextures::Error => Err(Error::parse_from(mtl, Some(map.line), text, error)),
@@ -62,7 +56,7 @@ impl<'a> Textures<'a> {
 
     fn load(&mut self, mtl: &Path, map: &Map) -> Result<TextureId, Error> {
         let files = self.files;
-        let file = files.locate(mtl.parent().unwrap_or(Path::new("")), &map.name);
+        let file = files.locate(mtl.parent().unwrap_or(Path::new("")), &map.name)?;
         // A file may have several names.
         let key = files.real(&file);
         for (kind, own) in [("MTL", mtl), ("OBJ", self.obj)] {
