@@ -51,6 +51,7 @@ impl<'a> Meshes<'a> {
         let description = document.item(("meshes", &document.root.meshes), mesh, format_args!("nodes[{node}]"))?;
         if !self.read.contains_key(&mesh) {
             let read = read(document, mesh, description, surfaces, warnings)?;
+            let read = read.name(description.name.as_deref().unwrap_or_default());
             self.read.insert(mesh, self.smoothed(read));
         }
         let read = &self.read[&mesh];
@@ -58,8 +59,12 @@ impl<'a> Meshes<'a> {
         self.vertices += read.positions.len() as u64;
         document.check_size("its scene", "triangles", self.triangles, 1)?;
         document.check_size("its scene", "vertices", self.vertices, 3)?;
-        let name = name.filter(|name| !name.is_empty()).or(description.name.as_deref()).unwrap_or_default();
-        Ok(placed(read, place).name(name))
+        let mesh = placed(read, place);
+        // The mesh's own name is shared by all of its nodes: it may be long, and they may be many.
+        Ok(match name.filter(|name| !name.is_empty()) {
+            Some(name) => mesh.name(name),
+            None => mesh,
+        })
     }
 
     fn smoothed(&self, mut mesh: Mesh) -> Mesh {
