@@ -11,11 +11,13 @@ use crate::{Error, Limits};
 /// What decoding may take for each pixel: RGBA of 16 bits, and the same of 8, with as much again for the decoder's own.
 const DECODING_BYTES: u64 = 24;
 
-/// Reads a PNG or JPEG picture: its width and height, and its pixels. Messages name `path`.
+/// Reads a PNG or JPEG picture: its width and height, and its pixels. Messages name `path`. `counted` becomes the number of pixels before they are
+/// decoded.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,
     limits: &Limits,
+    counted: &mut u64,
 ) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
     let no_texture = |reason: String| Error::parse(path, None, format!("no picture of a texture: {reason}"));
     let said =
@@ -39,6 +41,7 @@ pub(super) fn decode(
             remedy: format!("raise it by {}, if it is right", limits.texture_option_name),
         });
     }
+    *counted = count;
     let picture = image::DynamicImage::from_decoder(decoder).map_err(said)?.into_rgba8();
     // Bytes of a length that is no multiple of four in memory are copied.
     let pixels = bytemuck::try_cast_vec(picture.into_raw()).unwrap_or_else(|(_, bytes)| bytes.as_chunks().0.to_vec());
