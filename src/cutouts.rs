@@ -7,6 +7,8 @@ use glam::Vec3;
 
 use crate::{Scene, Texture, TextureKind, bvh::Texel, table::wrap_number};
 
+/// The least alpha that is a surface.
+pub(crate) const MASK_ALPHA: u8 = 128;
 /// Pixels that a texel holds.
 const MASK_PIXELS: usize = 128;
 /// Rec. 709's shares of brightness.
@@ -60,7 +62,7 @@ fn push_mask(texels: &mut Vec<Texel>, texture: &Texture) {
     match texture.kind() {
         TextureKind::Image { pixels, .. } => {
             let from_below = pixels.chunks(width).rev().flatten().enumerate();
-            from_below.filter(|(_, [.., alpha])| *alpha >= 128).for_each(|(pixel, _)| mark(pixel));
+            from_below.filter(|(_, [.., alpha])| *alpha >= MASK_ALPHA).for_each(|(pixel, _)| mark(pixel));
         }
         TextureKind::Checkerboard { colors, .. } => {
             let bright = colors.map(|color| color.dot(BRIGHTNESS) >= 0.5);

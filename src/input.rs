@@ -27,7 +27,7 @@ pub struct Limits {
     pub(crate) json_bytes: u64,
     sky_pixels: u64,
     pub(crate) texture_pixels: u64,
-    #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "other files have no instances"))]
+    #[cfg_attr(not(feature = "scene-files"), allow(dead_code, reason = "no scene is read"))]
     pub(crate) triangles: u64,
     /// The most that the adapter can hold.
     adapter_pixels: u64,
@@ -36,7 +36,7 @@ pub struct Limits {
     /// The same of the limit on textures.
     pub(crate) texture_option_name: &'static str,
     /// The same of the limit on triangles.
-    #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "other files have no instances"))]
+    #[cfg_attr(not(feature = "scene-files"), allow(dead_code, reason = "no scene is read"))]
     pub(crate) triangle_option_name: &'static str,
 }
 
@@ -60,6 +60,9 @@ impl Default for Limits {
 const SKY_PIXEL_BYTES: u64 = 16;
 /// What a texture's pixel takes.
 const TEXTURE_PIXEL_BYTES: u64 = 4;
+/// Pixels that may be decoded for each that may be kept: some pictures are looked at alone, and some turn out to be broken at their end.
+#[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+const DECODED_PER_KEPT: u64 = 4;
 
 impl Limits {
     /// Largest OBJ, glTF or PLY file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same
@@ -69,7 +72,8 @@ impl Limits {
         self
     }
 
-    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). 16 MiB where nothing is said.
+    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). There an object counts as 32 bytes at
+    /// least. 16 MiB where nothing is said.
     pub fn json_bytes(mut self, bytes: u64) -> Self {
         self.json_bytes = bytes;
         self
@@ -82,15 +86,17 @@ impl Limits {
         self
     }
 
-    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each takes 4 bytes. 67,108,864 (one
-    /// of 8192x8192) where nothing is said: the 256 MiB that every WebGPU adapter can hold in a buffer.
+    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each takes 4 bytes. Masks that are made
+    /// of a picture, by its brightness or an alpha cut-off of its own, count like pictures. 67,108,864 (one of 8192x8192) where nothing is said: the
+    /// 256 MiB that every WebGPU adapter can hold in a buffer. Four times as many may be decoded, with those of which only a mean is kept.
     pub fn texture_pixels(mut self, pixels: u64) -> Self {
         self.texture_pixels = pixels;
         self
     }
 
-    /// Triangles that a glTF file's instances may become: a mesh counts as often as nodes show it. Each takes some 80 bytes here, and 24 or 36 more
-    /// with texture coordinates or colours; vertices may be three times as many. 33,554,432 where nothing is said.
+    /// Triangles that a scene file may become. In a glTF file a mesh counts as often as nodes show it. Each takes some 80 bytes here, and 24 or 36 more
+    /// with texture coordinates or colours, and twice that while it is read; a glTF file's vertices may be three times as many. 33,554,432 where
+    /// nothing is said.
     pub fn triangles(mut self, triangles: u64) -> Self {
         self.triangles = triangles;
         self
@@ -120,6 +126,33 @@ impl Limits {
     pub fn gpu(mut self, gpu: &Gpu) -> Self {
         self.adapter_pixels = gpu.largest_table();
         self
+    }
+
+    /// Refuses more triangles than the limit, or of something else, named by `what`, more than the limit times `factor`.
+    #[cfg(feature = "scene-files")]
+    pub(crate) fn check_triangles(
+        &self,
+        path: &Path,
+        (name, what): (&str, &str),
+        count: u64,
+        factor: u64,
+    ) -> Result<(), Error> {
+        let limit = self.triangles.saturating_mul(factor);
+        match count <= limit {
+            true => Ok(()),
+            false => Err(Error::TooLarge {
+                path: path.into(),
+                size: format!("{name} has {count} {what}"),
+                limit,
+                remedy: format!("raise it by {}, if it is right", self.triangle_option_name),
+            }),
+        }
+    }
+
+    /// Pixels that may be decoded in all, whether they are kept or not.
+    #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
+    pub(crate) fn decodable_pixels(&self) -> u64 {
+        self.texture_pixels.saturating_mul(DECODED_PER_KEPT)
     }
 
     /// The largest sky that both the caller and the adapter take.

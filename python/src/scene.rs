@@ -1,11 +1,15 @@
 //! Scenes.
 
 use std::{
+    collections::HashMap,
     path::PathBuf,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
-use pyo3::prelude::*;
+use pyo3::{prelude::*, types::PyString};
 use sha2::{Digest, Sha256};
 use stereotrace::{
     Builtin, Ellipsoid, MaterialId, Mesh, MissingTextures, Origin, OutsideFiles, Plane, SceneFile, SceneOptions, Sky,
@@ -59,12 +63,12 @@ pub(crate) struct Scene {
     pub(crate) inner: stereotrace::Scene,
     pub(crate) state: State,
     /// A file's own cameras.
-    cameras: Vec<(String, StereoCamera)>,
+    cameras: Vec<(Arc<str>, StereoCamera)>,
     builtin: Option<Builtin>,
 }
 
 impl Scene {
-    fn of(inner: stereotrace::Scene, cameras: Vec<(String, StereoCamera)>, builtin: Option<Builtin>) -> Self {
+    fn of(inner: stereotrace::Scene, cameras: Vec<(Arc<str>, StereoCamera)>, builtin: Option<Builtin>) -> Self {
         Self { inner, state: State::new(), cameras, builtin }
     }
 
@@ -163,9 +167,11 @@ impl Scene {
     fn camera(&self, name: Option<&str>, size: Size) -> PyResult<Camera> {
         let own = match name {
             None => self.cameras.first(),
-            Some(name) => match self.cameras.iter().find(|(own, _)| own == name) {
+            Some(name) => match self.cameras.iter().find(|(own, _)| **own == *name) {
                 None => {
-                    let own = self.camera_names().join(", ");
+                    // A message has no place for more.
+                    let own: Vec<&str> = self.cameras.iter().take(20).map(|(name, _)| &**name).collect();
+                    let own = own.join(", ");
                     let there_are = if own.is_empty() { "none".into() } else { own };
                     return Err(refused(format!("no camera '{name}' in this scene; there are: {there_are}")));
                 }
@@ -181,8 +187,11 @@ impl Scene {
 
     /// The names of the cameras that the scene's file has, in its order: a list of str. Only glTF files have some.
     #[getter]
-    fn camera_names(&self) -> Vec<&str> {
-        self.cameras.iter().map(|(name, _)| name.as_str()).collect()
+    fn camera_names<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyString>> {
+        // Thousands of cameras may share one long name.
+        let mut known = HashMap::new();
+        let mut string = |name| known.entry(Arc::as_ptr(name)).or_insert_with(|| PyString::new(py, name)).clone();
+        self.cameras.iter().map(|(name, _)| string(name)).collect()
     }
 
     /// Adds triangles as one object and returns the object's id.

@@ -1,10 +1,10 @@
 //! A tree whose primitives moved: its shape is kept, and its boxes are made anew from the leaves up. (obvhs can do this to its own
 //! tree; that has to be kept for it, which takes eight times the memory of the packed tree's links.)
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
+use ahash::RandomState;
 use obvhs::aabb::Aabb;
-use rustc_hash::FxHashMap;
 
 use super::{
     BvhBuild, Grid, LEAF, PackedBvh, boxes_of, check_materials, child_texels, has_fine_detail, is_empty,
@@ -177,7 +177,8 @@ fn copies(scene: &Scene, ids: &[u32]) -> Vec<(u32, u32)> {
     ids.iter().for_each(|&id| held[id as usize] = true);
     let traced = |id: u32| scene.triangles().get(id as usize).is_none_or(|triangle| !triangle.is_degenerate());
     let copies: Vec<u32> = (0..held.len() as u32).filter(|&id| !held[id as usize] && traced(id)).collect();
-    let mut first: FxHashMap<_, u32> = copies.iter().map(|&id| (geometry(scene, id), id)).collect();
+    let mut first = HashMap::with_hasher(RandomState::new());
+    first.extend(copies.iter().map(|&id| (geometry(scene, id), id)));
     if !copies.is_empty() {
         for &id in ids {
             first.entry(geometry(scene, id)).and_modify(|of| *of = id);

@@ -165,7 +165,6 @@ impl Files<'_> {
     }
 
     /// One path for all that lead to a file.
-    #[cfg(feature = "obj")]
     pub(crate) fn real(self, path: &Path) -> PathBuf {
         match self {
             Self::Disk(_) => path.canonicalize().unwrap_or_else(|_| path.into()),

@@ -16,22 +16,22 @@ const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 pub(super) struct Beside {
     pub(super) uv: Vec<[Vec2; 3]>,
     pub(super) colors: Vec<[Vec3; 3]>,
+    /// How many objects have texture coordinates of their own, and how many have colours.
+    with_uv: usize,
+    with_colors: usize,
 }
 
 impl Beside {
-    /// Puts a mesh's lists in the place of others. `objects` are those of the scene, with the mesh's own among them; `triangles`
-    /// is how many the scene had before.
-    pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, objects: &[Object], triangles: usize) {
+    /// Puts a mesh's lists in the place of those of the object `replaced`, if there is one. `triangles` is how many the scene had before.
+    pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
         let count = mesh.triangles.len();
-        let has = |of: fn(&Object) -> bool| objects.iter().any(of);
-        replace(&mut self.uv, range.clone(), (&mesh.uv, count), has(|object| object.has_uv), (NO_UV, triangles));
-        replace(
-            &mut self.colors,
-            range,
-            (&mesh.colors, count),
-            has(|object| object.has_colors),
-            (NO_COLORS, triangles),
-        );
+        // Counted, since a look at all objects for each that is added would take the square of their number.
+        self.with_uv -= usize::from(replaced.is_some_and(|object| object.has_uv));
+        self.with_uv += usize::from(!mesh.uv.is_empty());
+        self.with_colors -= usize::from(replaced.is_some_and(|object| object.has_colors));
+        self.with_colors += usize::from(!mesh.colors.is_empty());
+        replace(&mut self.uv, range.clone(), (&mesh.uv, count), self.with_uv > 0, (NO_UV, triangles));
+        replace(&mut self.colors, range, (&mesh.colors, count), self.with_colors > 0, (NO_COLORS, triangles));
     }
 }
 

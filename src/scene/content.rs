@@ -1,8 +1,10 @@
 //! What a scene shows, as bytes: for a hash that tells one scene from another.
 
+use std::{collections::HashMap, sync::Arc};
+
 use bytemuck::cast_slice;
 
-use super::{Beside, Scene, Sky, TextureKind};
+use super::{Beside, Scene, Sky, TextureKind, mesh::Object};
 
 impl Scene {
     /// Hands everything that pictures depend on to `sink`, as bytes, piece by piece: equal scenes make equal bytes, whatever files they came from,
@@ -31,16 +33,17 @@ impl Scene {
             ellipsoids,
             planes,
             mesh_objects,
-            beside: Beside { uv, colors },
+            beside: Beside { uv, colors, .. },
             smooth: _,
             dropped: _,
             dropping_meshes: _,
             ..
         } = self;
         let Self { triangles_stamp: _, spheres_stamp: _, .. } = self;
+        let (names, objects) = named(mesh_objects);
         // Numbers are written so that they can be read again without loss, so differing ones differ here.
         let small = format!(
-            "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {mesh_objects:?} {} {} {}",
+            "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {}",
             triangles.len(),
             uv.len(),
             colors.len(),
@@ -63,6 +66,26 @@ impl Scene {
             sink(cast_slice(map.pixels()));
         }
     }
+}
+
+/// What an object is written as: the number of its name, its first primitive, and whether it has texture coordinates and colours.
+type Written = (usize, u32, bool, bool);
+
+/// The names that differ, and the objects by them: thousands of objects may share one long name.
+fn named(objects: &[Object]) -> (Vec<&str>, Vec<Written>) {
+    let (mut names, mut by_place, mut by_text) = (Vec::new(), HashMap::new(), HashMap::new());
+    let mut written = Vec::with_capacity(objects.len());
+    for Object { name, first_primitive, has_uv, has_colors } in objects {
+        // A name that is shared is looked at once.
+        let number = *by_place.entry(Arc::as_ptr(name)).or_insert_with(|| {
+            *by_text.entry(&**name).or_insert_with(|| {
+                names.push(&**name);
+                names.len() - 1
+            })
+        });
+        written.push((number, *first_primitive, *has_uv, *has_colors));
+    }
+    (names, written)
 }
 
 #[cfg(test)]
@@ -124,6 +147,28 @@ mod tests {
             assert!(!all[..index].contains(one), "change {index} is not seen");
         }
         assert_eq!(bytes(&Builtin::Hall.scene()), bytes(&Builtin::Hall.scene()));
+    }
+
+    #[test]
+    fn a_name_that_objects_share_is_among_the_bytes_once() {
+        let with = |names: &[std::sync::Arc<str>]| {
+            let mut scene = Scene::new();
+            for name in names {
+                scene.add_mesh(&quad().name(name.clone())).unwrap();
+            }
+            scene
+        };
+        let long: std::sync::Arc<str> = "n".repeat(100_000).into();
+        let shared = bytes(&with(&vec![long.clone(); 1000]));
+        // Without the name 291 bytes an object: its triangle and texture coordinates, and what is written of it.
+        assert!(shared.len() < 100_000 + 1000 * 320, "{}", shared.len());
+        // Equal names are equal, whether they are shared or not.
+        let apart = |last: &str| {
+            let names: Vec<_> =
+                (0..1000).map(|index| if index < 999 { (&*long).into() } else { last.into() }).collect();
+            bytes(&with(&names))
+        };
+        assert!(apart(&long) == shared && apart("other") != shared);
     }
 
     #[test]

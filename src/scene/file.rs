@@ -1,6 +1,6 @@
 //! One way to open a scene file, whatever its format.
 
-use std::{collections::BTreeMap, ffi::OsStr, path::Path};
+use std::{collections::BTreeMap, ffi::OsStr, path::Path, sync::Arc};
 
 use super::{Scene, SceneOptions};
 use crate::{
@@ -43,7 +43,7 @@ pub struct SceneFile {
     pub scene: Scene,
     /// The file's cameras with their names, in the file's order: glTF's perspective ones. Their pictures are 480 pixels high, the screen stands at the depth of the middle of
     /// the scene's bounds, at least a quarter of these bounds' diagonal off, and the eyes a thirtieth of that apart.
-    pub cameras: Vec<(String, StereoCamera)>,
+    pub cameras: Vec<(Arc<str>, StereoCamera)>,
 }
 
 impl SceneFile {

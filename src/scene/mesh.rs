@@ -1,6 +1,6 @@
 //! Triangle meshes: what they are given as, what becomes of them in a scene, and what is wrong with them.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -26,8 +26,8 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Mesh {
-    /// The object's name, or empty.
-    pub name: String,
+    /// The object's name, or empty. Clones and the scene share it: a file may give one long name to thousands of objects.
+    pub name: Arc<str>,
     /// World positions.
     pub positions: Vec<Vec3>,
     /// Corners of each triangle, indices into `positions`.
@@ -51,7 +51,7 @@ impl Mesh {
     }
 
     /// The object's name.
-    pub fn name(mut self, name: impl Into<String>) -> Self {
+    pub fn name(mut self, name: impl Into<Arc<str>>) -> Self {
         self.name = name.into();
         self
     }
@@ -118,7 +118,7 @@ impl Mesh {
 /// A primitive's place in its scene: which object it belongs to, and where objects begin.
 #[derive(Clone, Debug)]
 pub(crate) struct Object {
-    pub(crate) name: String,
+    pub(crate) name: Arc<str>,
     pub(crate) first_primitive: u32,
     pub(super) has_uv: bool,
     pub(super) has_colors: bool,
@@ -192,7 +192,7 @@ impl Scene {
         let triangles = self.checked_triangles(mesh)?;
         let end = self.triangles.len();
         self.mesh_objects.push(Object::new(mesh, end as u32));
-        self.beside.replace(end..end, mesh, &self.mesh_objects, end);
+        self.beside.replace(end..end, mesh, None, end);
         self.replace_triangles(end..end, triangles);
         Ok(())
     }
@@ -208,7 +208,11 @@ impl Scene {
         let (before, after) = (counts(&self.triangles[range.clone()]), counts(&by));
         self.dropped = self.dropped + after.0 - before.0;
         self.smooth = self.smooth + after.1 - before.1;
-        self.triangles.splice(range, by);
+        // The first mesh of a large file is most of its memory: it is not copied.
+        match self.triangles.is_empty() {
+            true => self.triangles = by,
+            false => drop(self.triangles.splice(range, by)),
+        }
         self.triangles_stamp = Stamp::new();
     }
 

@@ -96,8 +96,8 @@ impl Scene {
             later.first_primitive = (later.first_primitive as usize - range.len() + triangles.len()) as u32;
         }
         let place = &mut self.mesh_objects[object as usize];
+        self.beside.replace(range.clone(), mesh, Some(place), self.triangles.len());
         *place = Object::new(mesh, place.first_primitive);
-        self.beside.replace(range.clone(), mesh, &self.mesh_objects, self.triangles.len());
         self.replace_and_warn(object, range, triangles);
         Ok(())
     }

@@ -9,7 +9,7 @@ mod checks;
 mod models;
 mod mtl;
 
-use std::{borrow::Cow, collections::HashSet, io::Read, path::Path};
+use std::{borrow::Cow, collections::HashSet, io::Read, path::Path, sync::Arc};
 
 use glam::{DVec3, Vec3};
 
@@ -61,7 +61,7 @@ struct Prepared {
     text: String,
     sections: Vec<Section>,
     /// The names of objects and groups, an empty one first.
-    names: Vec<String>,
+    names: Vec<Arc<str>>,
     /// The names given to `usemtl`, each once, with the first line that does.
     used_materials: Vec<(usize, String)>,
     /// Vertices, texture coordinates and normals so far.
@@ -72,6 +72,8 @@ struct Prepared {
     first_weight: Option<usize>,
     /// The lines of the faces of more than three corners.
     polygon_lines: Vec<usize>,
+    /// What all faces become.
+    triangles: u64,
     /// What a face belongs to here, and what the last one of it had.
     section: Section,
     section_has: Option<Corners<bool>>,
@@ -94,12 +96,13 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         let (line, reason) = bad_number.unwrap_or(bad_index);
         Error::parse(path, Some(line), reason)
     })?;
+    options.limits.check_triangles(path, ("it", "triangles"), prepared.triangles, 1)?;
     let library = mtl::read(files, path, &prepared, options, &mut warnings)?;
     let models = parse(path, &text, &prepared, &library)?;
 
     for (line, name) in &prepared.used_materials {
         if !library.index_of.contains_key(name) {
-            let text = format!("no material '{name}' in the MTL files; its faces are grey");
+            let text = format_args!("no material '{name}' in the MTL files; its faces are grey");
             warnings.warn("materials that are in no MTL file", *line, text);
         }
     }
@@ -306,13 +309,14 @@ impl Prepared {
             libraries: Vec::new(),
             text: String::new(),
             sections: Vec::new(),
-            names: vec![String::new()],
+            names: vec!["".into()],
             used_materials: Vec::new(),
             counts: Corners::default(),
             has_colors: false,
             colorless: 0,
             first_weight: None,
             polygon_lines: Vec::new(),
+            triangles: 0,
             section: Section { object: 0, object_name: 0, group_name: 0, smoothing: Section::UNGROUPED },
             section_has: None,
             smooths,
@@ -389,11 +393,13 @@ impl Prepared {
             self.sections.push(self.section);
             self.section_has = Some(has);
         }
-        match rest.split_whitespace().take(4).count() {
-            4 => self.polygon_lines.push(line),
+        let corners = rest.split_whitespace().count();
+        match corners {
             3 => {}
+            4.. => self.polygon_lines.push(line),
             _ => warnings.left_out("faces of fewer than three corners (f)", line),
         }
+        self.triangles += corners.saturating_sub(2) as u64;
         self.keep("f", rest);
         Ok(())
     }

@@ -59,6 +59,9 @@ struct Content {
     corners: Vec<u32>,
     /// How many each face has.
     counts: Vec<u32>,
+    /// What all faces become. Reading ends where they are more than `most_triangles`.
+    triangles: u64,
+    most_triangles: u64,
 }
 
 /// See [`Scene::from_ply_with`].
@@ -70,12 +73,14 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     let fault = |(line, reason): Fault| Error::parse(path, line, reason);
     let (header, body) = header::read(&bytes).map_err(fault)?;
     note_left_out(&header, &mut warnings);
-    let content = match header.encoding {
-        Encoding::Text => read_elements(&header, &mut Text::new(body, header.lines), &mut warnings),
-        Encoding::Little => read_elements(&header, &mut Binary::new(body, false), &mut warnings),
-        Encoding::Big => read_elements(&header, &mut Binary::new(body, true), &mut warnings),
+    let mut content = Content { most_triangles: options.limits.triangles, ..Content::default() };
+    let read = match header.encoding {
+        Encoding::Text => content.read_elements(&header, &mut Text::new(body, header.lines), &mut warnings),
+        Encoding::Little => content.read_elements(&header, &mut Binary::new(body, false), &mut warnings),
+        Encoding::Big => content.read_elements(&header, &mut Binary::new(body, true), &mut warnings),
     };
-    let content = content.map_err(fault)?;
+    read.map_err(fault)?;
+    options.limits.check_triangles(path, ("it", "triangles"), content.triangles, 1)?;
     drop(bytes);
     let origin = options.origin.choose(|| bounds_of(content.positions.iter().copied()));
     let mut mesh = content.into_mesh(origin, &mut warnings).map_err(fault)?;
@@ -132,20 +137,6 @@ fn is_corners(property: &header::Property) -> bool {
     matches!(property.kind, Kind::List { .. }) && matches!(&*property.name, "vertex_indices" | "vertex_index")
 }
 
-fn read_elements(header: &Header, values: &mut impl Values, warnings: &mut Warnings) -> Result<Content, Fault> {
-    let mut content = Content::default();
-    let vertices = header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count);
-    for element in &header.elements {
-        let read = match &*element.name {
-            "vertex" => content.read_vertices(element, values),
-            "face" => content.read_faces(element, vertices, values, warnings),
-            _ => skip(element, values),
-        };
-        read.map_err(|(index, reason)| (values.line(), format!("{} {index}: {reason}", element.name)))?;
-    }
-    Ok(content)
-}
-
 /// Goes over an element that is not wanted. What has no properties has no bytes, whatever its count says.
 fn skip(element: &Element, values: &mut impl Values) -> Result<(), (u64, String)> {
     let all = if element.properties.is_empty() { 0 } else { element.count };
@@ -174,6 +165,28 @@ fn skip_property(kind: Kind, values: &mut impl Values) -> Result<(), String> {
 }
 
 impl Content {
+    fn read_elements(
+        &mut self,
+        header: &Header,
+        values: &mut impl Values,
+        warnings: &mut Warnings,
+    ) -> Result<(), Fault> {
+        let vertices =
+            header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count);
+        for element in &header.elements {
+            let read = match &*element.name {
+                "vertex" => self.read_vertices(element, values),
+                "face" => self.read_faces(element, vertices, values, warnings),
+                _ => skip(element, values),
+            };
+            read.map_err(|(index, reason)| (values.line(), format!("{} {index}: {reason}", element.name)))?;
+            if self.triangles > self.most_triangles {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     fn read_vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), (u64, String)> {
         let places: Vec<Option<usize>> = element.properties.iter().map(vertex_place).collect();
         let has = |first: usize, count: usize| (first..first + count).all(|place| places.contains(&Some(place)));
@@ -257,6 +270,10 @@ impl Content {
                 continue;
             }
             self.counts.push(u32::try_from(count).map_err(|_| (index, format!("it has {count} corners")))?);
+            self.triangles += count as u64 - 2;
+            if self.triangles > self.most_triangles {
+                break;
+            }
         }
         Ok(())
     }

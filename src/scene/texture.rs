@@ -165,21 +165,43 @@ impl Texture {
 
     /// Reads a file that a scene file names.
     #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
-    pub(super) fn open_from(files: Files, path: &std::path::Path, limits: &Limits) -> Result<Self, Error> {
+    pub(super) fn open_from(
+        files: Files,
+        path: &std::path::Path,
+        limits: &Limits,
+        counted: &mut u64,
+    ) -> Result<Self, Error> {
         match files.given(path)? {
-            Some(bytes) => Self::from_bytes(path, bytes, limits),
-            None => Self::open_within(path, limits),
+            Some(bytes) => {
+                input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
+                Self::decode_counted(path, std::io::Cursor::new(bytes), limits, counted)
+            }
+            None => {
+                let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
+                Self::decode_counted(path, std::io::BufReader::new(file), limits, counted)
+            }
         }
     }
 
-    /// Reads a picture that is, or is part of, the file `path`.
     #[cfg(feature = "textures")]
-    pub(super) fn decode(
+    fn decode(
         path: &std::path::Path,
         source: impl std::io::BufRead + std::io::Seek,
         limits: &Limits,
     ) -> Result<Self, Error> {
-        let (size, pixels) = picture::decode(path, source, limits)?;
+        Self::decode_counted(path, source, limits, &mut 0)
+    }
+
+    /// Reads a picture that is, or is part of, the file `path`. `counted` becomes the number of pixels that are decoded, also of one that turns out to
+    /// be broken.
+    #[cfg(feature = "textures")]
+    pub(super) fn decode_counted(
+        path: &std::path::Path,
+        source: impl std::io::BufRead + std::io::Seek,
+        limits: &Limits,
+        counted: &mut u64,
+    ) -> Result<Self, Error> {
+        let (size, pixels) = picture::decode(path, source, limits, counted)?;
         Ok(Self::of(TextureKind::Image { size, pixels: Arc::new(pixels) }))
     }
 

@@ -14,6 +14,7 @@ mod common;
 #[path = "../common/gltf.rs"]
 mod gltf;
 mod seeds;
+mod structure;
 
 use std::{
     fs,

@@ -216,11 +216,18 @@ fn buffers_are_what_they_say_or_named() {
     );
     // All buffers have one limit.
     let mut two: Value = serde_json::from_slice(&beside).unwrap();
-    two["buffers"] = json!([{ "byteLength": 60, "uri": "a.bin" }, { "byteLength": 60, "uri": "./a.bin" }]);
-    two["bufferViews"][0]["buffer"] = json!(1);
-    let two = serde_json::to_vec(&two).unwrap();
-    assert!(said(&two, &plain.limits(Limits::default().file_bytes(15_000))).contains("over the limit of 4940"));
-    assert!(Scene::from_gltf(folder.write("scene.gltf", &two)).is_ok());
+    let mut with_second = |uri: &str| {
+        two["buffers"] = json!([{ "byteLength": 60, "uri": "a.bin" }, { "byteLength": 60, "uri": uri }]);
+        two["bufferViews"][0]["buffer"] = json!(1);
+        serde_json::to_vec(&two).unwrap()
+    };
+    std::fs::copy(folder.file("a.bin"), folder.file("b.bin")).unwrap();
+    let limited = plain.limits(Limits::default().file_bytes(15_000));
+    let other = with_second("b.bin");
+    assert!(said(&other, &limited).contains("over the limit of 4940"));
+    assert!(Scene::from_gltf(folder.write("scene.gltf", &other)).is_ok());
+    // A file that several name is read once.
+    assert!(Scene::from_gltf_with(folder.write("scene.gltf", with_second("./a.bin")), &limited).is_ok());
 }
 
 #[test]
@@ -297,6 +304,24 @@ fn bombs_are_refused_with_what_raises_their_limit() {
         message.contains("accessors[1] has 18446744073709551615 elements, over the limit of 100663296"),
         "{message}"
     );
+    // One of less than that, but of more than there are bytes.
+    sparse.json["accessors"][position]["count"] = json!(2000);
+    let message = said(&sparse, Limits::default());
+    let bytes = sparse.binary().len();
+    let expected = format!(
+        "accessors[1]: 2000 elements without a bufferView; there can be as many as the files have bytes, {bytes}"
+    );
+    assert!(message.contains(&expected), "{message}");
+    // Objects of less bytes than the limit, which become more.
+    let objects = format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{}{{}}]}}"#, "{},".repeat(998));
+    let said_of = |bytes: u64| {
+        let limits = Limits::default().json_bytes(bytes).option_names("--max-file", "");
+        open_with(&objects, &SceneOptions::default().limits(limits)).unwrap_err().to_string()
+    };
+    let message = said_of(32_031);
+    let expected = "its JSON has 1001 objects, which count as 32 bytes each, 32032 in all, over the limit of 32031; raise it by --max-file";
+    assert!(message.contains(expected), "{message}");
+    assert!(said_of(32_032).contains("no triangles in its scene"), "{}", said_of(32_032));
     // Braces that become nodes of hundreds of bytes each.
     let braces = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{}{{}}]}}"#, "{},".repeat(10_000));
     let limits = Limits::default().json_bytes(20_000).option_names("--max-file", "");

@@ -6,7 +6,7 @@ use stereotrace::{
     glam::{Vec2, Vec3},
 };
 
-use crate::{assert_near, corners, gltf::Builder, open_with, scene};
+use crate::{assert_near, corners, gltf::Builder, open, open_with, scene};
 
 const HEXAGON: [[f32; 3]; 6] =
     [[2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [-1.0, -2.0, 0.0], [1.0, -2.0, 0.0]];
@@ -77,7 +77,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
         "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values }
     });
     assert_eq!(corners(&scene(builder.text()))[0], [Vec3::ZERO, Vec3::X, Vec3::new(5.0, 6.0, 7.0)]);
-    // Without a view the others are zeros.
+    // Without a view the others are zeros. There may be as many as the file has bytes.
     builder.json["accessors"][position].as_object_mut().unwrap().remove("bufferView");
     let read = scene(builder.text());
     assert_eq!((corners(&read)[0], read.degenerate_count()), ([Vec3::ZERO, Vec3::ZERO, Vec3::new(5.0, 6.0, 7.0)], 1));
@@ -119,4 +119,31 @@ fn several_primitives_are_one_object_with_the_nodes_name_or_the_meshs() {
     assert_eq!(scene.uv()[0], [Vec2::ZERO, Vec2::X, Vec2::Y]);
     assert_eq!(scene.uv()[1], [Vec2::ZERO; 3]);
     assert_near(scene.materials()[1].albedo, Vec3::X);
+}
+
+/// It may be a million bytes long, and the nodes thousands.
+#[test]
+fn nodes_without_names_share_that_of_their_mesh_or_camera() {
+    let mut builder = Builder::triangle(json!({}));
+    builder.json["meshes"][0]["name"] = json!("roof");
+    builder
+        .push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 }, "name": "door" }));
+    builder.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }));
+    for node in [
+        json!({ "mesh": 0 }),
+        json!({ "mesh": 0, "name": "shed" }),
+        json!({ "camera": 0 }),
+        json!({ "camera": 0 }),
+        json!({ "camera": 1 }),
+        json!({ "camera": 0, "name": "yard" }),
+    ] {
+        builder.node(node);
+    }
+    let file = open(builder.text());
+    let names = [0, 1, 2].map(|object| file.scene.object_name(object));
+    assert_eq!(names, ["roof", "roof", "shed"]);
+    assert!(std::ptr::eq(names[0], names[1]));
+    let names: Vec<&str> = file.cameras.iter().map(|(name, _)| &**name).collect();
+    assert_eq!(names, ["door", "door", "camera 1", "yard"]);
+    assert!(std::ptr::eq(names[0], names[1]));
 }

@@ -115,7 +115,7 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
         builder.node(json!({ "camera": camera, "name": format!("view {index}"), "translation": [x, y, z], "rotation": rotation.to_array(), "scale": [2, 2, 2] }));
         let file = open(builder.text());
         let (name, camera) = &file.cameras[0];
-        assert_eq!((file.cameras.len(), name.as_str()), (1, &*format!("view {index}")));
+        assert_eq!((file.cameras.len(), &**name), (1, &*format!("view {index}")));
         let pose = camera.pose().unwrap();
         let [width, height] = pose.size.map(f64::from);
         assert!(height == 480.0 && (width - 480.0 * f64::from(aspect)).abs() <= 0.5);

@@ -12,7 +12,7 @@ use crate::{
     assert_near,
     common::{folder::Folder, renderer, warnings},
     gltf::{Builder, data_uri},
-    material, scene,
+    material, open_with, scene,
 };
 
 fn png(width: u32, height: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
@@ -270,4 +270,110 @@ fn a_scene_file_of_textures_opens_by_its_content() {
     let folder = Folder::new("gltf_name");
     let path = folder.write("no ending", textured(&[[9; 4]], json!({})).binary());
     assert_eq!(SceneFile::open(path, &SceneOptions::default()).unwrap().scene.textures().len(), 1);
+}
+
+/// A triangle for each of these materials, with textures of these images.
+fn of_materials(builder: &mut Builder, images: &[Value], materials: &[Value]) {
+    builder.json["images"] = json!(images);
+    builder.json["textures"] = (0..images.len()).map(|image| json!({ "source": image })).collect();
+    let mut primitive = builder.json["meshes"][0]["primitives"][0].clone();
+    builder.json["materials"] = json!(materials);
+    builder.json["meshes"][0]["primitives"] = (0..materials.len())
+        .map(|material| {
+            primitive["material"] = json!(material);
+            primitive.clone()
+        })
+        .collect();
+}
+
+fn base_color(texture: usize) -> Value {
+    json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } })
+}
+
+#[test]
+fn images_of_the_same_bytes_or_file_are_one_picture() {
+    let folder = Folder::new("gltf_same_pictures");
+    let [inside, beside] = [[[1, 2, 3, 255]; 2], [[4, 5, 6, 255]; 2]].map(|pixels| png(2, 1, &pixels));
+    folder.write("a.png", &beside);
+    let mut builder = Builder::triangle(json!({}));
+    let view = builder.view(&inside);
+    let again = builder.json["bufferViews"][view].clone();
+    let again = builder.push("bufferViews", again);
+    let images = [
+        json!({ "bufferView": view }),
+        json!({ "bufferView": again }),
+        json!({ "uri": "a.png" }),
+        json!({ "uri": "./a.png" }),
+        json!({ "bufferView": view }),
+    ];
+    of_materials(&mut builder, &images, &(0..5).map(base_color).collect::<Vec<_>>());
+    let path = folder.write("scene.gltf", builder.text());
+    let limits = Limits::default().texture_pixels(4);
+    let scene = Scene::from_gltf_with(path, &SceneOptions::default().limits(limits)).unwrap();
+    let textures = scene.triangles().iter().map(|triangle| scene.materials()[triangle.material.0 as usize].texture);
+    let textures: Vec<u32> = textures.map(|texture| texture.unwrap().0).collect();
+    assert_eq!((textures, scene.textures().len()), (vec![0, 0, 1, 1, 0], 2));
+}
+
+#[test]
+fn pictures_of_which_only_means_are_kept_have_a_limit_together() {
+    let pictures: Vec<Vec<u8>> = (0..5).map(|index| png(2, 2, &[[index; 4]; 4])).collect();
+    let read = |images: &[usize], cut: usize| {
+        let mut builder = Builder::triangle(json!({}));
+        let views: Vec<usize> = pictures.iter().map(|picture| builder.view(&picture[..picture.len() - cut])).collect();
+        let images: Vec<Value> = images.iter().map(|&index| json!({ "bufferView": views[index] })).collect();
+        let material =
+            |texture| json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": texture } } });
+        let materials: Vec<Value> = (0..images.len()).map(material).collect();
+        of_materials(&mut builder, &images, &materials);
+        let limits = Limits::default().texture_pixels(4).texture_option_name("--max-textures");
+        let missing = if cut > 0 { MissingTextures::Warn } else { MissingTextures::Error };
+        let folder = Folder::new("gltf_means");
+        warnings::collect();
+        let options = SceneOptions::default().limits(limits).missing_textures(missing);
+        let read = SceneFile::open(folder.write("scene.gltf", builder.text()), &options);
+        (read.map(|_| ()).map_err(|error| error.to_string()), warnings::of(&folder))
+    };
+    // Sixteen pixels may be decoded: four pictures, each as often as it is named.
+    assert_eq!(read(&[0, 1, 2, 3, 0, 1, 2, 3, 3, 2], 0).0, Ok(()));
+    let message = read(&[0, 1, 2, 3, 4], 0).0.unwrap_err();
+    let expected = "materials[4], metallicRoughnessTexture: the picture has 2x2 pixels, 4 in all, over the limit of 0";
+    assert!(message.contains(expected), "{message}");
+    // Those that are broken count too, once each.
+    let (_, warnings) = read(&[0, 1, 2, 3, 4], 20);
+    assert!(
+        warnings[3].contains("no picture of a texture") && warnings[4].contains("over the limit of 0"),
+        "{warnings:?}"
+    );
+    let (_, warnings) = read(&[0, 0, 0, 0, 0], 20);
+    assert!(warnings[4].contains("materials[4]") && warnings[4].contains("no picture of a texture"), "{warnings:?}");
+}
+
+#[test]
+fn masks_of_one_picture_are_as_many_as_its_alphas_part_and_have_a_limit_with_it() {
+    let pixels: Vec<[u8; 4]> = [0, 60, 100, 255].map(|alpha| [9, 9, 9, alpha]).into();
+    let read = |cutoffs: &[f32], limit: u64| {
+        let mut builder = Builder::triangle(json!({}));
+        let view = builder.view(&png(4, 1, &pixels));
+        let mask = |cutoff: &f32| {
+            let mut material = base_color(0);
+            (material["alphaMode"], material["alphaCutoff"]) = (json!("MASK"), json!(cutoff));
+            material
+        };
+        let masks: Vec<Value> = cutoffs.iter().map(mask).collect();
+        of_materials(&mut builder, &[json!({ "bufferView": view })], &masks);
+        let limits = Limits::default().texture_pixels(limit).texture_option_name("--max-textures");
+        open_with(builder.text(), &SceneOptions::default().limits(limits)).map(|file| file.scene)
+    };
+    // From an alpha of 101 on to 255 all cut what a half cuts, from 61 to 100 they cut the same, and from 1 to 60.
+    let cutoffs: Vec<f32> = (1..=255).map(|alpha| alpha as f32 / 255.0).collect();
+    let scene = read(&cutoffs, 12).unwrap();
+    assert_eq!(scene.textures().len(), 3);
+    let alphas = [59, 60, 99, 100, 254].map(|index| alphas(&scene, &scene.materials()[1 + index]));
+    let expected = [[0, 255, 255, 255], [0, 0, 255, 255], [0, 0, 255, 255], [0, 60, 100, 255], [0, 60, 100, 255]];
+    assert_eq!(alphas, expected.map(Vec::from));
+    let message = read(&cutoffs, 11).unwrap_err().to_string();
+    let expected = "alphaCutoff: cut out by its alpha, its picture is another of 4x1 pixels, 4 in all, over the limit of 3; \
+                    raise it by --max-textures";
+    assert!(message.contains("materials[60], ") && message.contains(expected), "{message}");
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use stereotrace::{Error, Scene};
+use stereotrace::{Error, Limits, ObjOptions, Scene};
 
 use crate::{Folder, SIX, common::random::Random};
 
@@ -189,4 +189,31 @@ fn no_damaged_file_panics() {
         read[usize::from(folder.read(damage(&obj)).is_ok())] += 1;
     }
     assert!(read[0] > 100 && read[1] > 100, "the damage is one-sided: {read:?}");
+}
+
+#[test]
+fn more_triangles_than_the_limit_are_refused() {
+    let folder = Folder::new("triangle_limit");
+    let content = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 3 4\nf 1 2\n";
+    let read = |triangles| {
+        let limits = Limits::default().triangles(triangles).triangle_option_name("--max-triangles");
+        folder.read_with(content, &ObjOptions::default().limits(limits))
+    };
+    assert_eq!(read(3).unwrap().triangles().len(), 3);
+    let message = read(2).unwrap_err().to_string();
+    assert!(
+        message.contains("scene.obj: it has 3 triangles, over the limit of 2; raise it by --max-triangles"),
+        "{message}"
+    );
+}
+
+#[test]
+fn objects_200_000_of_them_take_no_square_of_time() {
+    let folder = Folder::new("many_objects");
+    let objects: String = (0..200_000).map(|object| format!("o {object}\nf 1/1 2/1 3/1\n")).collect();
+    let started = std::time::Instant::now();
+    let scene = folder.scene(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{objects}"));
+    assert_eq!((scene.object_count(), scene.object_name(199_999)), (200_000, "199999"));
+    // It takes half a second, and took a minute when each object looked at all before it.
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }

@@ -177,6 +177,42 @@ fn cutouts_are_alpha_and_brightness_where_there_is_none() {
     assert!(folder.warnings().iter().any(|text| text.starts_with(other)), "{:?}", folder.warnings());
 }
 
+/// Two materials of each of these pictures, by this statement.
+fn twice(folder: &Folder, pictures: &[&str], statement: &str) -> String {
+    let names = pictures.iter().flat_map(|name| [format!("{name}1"), format!("{name}2")]);
+    let names: Vec<String> = names.collect();
+    let mtl: String =
+        names.iter().map(|name| format!("newmtl {name}\n{statement} {}.png\n", &name[..name.len() - 1])).collect();
+    folder.write("sub/m.mtl", mtl);
+    obj(&names.iter().map(|name| &**name).collect::<Vec<_>>())
+}
+
+#[test]
+fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
+    let folder = Folder::new("mask_limit");
+    let limits = |pixels| Limits::default().texture_pixels(pixels).texture_option_name("--max-textures");
+    red(&folder, "sub/a.png");
+    let content = twice(&folder, &["a"], "map_d");
+    let read = |pixels| folder.read_with(&content, &ObjOptions::default().limits(limits(pixels)));
+    assert_eq!(read(4).unwrap().textures().len(), 1);
+    let message = read(3).unwrap_err().to_string();
+    let expected = "m.mtl:2: map_d 'a.png' of material 'a1': with its brightness as alpha it is another picture of 2x1 pixels, 2 in \
+                    all, over the limit of 1; raise it by --max-textures";
+    assert!(message.contains(expected), "{message}");
+    // Each broken one is decoded once, whatever names it, and four times the limit in all.
+    let broken = std::fs::read(folder.file("sub/a.png")).unwrap();
+    let names = ["b", "c", "d", "e", "f"];
+    for name in names {
+        folder.write(&format!("sub/{name}.png"), &broken[..broken.len() - 20]);
+    }
+    let content = twice(&folder, &names, "map_Kd");
+    assert!(folder.read_with(content, &warn().limits(limits(2))).is_ok());
+    let warnings = folder.warnings();
+    let said = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
+    // The first five of ten are logged: of the first two pictures and a half.
+    assert_eq!((said("no picture of a texture"), said("textures that can't be read: 5 more")), (5, 1), "{warnings:?}");
+}
+
 /// A scene of `STEREOTRACE_SCENES`, or of target/scenes.
 fn found(name: &str) -> Option<Scene> {
     let folder = std::env::var("STEREOTRACE_SCENES").unwrap_or_else(|_| "target/scenes".into());

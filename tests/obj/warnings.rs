@@ -71,7 +71,7 @@ fn what_changes_nothing_is_not_worth_a_word() {
 fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
     let folder = Folder::new("own_meshes");
     let name = folder.file("mesh").display().to_string();
-    let flat = stereotrace::Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2]]).name(&name);
+    let flat = stereotrace::Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 2]]).name(&*name);
     let mut scene = Scene::new();
     (0..20).for_each(|_| scene.add_mesh(&flat).unwrap());
     assert_eq!(scene.degenerate_count(), 20);

@@ -298,3 +298,39 @@ fn doubles_far_from_the_origin_keep_what_they_say() {
     let found = scene.triangles()[0].corners.map(|corner| (scene.origin() + corner.as_dvec3()).to_array());
     assert_eq!(found, corners);
 }
+
+#[test]
+fn more_triangles_than_the_limit_are_refused() {
+    let folder = Folder::new("ply_triangles");
+    let path = folder.write("scene.ply", square("", [""; 4], "4 0 1 2 3"));
+    let read = |triangles| {
+        let limits = Limits::default().triangles(triangles).triangle_option_name("--max-triangles");
+        Scene::from_ply_with(&path, &SceneOptions::default().limits(limits))
+    };
+    assert_eq!(read(2).unwrap().triangles().len(), 2);
+    let message = read(1).unwrap_err().to_string();
+    assert!(
+        message.contains("scene.ply: it has 2 triangles, over the limit of 1; raise it by --max-triangles"),
+        "{message}"
+    );
+}
+
+#[test]
+fn names_200_000_of_them_take_no_square_of_time() {
+    let started = std::time::Instant::now();
+    let properties: String = (0..200_000).map(|number| format!("property uchar p{number}\n")).collect();
+    let elements: String = (0..200_000).map(|number| format!("element e{number} 0\n")).collect();
+    let content = square(&format!("element other 0\n{properties}{elements}"), [""; 4], "4 0 1 2 3");
+    assert_eq!(scene(content).triangles().len(), 2);
+    // It takes half a second, and took minutes when each name was compared with all before it.
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+    for (header, expected) in [
+        ("property float w\nproperty uchar w\n", "element vertex has two properties w"),
+        ("element face 0\n", "there are two elements face"),
+        ("element other 0\nproperty uchar x\n", ""),
+    ] {
+        let message =
+            read(square(header, [""; 4], "4 0 1 2 3")).map_or_else(|error| error.to_string(), |_| String::new());
+        assert!(message.contains(expected) && message.is_empty() == expected.is_empty(), "{message}");
+    }
+}

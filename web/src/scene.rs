@@ -4,6 +4,7 @@ use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,
     rc::Rc,
+    sync::Arc,
 };
 
 use js_sys::{Float32Array, Object, Uint8Array, Uint32Array};
@@ -26,7 +27,7 @@ use crate::{
 
 /// Largest scene file: a page has 4 GiB of memory for all that becomes of it.
 const MOST_BYTES: u64 = 512 << 20;
-/// Triangles that instances of a glTF file may become.
+/// Triangles that a scene file may become.
 const MOST_TRIANGLES: u64 = 4 << 20;
 /// What messages say that these limits are raised by.
 const ELSEWHERE: &str = "reading it with the library outside a browser";
@@ -36,7 +37,7 @@ const ELSEWHERE: &str = "reading it with the library outside a browser";
 pub struct Scene {
     pub(crate) shared: Rc<Shared>,
     /// A file's own cameras.
-    cameras: Vec<(String, StereoCamera)>,
+    cameras: Vec<(Arc<str>, StereoCamera)>,
     builtin: Option<Builtin>,
     warnings: Vec<String>,
 }
@@ -253,7 +254,7 @@ impl Scene {
 }
 
 impl Scene {
-    fn of(scene: stereotrace::Scene, cameras: Vec<(String, StereoCamera)>, builtin: Option<Builtin>) -> Self {
+    fn of(scene: stereotrace::Scene, cameras: Vec<(Arc<str>, StereoCamera)>, builtin: Option<Builtin>) -> Self {
         let shared =
             Shared { scene: RefCell::new(Rc::new(scene)), changes: Cell::default(), uploaded: RefCell::default() };
         Self { shared: Rc::new(shared), cameras, builtin, warnings: Vec::new() }

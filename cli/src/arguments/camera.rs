@@ -1,6 +1,6 @@
 //! Where scenes are seen from.
 
-use std::{error::Error, fs, path::PathBuf};
+use std::{error::Error, fs, path::PathBuf, sync::Arc};
 
 use clap::Args;
 use stereotrace::{Convergence, Limits, Scene, StereoCamera, camera::Display, glam::DVec3};
@@ -65,15 +65,16 @@ impl CameraArguments {
     }
 
     /// The camera of that name among a scene file's own, or the first; none where it is said where the eyes are.
-    pub(super) fn of_scene_file(&self, cameras: &[(String, StereoCamera)]) -> Result<Option<StereoCamera>, String> {
+    pub(super) fn of_scene_file(&self, cameras: &[(Arc<str>, StereoCamera)]) -> Result<Option<StereoCamera>, String> {
         let Some(name) = &self.camera else {
             let is_said = self.eye.is_some() || self.target.is_some();
             return Ok(cameras.first().filter(|_| !is_said).map(|(_, camera)| *camera));
         };
-        if let Some((_, camera)) = cameras.iter().find(|(own, _)| own == name) {
+        if let Some((_, camera)) = cameras.iter().find(|(own, _)| **own == **name) {
             return Ok(Some(*camera));
         }
-        let names: Vec<&str> = cameras.iter().map(|(name, _)| name.as_str()).collect();
+        // A message has no place for more.
+        let names: Vec<&str> = cameras.iter().take(20).map(|(name, _)| &**name).collect();
         match &*names {
             [] => Err(format!("--camera {name}: the scene has no cameras of its own; --cameras gives a file of some")),
             names => Err(format!("--camera {name}: the scene file has {}", names.join(", "))),

@@ -3,6 +3,7 @@
 use std::{
     error::Error,
     path::PathBuf,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -17,7 +18,7 @@ use crate::{shown, studio};
 /// Lights of a scene that brings none and is not flattered.
 const DEFAULT_LIGHTS: usize = 5;
 /// A scene file's own cameras, with their names.
-type Cameras = Vec<(String, StereoCamera)>;
+type Cameras = Vec<(Arc<str>, StereoCamera)>;
 
 /// How far ambient occlusion reaches where nothing is said, as a share of the scene's diagonal.
 const REACH: f32 = 0.1;
@@ -171,7 +172,11 @@ impl Subject {
 
     /// The camera of the file of cameras, of the scene file, of the built-in scene, or one that fits the object, with those parts
     /// replaced that have an option of their own.
-    fn stereo_camera(&self, scene: &Scene, cameras: &[(String, StereoCamera)]) -> Result<StereoCamera, Box<dyn Error>> {
+    fn stereo_camera(
+        &self,
+        scene: &Scene,
+        cameras: &[(Arc<str>, StereoCamera)],
+    ) -> Result<StereoCamera, Box<dyn Error>> {
         let [width, height] = self.picture.size();
         let camera = match self.camera.read(&self.name(), self.picture.size(), &self.reading.limits())? {
             Some(camera) => camera,

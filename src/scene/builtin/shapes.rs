@@ -27,7 +27,7 @@ pub(in crate::scene) enum Shading {
 impl Shape {
     /// An object whose points are given relative to `origin`.
     pub(in crate::scene) fn new(name: impl Into<String>, origin: Vec3) -> Self {
-        Self { origin, mesh: Mesh { name: name.into(), ..Mesh::default() } }
+        Self { origin, mesh: Mesh::default().name(name.into()) }
     }
 
     pub(in crate::scene) fn into_mesh(self) -> Mesh {

@@ -67,22 +67,20 @@ impl Document<'_> {
     /// How many elements an accessor has, if a mesh may have so many.
     pub(super) fn element_count(&self, index: Index<Accessor>, by: &str) -> Result<usize, Error> {
         let accessor = self.item(("accessors", &self.root.accessors), index.value(), by)?;
-        self.check_size(&format!("accessors[{}]", index.value()), "elements", accessor.count.0, 3)?;
+        let (name, count) = (format!("accessors[{}]", index.value()), accessor.count.0);
+        self.check_size(&name, "elements", count, 3)?;
+        // Zeros that no byte stands for: few bytes could promise millions of them.
+        let bytes = self.bytes_read();
+        if accessor.buffer_view.is_none() && count > bytes {
+            let reason = "elements without a bufferView; there can be as many as the files have bytes,";
+            return Err(self.fault(format!("{name}: {count} {reason} {bytes}")));
+        }
         Ok(accessor.count.0 as usize)
     }
 
     /// Refuses more than the limit on triangles, times `factor`.
     pub(super) fn check_size(&self, name: &str, what: &str, count: u64, factor: u64) -> Result<(), Error> {
-        let limit = self.limits.triangles.saturating_mul(factor);
-        match count <= limit {
-            true => Ok(()),
-            false => Err(Error::TooLarge {
-                path: self.path.into(),
-                size: format!("{name} has {count} {what}"),
-                limit,
-                remedy: format!("raise it by {}, if it is right", self.limits.triangle_option_name),
-            }),
-        }
+        self.limits.check_triangles(self.path, (name, what), count, factor)
     }
 
     fn elements(&self, index: Index<Accessor>, types: &[Type], by: &str) -> Result<Elements<'_>, Error> {

@@ -1,5 +1,7 @@
 //! Cameras.
 
+use std::{collections::HashMap, sync::Arc};
+
 use glam::DVec3;
 use gltf_json::{camera::Type, validation::Checked};
 
@@ -23,10 +25,12 @@ pub(super) fn read(
     places: &[Placed<(usize, usize)>],
     bounds: Option<(DVec3, DVec3)>,
     warnings: &mut Warnings,
-) -> Result<Vec<(String, StereoCamera)>, Error> {
+) -> Result<Vec<(Arc<str>, StereoCamera)>, Error> {
     let root = &document.root;
     let (low, high) = bounds.unwrap_or_default();
     let mut cameras = Vec::new();
+    // A camera's own name is shared by all of its nodes: it may be long, and they may be many.
+    let mut names: HashMap<usize, Arc<str>> = HashMap::new();
     for &((node, index), place) in places {
         let description = document.item(("cameras", &root.cameras), index, format_args!("nodes[{node}]"))?;
         let fault = |reason: String| document.fault(format!("cameras[{index}]: {reason}"));
@@ -55,8 +59,12 @@ pub(super) fn read(
             .interaxial((distance / 30.0) as f32)
             .size((HEIGHT as f32 * aspect).round() as u32, HEIGHT);
         camera.pose().map_err(|error| fault(format!("at nodes[{node}]: {error}")))?;
-        let name = root.nodes[node].name.clone().or_else(|| description.name.clone());
-        cameras.push((name.unwrap_or_else(|| format!("camera {index}")), camera));
+        let own = || description.name.as_deref().map_or_else(|| format!("camera {index}").into(), Arc::from);
+        let name = match root.nodes[node].name.as_deref() {
+            Some(name) => name.into(),
+            None => names.entry(index).or_insert_with(own).clone(),
+        };
+        cameras.push((name, camera));
     }
     Ok(cameras)
 }

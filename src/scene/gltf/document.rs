@@ -2,10 +2,12 @@
 
 use std::{
     borrow::Cow,
-    cell::{Cell, OnceCell},
+    cell::{Cell, OnceCell, RefCell},
+    collections::HashMap,
     fmt::Display,
     ops::Range,
     path::{Path, PathBuf},
+    rc::Rc,
 };
 
 use base64::{Engine, alphabet, engine};
@@ -38,6 +40,12 @@ const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
     engine::GeneralPurposeConfig::new().with_decode_padding_mode(engine::DecodePaddingMode::Indifferent),
 );
 
+/// How a URI begins that holds its bytes itself.
+const DATA: &str = "data:";
+
+/// What an object of the JSON counts as at least: two bytes may become a material of some 280.
+const OBJECT_BYTES: u64 = 32;
+
 /// A file's JSON and what belongs to it.
 pub(super) struct Document<'a> {
     pub(super) files: Files<'a>,
@@ -52,7 +60,11 @@ pub(super) struct Document<'a> {
     /// A binary file, and where its buffer is in it.
     chunk: Option<(Cow<'a, [u8]>, Range<usize>)>,
     /// Each is read when it is first asked for.
-    buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
+    buffers: Vec<OnceCell<Rc<Cow<'a, [u8]>>>>,
+    /// Those that are files, each read once.
+    files_read: RefCell<HashMap<PathBuf, Rc<Cow<'a, [u8]>>>>,
+    /// Bytes of the file itself.
+    bytes: u64,
     /// Bytes that further files may have.
     bytes_left: Cell<u64>,
 }
@@ -74,8 +86,9 @@ impl<'a> Document<'a> {
             false => Vec::new(),
         };
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
+        let count = bytes.len() as u64;
         let chunk = chunk.map(|chunk| (bytes, chunk));
-        let bytes_left = Cell::new(limits.file_bytes);
+        let (files_read, bytes_left) = (RefCell::default(), Cell::new(limits.file_bytes));
         let document = Self {
             files,
             path,
@@ -86,6 +99,8 @@ impl<'a> Document<'a> {
             webp,
             chunk,
             buffers,
+            files_read,
+            bytes: count,
             bytes_left,
         };
         match document.root.asset.version.split('.').next() {
@@ -155,13 +170,14 @@ impl<'a> Document<'a> {
             (None, ..) => return Err(self.fault(format!("{name}: it has no URI and no binary chunk"))),
             (Some(uri), ..) => {
                 let place = &self.buffers[index.value()];
-                match place.get() {
+                let bytes = match place.get() {
                     Some(bytes) => bytes,
                     None => {
                         let bytes = self.resource(uri, &name)?;
                         place.get_or_init(|| bytes)
                     }
-                }
+                };
+                &bytes[..]
             }
         };
         let length = buffer.byte_length.0;
@@ -171,24 +187,41 @@ impl<'a> Document<'a> {
         })
     }
 
+    /// Bytes of the file and of those beside it that have been read.
+    pub(super) fn bytes_read(&self) -> u64 {
+        self.bytes + (self.limits.file_bytes - self.bytes_left.get())
+    }
+
     /// The bytes that a URI holds or names. All files together may have as many as the file itself.
-    fn resource(&self, uri: &str, by: &str) -> Result<Cow<'a, [u8]>, Error> {
+    fn resource(&self, uri: &str, by: &str) -> Result<Rc<Cow<'a, [u8]>>, Error> {
         if let Some(bytes) = self.decoded(uri, by)? {
-            return Ok(Cow::Owned(bytes));
+            return Ok(Rc::new(Cow::Owned(bytes)));
         }
         let path = self.located(uri, by)?;
+        let real = self.files.real(&path);
+        if let Some(bytes) = self.files_read.borrow().get(&real) {
+            return Ok(bytes.clone());
+        }
         let read = self.files.read_bytes(&path, self.bytes_left.get(), self.limits.option_names[0]);
         let bytes = read.map_err(|error| match error {
             Error::Io { .. } => Error::parse_from(self.path, None, format!("{by}: {error}"), error),
             other => other,
         })?;
         self.bytes_left.set(self.bytes_left.get() - bytes.len() as u64);
+        let bytes = Rc::new(bytes);
+        self.files_read.borrow_mut().insert(real, bytes.clone());
         Ok(bytes)
+    }
+
+    /// Whether a URI holds its bytes itself.
+    #[cfg(feature = "textures")]
+    pub(super) fn is_data(uri: &str) -> bool {
+        uri.starts_with(DATA)
     }
 
     /// The bytes of a data URI, if it is one.
     pub(super) fn decoded(&self, uri: &str, by: &str) -> Result<Option<Vec<u8>>, Error> {
-        let Some(data) = uri.strip_prefix("data:") else { return Ok(None) };
+        let Some(data) = uri.strip_prefix(DATA) else { return Ok(None) };
         let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
         let text = text.ok_or_else(|| self.fault(format!("{by}: its data URI is not base64")))?;
         let bytes = BASE64.decode(text).map_err(|error| {
@@ -249,11 +282,18 @@ fn without_mark(json: &[u8]) -> &[u8] {
 }
 
 fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<Root, Error> {
-    let bytes = structure_bytes(json);
-    if bytes > limits.json_bytes {
+    let (bytes, objects) = structure(json);
+    if bytes.max(OBJECT_BYTES * objects) > limits.json_bytes {
+        let size = match bytes > limits.json_bytes {
+            true => format!("its JSON has {} beside its strings", counted(bytes, "byte", "bytes")),
+            false => format!(
+                "its JSON has {objects} objects, which count as {OBJECT_BYTES} bytes each, {} in all",
+                OBJECT_BYTES * objects
+            ),
+        };
         return Err(Error::TooLarge {
             path: path.into(),
-            size: format!("its JSON has {} beside its strings", counted(bytes, "byte", "bytes")),
+            size,
             limit: limits.json_bytes,
             remedy: format!("raise it by {}, if it is right", limits.option_names[0]),
         });
@@ -286,22 +326,22 @@ fn webp_images(json: &[u8]) -> Result<Vec<Option<usize>>, serde_json::Error> {
         source: usize,
     }
 
-    let json = json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json);
     let root: Root = serde_json::from_slice(json)?;
     Ok(root.textures.into_iter().map(|texture| Some(texture.extensions?.webp?.source)).collect())
 }
 
-/// How many bytes stand beside strings: what takes more memory than it has bytes. A brace may become a node.
-fn structure_bytes(json: &[u8]) -> u64 {
-    let (mut count, mut in_string, mut escaped) = (0, false, false);
+/// How many bytes stand beside strings, and how many of them begin an object: what takes more memory than it has bytes.
+fn structure(json: &[u8]) -> (u64, u64) {
+    let (mut bytes, mut objects, mut in_string, mut escaped) = (0, 0, false, false);
     for &byte in json {
         match byte {
             b'"' if !escaped => in_string = !in_string,
-            _ => count += u64::from(!in_string),
+            _ => bytes += u64::from(!in_string),
         }
+        objects += u64::from(!in_string && byte == b'{');
         escaped = in_string && byte == b'\\' && !escaped;
     }
-    count
+    (bytes, objects)
 }
 
 #[cfg(test)]
@@ -309,9 +349,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_beside_strings_are_counted() {
-        for (json, expected) in [("", 0), ("{}", 2), (r#"{"a": "b"}"#, 4), (r#"["\"[", "\\", 1]"#, 7)] {
-            assert_eq!(structure_bytes(json.as_bytes()), expected, "{json}");
+    fn bytes_and_objects_beside_strings_are_counted() {
+        for (json, expected) in
+            [("", (0, 0)), ("{}", (2, 1)), (r#"{"a": "b{"}"#, (4, 1)), (r#"["\"[{", "\\", 1, {}]"#, (11, 1))]
+        {
+            assert_eq!(structure(json.as_bytes()), expected, "{json}");
         }
     }
 }

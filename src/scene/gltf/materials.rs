@@ -162,8 +162,8 @@ impl<'a> Surfaces<'a> {
             (roughness, metal) = (roughness * means.y, metal * means.z);
         }
         let emission = emission * self.emission_scale(description, &name, warnings)?;
-        let alpha = self.alpha(description, a, picture.as_ref())?;
-        let texture = picture.as_ref().map(|picture| self.textures.id(picture, None)).transpose()?;
+        let alpha = self.alpha(description, a, (picture.as_ref(), &name), warnings)?;
+        let texture = picture.as_ref().map(|picture| self.textures.id(picture));
 
         let material_name = description.name.clone().unwrap_or_default();
         let unlit = extensions.is_some_and(|extensions| extensions.unlit.is_some());
@@ -173,7 +173,8 @@ impl<'a> Surfaces<'a> {
             warnings.left_out("unlit materials with a texture, which are lit", Place::Item("materials", index));
             Material::new(base)
         } else {
-            let mean = picture.as_ref().filter(|_| metal > 0.0).map_or(Vec3::ONE, Picture::mean_light);
+            let picture = picture.as_ref().filter(|_| metal > 0.0);
+            let mean = picture.map_or(Vec3::ONE, |picture| self.textures.mean_light(picture));
             let ior = extensions.and_then(|extensions| extensions.ior.as_ref()).map(|ior| ior.ior.0);
             surface(base, mean, (metal, roughness), clear, ior).emission(emission)
         };
@@ -208,7 +209,13 @@ impl<'a> Surfaces<'a> {
     }
 
     /// A mask cuts out. What blends is a veil of one opacity, cut out where its texture's alpha is below a half.
-    fn alpha(&mut self, description: &Description, factor: f32, picture: Option<&Picture>) -> Result<Alpha, Error> {
+    fn alpha(
+        &mut self,
+        description: &Description,
+        factor: f32,
+        (picture, name): (Option<&Picture>, &str),
+        warnings: &mut Warnings,
+    ) -> Result<Alpha, Error> {
         let whole = Alpha { opacity: 1.0, cutout: None };
         let gone = Alpha { opacity: 0.0, cutout: None };
         match (description.alpha_mode, picture) {
@@ -221,16 +228,14 @@ impl<'a> Surfaces<'a> {
                     _ if least > 255.0 => Ok(gone),
                     None => Ok(whole),
                     Some(picture) => {
-                        let least = least.ceil() as u8;
-                        // A half is what our masks go by themselves.
-                        let id = self.textures.id(picture, Some(least).filter(|&least| least != 128))?;
-                        Ok(Alpha { cutout: Some(id), ..whole })
+                        let by = format!("{name}, alphaCutoff");
+                        Ok(Alpha { cutout: self.textures.cutout(picture, least.ceil() as u8, &by, warnings)?, ..whole })
                     }
                 }
             }
             (Checked::Valid(AlphaMode::Blend), None) => Ok(Alpha { opacity: factor, ..whole }),
             (Checked::Valid(AlphaMode::Blend), Some(picture)) => {
-                let counts = picture.alphas();
+                let counts = self.textures.alphas(picture);
                 let has = |alphas: std::ops::Range<usize>| counts[alphas].iter().any(|&count| count > 0);
                 // Without a half anywhere it is a veil all over.
                 let first = if has(128..256) { 128 } else { 0 };
@@ -238,7 +243,7 @@ impl<'a> Surfaces<'a> {
                     (first..256).map(|alpha| weight(alpha) * counts[alpha] as f64).sum()
                 };
                 let opacity = factor * (of(|alpha| alpha as f64 / 255.0) / of(|_| 1.0)) as f32;
-                let cutout = (first == 128 && has(0..128)).then(|| self.textures.id(picture, None)).transpose()?;
+                let cutout = (first == 128 && has(0..128)).then(|| self.textures.id(picture));
                 Ok(Alpha { opacity, cutout })
             }
             (Checked::Invalid, _) => Err(self.document.fault("a material's alphaMode is none that there is".into())),

@@ -51,6 +51,7 @@ impl<'a> Meshes<'a> {
         let description = document.item(("meshes", &document.root.meshes), mesh, format_args!("nodes[{node}]"))?;
         if !self.read.contains_key(&mesh) {
             let read = read(document, mesh, description, surfaces, warnings)?;
+            let read = read.name(description.name.as_deref().unwrap_or_default());
             self.read.insert(mesh, self.smoothed(read));
         }
         let read = &self.read[&mesh];
@@ -80,10 +81,12 @@ impl<'a> Meshes<'a> {
 
     /// A mesh that was read, as a node shows it at a place relative to the scene's origin.
     pub(super) fn instance(&self, mesh: usize, node: usize, place: DAffine3) -> Mesh {
-        let root = &self.document.root;
-        let name = root.nodes[node].name.as_deref().filter(|name| !name.is_empty());
-        let name = name.or(root.meshes[mesh].name.as_deref()).unwrap_or_default();
-        placed(&self.read[&mesh], place).name(name)
+        let mesh = placed(&self.read[&mesh], place);
+        // The mesh's own name is shared by all of its nodes: it may be long, and they may be many.
+        match self.document.root.nodes[node].name.as_deref().filter(|name| !name.is_empty()) {
+            Some(name) => mesh.name(name),
+            None => mesh,
+        }
     }
 
     fn smoothed(&self, mut mesh: Mesh) -> Mesh {

@@ -1,7 +1,7 @@
 //! The nodes of a scene.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
-use gltf_json::{Node, scene::UnitQuaternion};
+use gltf_json::{Index, Node, scene::UnitQuaternion};
 
 use serde::Deserialize;
 
@@ -33,18 +33,24 @@ pub(super) fn walk(
 ) -> Result<(), Error> {
     let root = &document.root;
     let scene = root.scene.map(|scene| scene.value()).or((!root.scenes.is_empty()).then_some(0));
-    let roots: Vec<usize> = match scene {
-        Some(scene) => {
-            let scene = document.item(("scenes", &root.scenes), scene, "scene")?;
-            scene.nodes.iter().map(|node| node.value()).collect()
+    let orphans: Vec<Index<Node>>;
+    let roots = match scene {
+        Some(scene) => &document.item(("scenes", &root.scenes), scene, "scene")?.nodes,
+        None => {
+            orphans = orphans_of(&root.nodes);
+            &orphans
         }
-        None => orphans(&root.nodes),
     };
     let mut visited = vec![false; root.nodes.len()];
-    let place = |node: usize| (node, None::<usize>, DAffine3::IDENTITY);
-    // The next one last.
-    let mut waiting: Vec<_> = roots.into_iter().rev().map(place).collect();
-    while let Some((index, parent, place)) = waiting.pop() {
+    // The lists that are gone through, one below the other, each with whose it is and where that stands. Not the nodes themselves: a list may have
+    // one millions of times.
+    let mut lists = vec![(roots.iter(), None::<usize>, DAffine3::IDENTITY)];
+    while let Some((list, parent, place)) = lists.last_mut() {
+        let (parent, place) = (*parent, *place);
+        let Some(index) = list.next().map(|node| node.value()) else {
+            lists.pop();
+            continue;
+        };
         let by = || parent.map_or("the scene".into(), |parent| format!("nodes[{parent}]"));
         let node = document.item(("nodes", &root.nodes), index, by())?;
         if std::mem::replace(&mut visited[index], true) {
@@ -55,20 +61,19 @@ pub(super) fn walk(
             .map_err(|reason| document.fault(format!("nodes[{index}]: {reason}")))?;
         let place = place * own;
         visit(index, node, place)?;
-        let children = node.children.iter().flatten().rev();
-        waiting.extend(children.map(|child| (child.value(), Some(index), place)));
+        lists.extend(node.children.as_ref().map(|children| (children.iter(), Some(index), place)));
     }
     Ok(())
 }
 
-fn orphans(nodes: &[Node]) -> Vec<usize> {
+fn orphans_of(nodes: &[Node]) -> Vec<Index<Node>> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
         if let Some(is_child) = is_child.get_mut(child.value()) {
             *is_child = true;
         }
     }
-    (0..nodes.len()).filter(|&index| !is_child[index]).collect()
+    (0..nodes.len()).filter(|&index| !is_child[index]).map(|index| Index::new(index as u32)).collect()
 }
 
 /// What a node does to what is below it, in f64.

@@ -1,6 +1,8 @@
 //! Pictures, each read once, and what materials make of them.
 
-use std::{collections::HashMap, sync::Arc};
+#[cfg(feature = "textures")]
+use std::cell::Cell;
+use std::{collections::HashMap, path::PathBuf};
 
 use glam::{DVec3, Vec3};
 use gltf_json::{
@@ -12,6 +14,7 @@ use gltf_json::{
 use super::document::Document;
 use crate::{
     Error, Limits, MissingTextures, Scene, Texture, TextureId, TextureKind, Wrap,
+    cutouts::MASK_ALPHA,
     scene::{
         SceneOptions, linear,
         warnings::{Place, Warnings},
@@ -21,7 +24,7 @@ use crate::{
 /// A picture as a texture shows it.
 #[derive(Clone)]
 pub(super) struct Picture {
-    image: usize,
+    number: usize,
     pub(super) texture: Texture,
 }
 
@@ -34,14 +37,43 @@ pub(super) struct Means {
     pub(super) values: Vec3,
 }
 
+/// Where a picture's bytes are: images of the same place are one picture.
+#[derive(PartialEq, Eq, Hash)]
+#[cfg_attr(not(feature = "textures"), allow(dead_code, reason = "pictures are not read"))]
+enum Source {
+    File(PathBuf),
+    /// The place in memory of a buffer's bytes, which stay where they are.
+    Bytes(*const [u8]),
+    /// In the URI of the image of this number.
+    Uri(usize),
+}
+
+/// What is known of a picture. Nothing is found out twice: thousands of materials may name one picture of many pixels.
+#[derive(Default)]
+struct Known {
+    texture: Option<Texture>,
+    means: Option<Means>,
+    /// How many of its pixels have each alpha.
+    alphas: Option<Box<[u64; 256]>>,
+    /// It, with an alpha of 255 from some alpha on and of 0 below.
+    cut: HashMap<u8, Texture>,
+    /// Why it can't be read.
+    fault: Option<String>,
+}
+
 /// The textures of a file.
 pub(super) struct Textures<'a> {
     document: &'a Document<'a>,
     missing: MissingTextures,
     limits_left: Limits,
-    read: HashMap<usize, Texture>,
-    means: HashMap<usize, Means>,
-    /// By image, wrap, and the alpha from which on there is a surface.
+    /// Pixels that may be decoded yet, whether they are kept or not.
+    #[cfg(feature = "textures")]
+    decodable: Cell<u64>,
+    /// The number of each image's picture, and of each source's.
+    of_images: HashMap<usize, usize>,
+    of_sources: HashMap<Source, usize>,
+    pictures: Vec<Known>,
+    /// By picture, wrap, and the alpha from which on there is a surface.
     ids: HashMap<(usize, Wrap, Option<u8>), TextureId>,
     /// Those that no scene has yet, and how many it has.
     new: Vec<Texture>,
@@ -50,12 +82,16 @@ pub(super) struct Textures<'a> {
 
 impl<'a> Textures<'a> {
     pub(super) fn new(document: &'a Document<'a>, options: &SceneOptions) -> Self {
+        let limits = options.limits;
         Self {
             document,
             missing: options.missing_textures,
-            limits_left: options.limits,
-            read: HashMap::new(),
-            means: HashMap::new(),
+            limits_left: limits,
+            #[cfg(feature = "textures")]
+            decodable: Cell::new(limits.decodable_pixels()),
+            of_images: HashMap::new(),
+            of_sources: HashMap::new(),
+            pictures: Vec::new(),
             ids: HashMap::new(),
             new: Vec::new(),
             moved: 0,
@@ -69,15 +105,17 @@ impl<'a> Textures<'a> {
         by: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<Picture>, Error> {
-        let Some((image, texture)) = self.loaded(index, by, warnings)? else { return Ok(None) };
+        let Some((image, number)) = self.number(index, by, warnings)? else { return Ok(None) };
+        let Some(texture) = self.loaded((image, number), by, warnings)? else { return Ok(None) };
         if let TextureKind::Image { pixels, .. } = texture.kind()
-            && self.read.insert(image, texture.clone()).is_none()
+            && self.pictures[number].texture.is_none()
         {
-            let left = &mut self.limits_left.texture_pixels;
-            *left = left.saturating_sub(pixels.len() as u64);
+            // It was decoded within what is left.
+            self.limits_left.texture_pixels -= pixels.len() as u64;
+            self.pictures[number].texture = Some(texture.clone());
         }
         let wrap = self.wrap(index, warnings)?;
-        Ok(Some(Picture { image, texture: texture.wrap(wrap) }))
+        Ok(Some(Picture { number, texture: texture.wrap(wrap) }))
     }
 
     /// The means of a texture's picture, which is not kept.
@@ -87,36 +125,79 @@ impl<'a> Textures<'a> {
         by: &str,
         warnings: &mut Warnings,
     ) -> Result<Option<Means>, Error> {
-        let image = self.image(index, by)?;
-        if let Some(means) = image.and_then(|image| self.means.get(&image)) {
-            return Ok(Some(*means));
+        let Some((image, number)) = self.number(index, by, warnings)? else { return Ok(None) };
+        if self.pictures[number].means.is_none() {
+            let Some(texture) = self.loaded((image, number), by, warnings)? else { return Ok(None) };
+            self.pictures[number].means = Some(means(&texture));
         }
-        let Some((image, texture)) = self.loaded(index, by, warnings)? else { return Ok(None) };
-        let means = means(&texture);
-        self.means.insert(image, means);
-        Ok(Some(means))
+        Ok(self.pictures[number].means)
     }
 
-    /// The number of a picture among the scene's textures; where `least` is given, with an alpha of 255 from there on and of 0 below.
-    pub(super) fn id(&mut self, picture: &Picture, least: Option<u8>) -> Result<TextureId, Error> {
-        let key = (picture.image, picture.texture.wrap, least);
-        if let Some(&id) = self.ids.get(&key) {
-            return Ok(id);
+    /// The mean of a picture's light.
+    pub(super) fn mean_light(&mut self, picture: &Picture) -> Vec3 {
+        self.pictures[picture.number].means.get_or_insert_with(|| means(&picture.texture)).light
+    }
+
+    /// How many of a picture's pixels have each alpha.
+    pub(super) fn alphas(&mut self, picture: &Picture) -> &[u64; 256] {
+        self.pictures[picture.number].alphas.get_or_insert_with(|| Box::new(alphas(&picture.texture)))
+    }
+
+    /// The number of a picture among the scene's textures.
+    pub(super) fn id(&mut self, picture: &Picture) -> TextureId {
+        self.added((picture.number, picture.texture.wrap, None), picture.texture.clone())
+    }
+
+    /// The number of a picture that is cut out below an alpha; `None` where it is one picture too many and that is no error.
+    pub(super) fn cutout(
+        &mut self,
+        picture: &Picture,
+        least: u8,
+        by: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Option<TextureId>, Error> {
+        let counts = self.alphas(picture);
+        let between = usize::from(least.min(MASK_ALPHA))..usize::from(least.max(MASK_ALPHA));
+        if counts[between].iter().all(|&count| count == 0) {
+            return Ok(Some(self.id(picture)));
         }
-        let texture = match (least, picture.texture.kind()) {
-            (Some(least), TextureKind::Image { size: [width, height], pixels }) => {
-                let mut pixels = Vec::clone(pixels);
-                pixels.iter_mut().for_each(|pixel| pixel[3] = if pixel[3] >= least { 255 } else { 0 });
-                let left = &mut self.limits_left.texture_pixels;
-                *left = left.saturating_sub(pixels.len() as u64);
-                Texture::image(*width, *height, pixels)?.wrap(picture.texture.wrap)
-            }
-            _ => picture.texture.clone(),
+        // The least of those that cut the same pixels.
+        let least = (least..=255).find(|&alpha| counts[usize::from(alpha)] > 0).unwrap_or(255);
+        let wrap = picture.texture.wrap;
+        let texture = match self.pictures[picture.number].cut.get(&least) {
+            Some(texture) => texture.clone(),
+            None => match self.cut(picture, least) {
+                Ok(texture) => {
+                    self.pictures[picture.number].cut.insert(least, texture.clone());
+                    texture
+                }
+                Err(error) => return self.lost(by, error, warnings),
+            },
         };
-        self.new.push(texture);
-        let id = TextureId((self.moved + self.new.len()) as u32 - 1);
-        self.ids.insert(key, id);
-        Ok(id)
+        Ok(Some(self.added((picture.number, wrap, Some(least)), texture.wrap(wrap))))
+    }
+
+    /// A picture with an alpha of 255 from `least` on and of 0 below.
+    fn cut(&mut self, picture: &Picture, least: u8) -> Result<Texture, Error> {
+        let TextureKind::Image { size: [width, height], pixels } = picture.texture.kind() else {
+            return Ok(picture.texture.clone());
+        };
+        let (count, left) = (pixels.len() as u64, &mut self.limits_left.texture_pixels);
+        *left = left.checked_sub(count).ok_or_else(|| Error::TooLarge {
+            path: self.document.path.into(),
+            size: format!("cut out by its alpha, its picture is another of {width}x{height} pixels, {count} in all"),
+            limit: *left,
+            remedy: format!("raise it by {}, if it is right", self.limits_left.texture_option_name),
+        })?;
+        let cut = |&[r, g, b, alpha]: &[u8; 4]| [r, g, b, if alpha >= least { 255 } else { 0 }];
+        Texture::image(*width, *height, pixels.iter().map(cut).collect())
+    }
+
+    fn added(&mut self, key: (usize, Wrap, Option<u8>), texture: Texture) -> TextureId {
+        *self.ids.entry(key).or_insert_with(|| {
+            self.new.push(texture);
+            TextureId((self.moved + self.new.len()) as u32 - 1)
+        })
     }
 
     /// Gives the scene those that it has not.
@@ -134,37 +215,84 @@ impl<'a> Textures<'a> {
         Ok(self.document.extended_image(index.value()).or(own))
     }
 
-    /// The picture of a texture, and its image's number; `None` for one that can't be read, where that is no error.
-    fn loaded(
-        &self,
+    /// The numbers of a texture's image and of its picture; `None` for one that can't be read, where that is no error.
+    fn number(
+        &mut self,
         index: Index<Description>,
         by: &str,
         warnings: &mut Warnings,
-    ) -> Result<Option<(usize, Texture)>, Error> {
+    ) -> Result<Option<(usize, usize)>, Error> {
         let Some(image) = self.image(index, by)? else {
             return self.lost(by, self.document.fault("it has no picture that is read".into()), warnings);
         };
-        if let Some(texture) = self.read.get(&image) {
-            return Ok(Some((image, texture.clone())));
-        }
         if cfg!(not(feature = "textures")) {
-            let text = format!("{by} is left out: stereotrace is built without its feature `textures`");
+            let text = format_args!("{by} is left out: stereotrace is built without its feature `textures`");
             warnings.warn("textures", None, text);
             return Ok(None);
         }
-        match self.load(image, by) {
-            Ok(texture) => Ok(Some((image, texture))),
-            Err(error) => self.lost(by, error, warnings),
+        let number = match self.of_images.get(&image) {
+            Some(&number) => number,
+            None => {
+                let next = self.pictures.len();
+                let source = self.source(image, by);
+                let number = source.as_ref().map_or(next, |source| *self.of_sources.get(source).unwrap_or(&next));
+                self.of_images.insert(image, number);
+                if number == next {
+                    self.pictures.push(Known::default());
+                }
+                match source {
+                    Ok(source) => drop(self.of_sources.insert(source, number)),
+                    Err(error) => return self.faulty(number, by, error, warnings),
+                }
+                number
+            }
+        };
+        match &self.pictures[number].fault {
+            None => Ok(Some((image, number))),
+            Some(fault) => {
+                warn_of_lost(by, fault, warnings);
+                Ok(None)
+            }
         }
+    }
+
+    /// The texture of an image's picture; `None` for one that can't be read, where that is no error.
+    fn loaded(
+        &mut self,
+        (image, number): (usize, usize),
+        by: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Texture>, Error> {
+        if let Some(texture) = &self.pictures[number].texture {
+            return Ok(Some(texture.clone()));
+        }
+        match self.load(image, by) {
+            Ok(texture) => Ok(Some(texture)),
+            Err(error) => self.faulty(number, by, error, warnings),
+        }
+    }
+
+    /// Keeps what is wrong with a picture, so that it is not read again.
+    fn faulty<T>(
+        &mut self,
+        number: usize,
+        by: &str,
+        error: Error,
+        warnings: &mut Warnings,
+    ) -> Result<Option<T>, Error> {
+        self.pictures[number].fault = Some(reason(&error));
+        self.lost(by, error, warnings)
     }
 
     /// What becomes of a texture that can't be read.
     fn lost<T>(&self, by: &str, error: Error, warnings: &mut Warnings) -> Result<Option<T>, Error> {
-        let text = format!("{by}: {}", reason(&error));
+        let reason = reason(&error);
         match self.missing {
-            MissingTextures::Error => Err(Error::parse_from(self.document.path, None, text, error)),
+            MissingTextures::Error => {
+                Err(Error::parse_from(self.document.path, None, format!("{by}: {reason}"), error))
+            }
             MissingTextures::Warn => {
-                warnings.warn("textures that can't be read", None, format!("{text}; the material is without it"));
+                warn_of_lost(by, &reason, warnings);
                 Ok(None)
             }
         }
@@ -198,24 +326,52 @@ impl<'a> Textures<'a> {
     }
 
     #[cfg(feature = "textures")]
+    fn source(&self, index: usize, by: &str) -> Result<Source, Error> {
+        let (document, name) = (self.document, format!("images[{index}]"));
+        let image = document.item(("images", &document.root.images), index, by)?;
+        Ok(match (&image.uri, image.buffer_view) {
+            (Some(uri), _) if Document::is_data(uri) => Source::Uri(index),
+            (Some(uri), _) => Source::File(document.files.real(&document.located(uri, &name)?)),
+            (None, Some(view)) => Source::Bytes(document.view(view, &name)?.1),
+            (None, None) => return Err(document.fault(format!("{name} has no URI and no bufferView"))),
+        })
+    }
+
+    #[cfg(feature = "textures")]
     fn load(&self, index: usize, by: &str) -> Result<Texture, Error> {
         let (document, name) = (self.document, format!("images[{index}]"));
         let image = document.item(("images", &document.root.images), index, by)?;
-        let decode = |bytes: &[u8]| Texture::decode(document.path, std::io::Cursor::new(bytes), &self.limits_left);
-        match (&image.uri, image.buffer_view) {
+        let (mut limits, mut pixels) = (self.limits_left, 0);
+        limits.texture_pixels = limits.texture_pixels.min(self.decodable.get());
+        let mut decode =
+            |bytes: &[u8]| Texture::decode_counted(document.path, std::io::Cursor::new(bytes), &limits, &mut pixels);
+        let loaded = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match document.decoded(uri, &name)? {
                 Some(bytes) => decode(&bytes),
-                None => Texture::open_from(document.files, &document.located(uri, &name)?, &self.limits_left),
+                None => Texture::open_from(document.files, &document.located(uri, &name)?, &limits, &mut pixels),
             },
             (None, Some(view)) => decode(document.view(view, &name)?.1),
             (None, None) => Err(document.fault(format!("{name} has no URI and no bufferView"))),
-        }
+        };
+        // Also of pictures that are broken: their pixels may have been decoded up to the last.
+        self.decodable.set(self.decodable.get() - pixels);
+        loaded
+    }
+
+    #[cfg(not(feature = "textures"))]
+    fn source(&self, _: usize, by: &str) -> Result<Source, Error> {
+        unreachable!("{by} is left out before it is read")
     }
 
     #[cfg(not(feature = "textures"))]
     fn load(&self, _: usize, by: &str) -> Result<Texture, Error> {
         unreachable!("{by} is left out before it is read")
     }
+}
+
+/// The reason may be long, and thousands of materials may have it: it is written where it is printed.
+fn warn_of_lost(by: &str, reason: &str, warnings: &mut Warnings) {
+    warnings.warn("textures that can't be read", None, format_args!("{by}: {reason}; the material is without it"));
 }
 
 /// Without the path of a file that is named already: messages cut long words.
@@ -228,19 +384,13 @@ fn reason(error: &Error) -> String {
     }
 }
 
-impl Picture {
-    /// How many of its pixels have each alpha.
-    pub(super) fn alphas(&self) -> [u64; 256] {
-        let mut counts = [0; 256];
-        if let TextureKind::Image { pixels, .. } = self.texture.kind() {
-            Arc::as_ref(pixels).iter().for_each(|pixel| counts[usize::from(pixel[3])] += 1);
-        }
-        counts
+/// How many of a texture's pixels have each alpha.
+fn alphas(texture: &Texture) -> [u64; 256] {
+    let mut counts = [0; 256];
+    if let TextureKind::Image { pixels, .. } = texture.kind() {
+        pixels.iter().for_each(|pixel| counts[usize::from(pixel[3])] += 1);
     }
-
-    pub(super) fn mean_light(&self) -> Vec3 {
-        means(&self.texture).light
-    }
+    counts
 }
 
 /// Exactly, by how many pixels have each value.

@@ -34,12 +34,13 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placement
             model.name.parse().ok().and_then(|index: usize| sections.get(index)).expect("prepare names every model");
         let continues = last.is_some_and(|last| match has_objects {
             true => last.object == section.object,
-            false => names[last.group_name] == names[section.group_name],
+            // By its number first: a long name may be that of thousands of sections.
+            false => last.group_name == section.group_name || names[last.group_name] == names[section.group_name],
         });
         last = Some(section);
         if !continues {
             let name = if has_objects { section.object_name } else { section.group_name };
-            joined.meshes.push((Mesh { name: names[name].clone(), ..Mesh::default() }, Vec::new()));
+            joined.meshes.push((Mesh::default().name(names[name].clone()), Vec::new()));
         }
         if let Some((mesh, groups)) = joined.meshes.last_mut() {
             let placement = model.mesh.material_id.and_then(|index| placements.get(index)).copied().unwrap_or_default();

@@ -1,5 +1,7 @@
 //! The header of a PLY file.
 
+use std::collections::HashSet;
+
 use super::Fault;
 
 /// Longer lines are no header's: a binary file with a broken one has no end of line for long.
@@ -107,6 +109,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
     // A carriage return alone ends lines where it ends the first one.
     let by_return = bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n');
     let (mut encoding, mut elements, mut texture_file) = (None, Vec::new(), None);
+    // Of the elements, and of the last one's properties: looked up, since there may be hundreds of thousands.
+    let (mut element_names, mut property_names) = (HashSet::new(), HashSet::new());
     for line in 2.. {
         let text = next_line(&mut rest, by_return);
         let text = text.ok_or_else(|| (Some(line), "the header has no end_header".to_owned()))?;
@@ -123,11 +127,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
             ["comment", "TextureFile", ..] => texture_file = texture_file.or(Some(line)),
             ["comment" | "obj_info", ..] | [] => {}
             ["element", name, count] => {
-                elements.push(element(name, count, line, &elements).map_err(fault)?);
+                elements.push(element(name, count, line, &mut element_names).map_err(fault)?);
+                property_names.clear();
             }
             ["property", ref words @ ..] => {
                 let element = elements.last_mut().ok_or_else(|| fault("a property before the first element".into()))?;
-                element.properties.push(property(words, line, element).map_err(fault)?);
+                let property = property(words, line, &element.name, &mut property_names);
+                element.properties.push(property.map_err(fault)?);
             }
             _ => return Err(fault(format!("'{}' is no line of a header", text.trim()))),
         }
@@ -156,15 +162,15 @@ fn encoding_named(name: &str) -> Result<Encoding, String> {
     }
 }
 
-fn element(name: &str, count: &str, line: usize, others: &[Element]) -> Result<Element, String> {
+fn element(name: &str, count: &str, line: usize, names: &mut HashSet<String>) -> Result<Element, String> {
     let count = count.parse().map_err(|_| format!("element {name}: '{count}' is no count"))?;
-    match others.iter().any(|other| other.name == name) {
-        true => Err(format!("there are two elements {name}")),
-        false => Ok(Element { name: name.into(), count, properties: Vec::new(), line }),
+    match names.insert(name.into()) {
+        false => Err(format!("there are two elements {name}")),
+        true => Ok(Element { name: name.into(), count, properties: Vec::new(), line }),
     }
 }
 
-fn property(words: &[&str], line: usize, element: &Element) -> Result<Property, String> {
+fn property(words: &[&str], line: usize, element: &str, names: &mut HashSet<String>) -> Result<Property, String> {
     let scalar = |name: &str| Scalar::named(name).ok_or_else(|| format!("'{name}' is no type of a property"));
     let (kind, name) = match *words {
         ["list", count, item, name] => {
@@ -177,8 +183,8 @@ fn property(words: &[&str], line: usize, element: &Element) -> Result<Property, 
         [kind, name] => (Kind::Scalar(scalar(kind)?), name),
         _ => return Err("a property has a type and a name, or `list` and two types before its name".into()),
     };
-    match element.properties.iter().any(|other| other.name == name) {
-        true => Err(format!("element {} has two properties {name}", element.name)),
-        false => Ok(Property { name: name.into(), kind, line }),
+    match names.insert(name.into()) {
+        false => Err(format!("element {element} has two properties {name}")),
+        true => Ok(Property { name: name.into(), kind, line }),
     }
 }

@@ -37,10 +37,12 @@ fn check_format(format: Option<ImageFormat>) -> Result<(), String> {
 }
 
 /// Reads a picture of a format that [`check_format`] knows, of several the first: its width and height, and its pixels. Messages name `path`.
+/// `counted` becomes the number of pixels before they are decoded.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,
     limits: &Limits,
+    counted: &mut u64,
 ) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
     let no_texture = |reason: String| Error::parse(path, None, format!("no picture of a texture: {reason}"));
     let said =
@@ -70,6 +72,7 @@ pub(super) fn decode(
             remedy: format!("raise it by {}, if it is right", limits.texture_option_name),
         });
     }
+    *counted = count;
     // A GIF's first picture, and parts of others, may be larger than the whole.
     decoder.set_limits(within(count)).map_err(said)?;
     let picture = image::DynamicImage::from_decoder(decoder).map_err(said)?.into_rgba8();

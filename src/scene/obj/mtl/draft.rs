@@ -75,11 +75,14 @@ impl Draft {
             _ => self.opacity(&mut bounds),
         };
         if material.opacity == 0.0 && self.dissolve.is_none() {
-            let text = format!(
-                "material '{}' is not seen at all, by its Tr of 1; where it is opaque, give it a d of 1",
-                self.name
+            warnings.warn(
+                "materials that are not seen at all",
+                self.line,
+                format_args!(
+                    "material '{}' is not seen at all, by its Tr of 1; where it is opaque, give it a d of 1",
+                    self.name
+                ),
             );
-            warnings.warn("materials that are not seen at all", self.line, text);
         }
         bounds.crossed |= material.conserve();
         (material, bounds.crossed)
@@ -220,7 +223,9 @@ impl Draft {
                 "Kd" => ("diffuse colours (Kd) that are none", "it is grey"),
                 _ => ("values that are none", "it is left out"),
             };
-            let text = format!("{keyword} '{rest}' of material '{}' is {fault}; {consequence}", self.name);
+            // Written where it is printed: a long name may have thousands of faults.
+            let name = &self.name;
+            let text = format_args!("{keyword} '{rest}' of material '{name}' is {fault}; {consequence}");
             warnings.warn(kind, line, text);
         }
     }

@@ -19,16 +19,27 @@ pub(super) struct Textures<'a> {
     obj: &'a Path,
     missing: MissingTextures,
     limits_left: Limits,
+    /// Pixels that may be decoded yet, also of pictures that turn out to be broken.
+    decodable: u64,
     pub(super) textures: Vec<Texture>,
     /// By file, and whether it is clamped and its brightness is its alpha.
     ids: HashMap<(PathBuf, bool, bool), TextureId>,
-    read: HashMap<PathBuf, Texture>,
+    /// What is known of each file. Nothing is found out twice: thousands of materials may name one picture of many pixels.
+    read: HashMap<PathBuf, Known>,
+}
+
+struct Known {
+    /// Or why it can't be read.
+    texture: Result<Texture, String>,
+    is_opaque: Option<bool>,
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(files: Files<'a>, obj: &'a Path, options: &SceneOptions) -> Self {
         let (missing, limits_left) = (options.missing_textures, options.limits);
-        Self { files, obj, missing, limits_left, textures: Vec::new(), ids: HashMap::new(), read: HashMap::new() }
+        let decodable = limits_left.decodable_pixels();
+        let (textures, ids, read) = (Vec::new(), HashMap::new(), HashMap::new());
+        Self { files, obj, missing, limits_left, decodable, textures, ids, read }
     }
 
     /// The texture that a statement of a material names.
@@ -43,12 +54,16 @@ impl<'a> Textures<'a> {
             Ok(id) => return Ok(Some(id)),
             Err(error) => error,
         };
-        let reason = error.without_path();
-        let text = format!("{} '{}' of material '{material}': {reason}", map.keyword, map.name);
+        let (keyword, name, reason) = (map.keyword, &map.name, error.without_path());
         match self.missing {
-            MissingTextures::Error => Err(Error::parse_from(mtl, Some(map.line), text, error)),
+            MissingTextures::Error => {
+                let text = format!("{keyword} '{name}' of material '{material}': {reason}");
+                Err(Error::parse_from(mtl, Some(map.line), text, error))
+            }
             MissingTextures::Warn => {
-                warnings.warn("textures that can't be read", map.line, format!("{text}; the material is without it"));
+                let text =
+                    format_args!("{keyword} '{name}' of material '{material}': {reason}; the material is without it");
+                warnings.warn("textures that can't be read", map.line, text);
                 Ok(None)
             }
         }
@@ -59,53 +74,75 @@ impl<'a> Textures<'a> {
         let file = files.locate(mtl.parent().unwrap_or(Path::new("")), &map.name)?;
         // A file may have several names.
         let key = files.real(&file);
-        for (kind, own) in [("MTL", mtl), ("OBJ", self.obj)] {
-            if files.real(own) == key {
-                return Err(Error::parse(file, None, format!("it is the {kind} file itself")));
-            }
-        }
         let texture = match self.read.get(&key) {
-            Some(texture) => texture.clone(),
+            Some(Known { texture: Ok(texture), .. }) => texture.clone(),
+            Some(Known { texture: Err(reason), .. }) => return Err(Error::parse(file, None, reason.clone())),
             None => {
-                let texture = Texture::open_from(files, &file, &self.limits_left)?;
-                self.take_from_limit(&texture);
-                self.read.insert(key.clone(), texture.clone());
-                texture
+                let texture = self.open(mtl, &file, &key);
+                let known = texture.as_ref().map(Texture::clone).map_err(Error::without_path);
+                self.read.insert(key.clone(), Known { texture: known, is_opaque: None });
+                texture?
             }
         };
-        let by_brightness = map.keyword == "map_d" && is_opaque(&texture);
+        let by_brightness = map.keyword == "map_d" && self.is_opaque(&key);
         let ids = (key, map.clamp, by_brightness);
         if let Some(&id) = self.ids.get(&ids) {
             return Ok(id);
         }
-        let texture = if by_brightness { self.with_brightness(texture)? } else { texture };
+        let texture = if by_brightness { self.with_brightness(&ids.0, texture)? } else { texture };
         self.textures.push(if map.clamp { texture.wrap(Wrap::Clamp) } else { texture });
         let id = TextureId(self.textures.len() as u32 - 1);
         self.ids.insert(ids, id);
         Ok(id)
     }
 
-    fn take_from_limit(&mut self, texture: &Texture) {
-        if let TextureKind::Image { pixels, .. } = texture.kind() {
-            self.limits_left.texture_pixels = self.limits_left.texture_pixels.saturating_sub(pixels.len() as u64);
+    /// Reads a picture within what is left of the limits. `real` is its path with all links followed.
+    fn open(&mut self, mtl: &Path, file: &Path, real: &Path) -> Result<Texture, Error> {
+        for (kind, own) in [("MTL", mtl), ("OBJ", self.obj)] {
+            if self.files.real(own) == real {
+                return Err(Error::parse(file, None, format!("it is the {kind} file itself")));
+            }
+        }
+        let (mut limits, mut pixels) = (self.limits_left, 0);
+        limits.texture_pixels = limits.texture_pixels.min(self.decodable);
+        let texture = Texture::open_from(self.files, file, &limits, &mut pixels);
+        self.decodable -= pixels;
+        if texture.is_ok() {
+            self.limits_left.texture_pixels -= pixels;
+        }
+        texture
+    }
+
+    /// Whether a picture that was read has no alpha below 255.
+    fn is_opaque(&mut self, key: &Path) -> bool {
+        match self.read.get_mut(key) {
+            Some(Known { texture: Ok(texture), is_opaque }) => {
+                *is_opaque.get_or_insert_with(|| is_opaque_all_over(texture))
+            }
+            _ => false,
         }
     }
 
     /// A picture without alpha, whose brightness takes its place.
-    fn with_brightness(&mut self, texture: Texture) -> Result<Texture, Error> {
+    fn with_brightness(&mut self, file: &Path, texture: Texture) -> Result<Texture, Error> {
         let TextureKind::Image { size: [width, height], pixels } = texture.kind() else { return Ok(texture) };
-        let mut pixels = Vec::clone(pixels);
-        for [r, g, b, alpha] in &mut pixels {
-            // Rec. 709's luma.
-            *alpha = (0.2126 * f32::from(*r) + 0.7152 * f32::from(*g) + 0.0722 * f32::from(*b)).round() as u8;
-        }
-        let texture = Texture::image(*width, *height, pixels)?;
-        self.take_from_limit(&texture);
-        Ok(texture)
+        let (count, left) = (pixels.len() as u64, &mut self.limits_left.texture_pixels);
+        *left = left.checked_sub(count).ok_or_else(|| Error::TooLarge {
+            path: file.into(),
+            size: format!(
+                "with its brightness as alpha it is another picture of {width}x{height} pixels, {count} in all"
+            ),
+            limit: *left,
+            remedy: format!("raise it by {}, if it is right", self.limits_left.texture_option_name),
+        })?;
+        // Rec. 709's luma.
+        let luma = |[r, g, b]: [u8; 3]| 0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b);
+        let bright = |&[r, g, b, _]: &[u8; 4]| [r, g, b, luma([r, g, b]).round() as u8];
+        Texture::image(*width, *height, pixels.iter().map(bright).collect())
     }
 }
 
-fn is_opaque(texture: &Texture) -> bool {
+fn is_opaque_all_over(texture: &Texture) -> bool {
     match texture.kind() {
         TextureKind::Image { pixels, .. } => Arc::as_ref(pixels).iter().all(|pixel| pixel[3] == 255),
         TextureKind::Checkerboard { .. } => false,
