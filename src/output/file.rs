@@ -170,6 +170,7 @@ impl Batch {
     ///
     /// # Errors
     /// Those of [`save_pfm`], and [`Error::Io`] naming an index over 2^24, which f32 does not hold exactly.
+    #[cfg(feature = "png")] // of data sets
     pub(crate) fn add_indices_pfm(
         &mut self,
         path: impl AsRef<Path>,
