@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Makes a small data set in each layout, loads it by torchvision's own classes, and compares what they return with the truth.
+"""Makes a small data set in each layout, loads it by torchvision's own classes, and compares what they return with the
+truth.
 
     scripts/check_torchvision.py [--command target/release/stereotrace]
 
-Needs the packages stereotrace[dataset], torch and torchvision, some GB: it is no part of CI. The truth is worked out here in double precision,
-from depths and the camera: fx * baseline / Z - doffs. With --command, data sets of the Rust command are loaded too. Ends with status 1 where
-anything differs.
+Needs the packages stereotrace[dataset], torch and torchvision, some GB: it is no part of CI. The truth is worked out
+here in double precision, from depths and the camera: fx * baseline / Z - doffs. With --command, data sets of the Rust
+command are loaded too. Ends with status 1 where anything differs.
 
-torchvision wants its own folders' names, which links give. Of KITTI it wants disp_occ_1 for the right view's disparities; in KITTI's own files
-that is the second frame's disparity, and the layout has none, so that the link leads to disp_occ_0 and is not compared.
+torchvision wants its own folders' names, which links give. Of KITTI it wants disp_occ_1 for the right view's
+disparities; in KITTI's own files that is the second frame's disparity, and the layout has none, so that the link leads
+to disp_occ_0 and is not compared.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ def truth(pair: stereotrace.StereoPair, eye: str) -> tuple[np.ndarray, np.ndarra
 
 
 class Keep:
-    """A transform that changes nothing, and keeps what the loader read of both views: a sample has the left one's disparity alone."""
+    """A transform that changes nothing, and keeps what the loader read of both views: a sample has the left one's
+    disparity alone."""
 
     def __call__(self, *read: tuple) -> tuple:
         self.read = read

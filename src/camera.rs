@@ -220,8 +220,8 @@ impl StereoCamera {
         self
     }
 
-    /// The camera with its screen at infinity: parallel cameras with the same field of view, and the eyes so far apart in world units as they
-    /// are.
+    /// The camera with its screen at infinity: parallel cameras with the same field of view, and the eyes so far apart
+    /// in world units as they are.
     ///
     /// # Errors
     /// Those of [`StereoCamera::pose`].

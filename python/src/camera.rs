@@ -37,8 +37,9 @@ const FIELDS: &str =
 /// - ``toe_in``: whether the eyes are turned towards each other, so that their axes meet at the screen's distance. Points then don't stay
 ///   in their rows, and both views are traced whatever method is asked for. ``False`` where nothing is said.
 ///
-/// Cameras don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises ``ValueError``, naming the field, for what lies out of
-/// range or contradicts itself, such as both ``fov`` and ``screen_width``, a target that is the eye, or an unknown field.
+/// Cameras don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
+/// ``ValueError``, naming the field, for what lies out of range or contradicts itself, such as both ``fov`` and
+/// ``screen_width``, a target that is the eye, or an unknown field.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Camera(pub(crate) StereoCamera);
@@ -89,15 +90,16 @@ impl Camera {
         Self::checked(StereoCamera::fitting(bounds, size.0, size.1))
     }
 
-    /// Reads a camera from JSON: what ``to_json`` wrote, as text or as a file, or the camera ``name`` of a file of several, an object of
-    /// cameras by name.
+    /// Reads a camera from JSON: what ``to_json`` wrote, as text or as a file, or the camera ``name`` of a file of
+    /// several, an object of cameras by name.
     ///
-    /// Text is what begins with a brace. From what ``to_json`` wrote, without a ``name``, comes an equal camera; ``size`` gives it another
-    /// picture. Cameras of a file of several are 640 x 480 where no ``size`` is given. Each has ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; ``vfov_deg`` in degrees;
-    /// ``screen_distance`` in world units, or ``"inf"`` for parallel cameras; and ``eye_separation`` in world units. Calibrations may stand
-    /// in the place of ``vfov_deg`` (``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``, pixel centres at halves), a matrix ``pose``
-    /// of the left eye in that of the first three, and ``baseline`` in that of ``eye_separation``. ``size`` is a tuple of width and height
-    /// in pixels.
+    /// Text is what begins with a brace. From what ``to_json`` wrote, without a ``name``, comes an equal camera;
+    /// ``size`` gives it another picture. Cameras of a file of several are 640 x 480 where no ``size`` is given. Each
+    /// has ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; ``vfov_deg`` in degrees;
+    /// ``screen_distance`` in world units, or ``"inf"`` for parallel cameras; and ``eye_separation`` in world units.
+    /// Calibrations may stand in the place of ``vfov_deg`` (``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``,
+    /// pixel centres at halves), a matrix ``pose`` of the left eye in that of the first three, and ``baseline`` in that
+    /// of ``eye_separation``. ``size`` is a tuple of width and height in pixels.
     ///
     /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field, if it is no JSON, has
     /// no such camera, or the camera is invalid.
@@ -239,9 +241,9 @@ impl Camera {
         Ok((x, y, z))
     }
 
-    /// The camera as JSON text, which ``from_json`` reads back: of ``left`` and ``right`` the intrinsics in pixels and the matrices ``world_to_camera`` and
-    /// ``camera_to_world``, row by row; ``baseline`` and ``doffs``; and the numbers of the camera itself. Its ``conventions`` say what
-    /// frames and units are.
+    /// The camera as JSON text, which ``from_json`` reads back: of ``left`` and ``right`` the intrinsics in pixels and
+    /// the matrices ``world_to_camera`` and ``camera_to_world``, row by row; ``baseline`` and ``doffs``; and the
+    /// numbers of the camera itself. Its ``conventions`` say what frames and units are.
     #[pyo3(name = "to_json")]
     fn json(&self) -> PyResult<String> {
         self.0.to_json().map_err(raised)
@@ -273,7 +275,8 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             return Err(refused(format!("camera: {one} and {other} say the same; give one of them")));
         }
     }
-    // In pixels the interaxial is a parallax at infinity, and the screen has a width: parallel cameras have neither. What is seen stays.
+    // In pixels the interaxial is a parallax at infinity, and the screen has a width: parallel cameras have neither.
+    // What is seen stays.
     if let Some(distance) = fields.get_item("screen_distance")?
         && distance.extract::<f32>().is_ok_and(f32::is_infinite)
         && !has("interaxial_px")?

@@ -14,8 +14,8 @@ use crate::{
 /// together adds to a white surface that faces it: linear RGB, 0 or more, or one number for all three. Lights are not seen themselves. All
 /// but points light by as many rays as the option ``shadow_rays`` says, so that their shadows have a penumbra; a scene may have 16 such.
 ///
-/// Lights don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Their values are checked when a scene is rendered, with a
-/// ``ValueError`` for what is out of range.
+/// Lights don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Their values are
+/// checked when a scene is rendered, with a ``ValueError`` for what is out of range.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Light(pub(crate) stereotrace::Light);

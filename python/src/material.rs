@@ -36,8 +36,9 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 /// - ``texture``: the id of a texture that the albedo is multiplied by; its alpha says nothing. ``None`` for none.
 /// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None`` for none.
 /// - ``opacity``: the share of what is behind the surface that it hides, 0 to 1; 1 where nothing is said.
-/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Where nothing is said it is
-///   0.95 for mirrors, what ``index`` gives straight on for glass with ``fresnel`` (0.04 for 1.5), and black for all else.
+/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Where nothing is said it
+///   is 0.95 for mirrors, what ``index`` gives straight on for glass with ``fresnel`` (0.04 for 1.5), and black for all
+///   else.
 /// - ``exponent``: Phong's exponent, 0 to 10000; the larger, the smaller a highlight. 30 where nothing is said.
 /// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send on. ``False`` where
 ///   nothing is said.
@@ -49,9 +50,9 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 /// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the more the view grazes
 ///   them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True`` for glass where nothing is said.
 ///
-/// Materials don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises ``ValueError`` for unknown fields, fields of another
-/// finish and values of another type. Ranges are checked when a scene is rendered: there what is scattered, reflected and let through may
-/// be at most 1 together in each channel.
+/// Materials don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
+/// ``ValueError`` for unknown fields, fields of another finish and values of another type. Ranges are checked when a
+/// scene is rendered: there what is scattered, reflected and let through may be at most 1 together in each channel.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Material(pub(crate) stereotrace::Material);

@@ -507,8 +507,8 @@ impl Scene {
         self.inner.object_count()
     }
 
-    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky. On a device it takes about
-    /// as much again.
+    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky. On a
+    /// device it takes about as much again.
     #[getter]
     fn memory(&self) -> usize {
         self.inner.memory()

@@ -17,7 +17,8 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-# Without a user's session Mesa's device chooser prints an error line, which means nothing here. It reads this when a device is opened.
+# Without a user's session Mesa's device chooser prints an error line, which means nothing here. It reads this when a
+# device is opened.
 if sys.platform == "linux" and not os.path.isdir(os.environ.get("XDG_RUNTIME_DIR", "")):
     os.environ.setdefault("NODEVICE_SELECT", "1")
 

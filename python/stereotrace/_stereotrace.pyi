@@ -169,7 +169,8 @@ class MaterialFields(TypedDict, total=False):
     cutout: int | None
     # The share of what is behind the surface that it hides, 0 to 1; 1.
     opacity: float
-    # Colour of highlights, or the share that mirrors and glass reflect, linear RGB, 0 to 1; black, or what reflects by ``finish``.
+    # Colour of highlights, or the share that mirrors and glass reflect, linear RGB, 0 to 1; black, or what reflects by
+    # ``finish``.
     specular: Color
     # Phong's exponent, 0 to 10000; 30.
     exponent: float

@@ -1,4 +1,5 @@
-//! A camera as it was given, as JSON: what [`Pose`](crate::Pose) no longer says, such as whether the interaxial was in pixels.
+//! A camera as it was given, as JSON: what [`Pose`](crate::Pose) no longer says, such as whether the interaxial was in
+//! pixels.
 
 use std::path::Path;
 
@@ -12,8 +13,8 @@ use crate::{Error, Limits, input};
 const ENTRY: &str = "camera";
 
 impl StereoCamera {
-    /// The camera as JSON text: that of [`Pose::to_json`](crate::Pose::to_json) with one more entry, `camera`, which holds what the setters
-    /// were given. [`StereoCamera::from_json_str`] reads an equal camera from it.
+    /// The camera as JSON text: that of [`Pose::to_json`](crate::Pose::to_json) with one more entry, `camera`, which
+    /// holds what the setters were given. [`StereoCamera::from_json_str`] reads an equal camera from it.
     ///
     /// # Errors
     /// Those of [`StereoCamera::pose`].
@@ -50,11 +51,12 @@ impl StereoCamera {
         Ok(format!("{text:#}\n"))
     }
 
-    /// Reads the camera that [`StereoCamera::to_json`] wrote: its entry `camera`, which is not checked against the others.
+    /// Reads the camera that [`StereoCamera::to_json`] wrote: its entry `camera`, which is not checked against the
+    /// others.
     ///
     /// # Errors
-    /// [`Error::Parse`], naming the line or the field, if the text is no JSON or has no such camera; [`Error::Camera`] for a camera that
-    /// has no picture.
+    /// [`Error::Parse`], naming the line or the field, if the text is no JSON or has no such camera; [`Error::Camera`]
+    /// for a camera that has no picture.
     pub fn from_json_str(text: &str) -> Result<Self, Error> {
         parse(Path::new("JSON of a camera"), text.as_bytes())
     }
@@ -62,8 +64,8 @@ impl StereoCamera {
     /// [`StereoCamera::from_json_str`] of a file.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_json_str`], naming the file; [`Error::Io`] if it can't be read or is no regular one;
-    /// [`Error::TooLarge`] if it is larger than [`Limits`] says.
+    /// Those of [`StereoCamera::from_json_str`], naming the file; [`Error::Io`] if it can't be read or is no regular
+    /// one; [`Error::TooLarge`] if it is larger than [`Limits`] says.
     pub fn from_json_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let (path, limits) = (path.as_ref(), Limits::default());
         parse(path, &input::read(path, limits.json_bytes, limits.option_names[0])?)

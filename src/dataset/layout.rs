@@ -39,8 +39,8 @@ impl Layout {
         }
     }
 
-    /// Whether it takes parallel cameras alone. Middlebury's `doffs` says where converged ones have their screen, but its loaders
-    /// take no disparity below 0 either.
+    /// Whether it takes parallel cameras alone. Middlebury's `doffs` says where converged ones have their screen, but
+    /// its loaders take no disparity below 0 either.
     pub fn is_parallel(self) -> bool {
         self != Self::Middlebury
     }
@@ -53,9 +53,10 @@ impl Layout {
     /// Adds all files of a pair to what is written, and makes their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be, whose eyes are toed in, or, in Middlebury's
-    /// files, that has a disparity below 0; [`Error::Io`], as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a disparity that
-    /// does not fit, and in Scene Flow's files for an id over 2^24 - 1.
+    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be, whose eyes are toed in, or, in
+    /// Middlebury's files, that has a disparity below 0; [`Error::Io`], as [`Batch::add`], as
+    /// [`Batch::add_kitti_disparity`] for a disparity that does not fit, and in Scene Flow's files for an id over 2^24
+    /// - 1.
     pub fn add(
         self,
         batch: &mut Batch,

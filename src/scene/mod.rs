@@ -310,7 +310,8 @@ impl Scene {
         self.triangles.len() + self.ball_count() + self.planes.len()
     }
 
-    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky, which clones share.
+    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky, which
+    /// clones share.
     pub fn memory(&self) -> usize {
         let lists = size_of_val(&*self.triangles)
             + size_of_val(&*self.beside.uv)

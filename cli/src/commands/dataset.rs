@@ -37,8 +37,8 @@ const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel where nothing says where the
-    /// screen is; only middlebury takes others, whose disparities must all be 0 or more
+    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel where nothing
+    /// says where the screen is; only middlebury takes others, whose disparities must all be 0 or more
     #[arg(long, default_value_t)]
     layout: Layout,
     /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
@@ -207,8 +207,8 @@ fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
     })
 }
 
-/// A line for what the data set is made with, and one for each pair. Several commands may write one manifest: each line is added under a lock of
-/// the file, after the lines that others added were read.
+/// A line for what the data set is made with, and one for each pair. Several commands may write one manifest: each line
+/// is added under a lock of the file, after the lines that others added were read.
 struct Manifest {
     folder: PathBuf,
     path: PathBuf,
@@ -239,7 +239,8 @@ impl Manifest {
         Ok(self.done.contains(&item))
     }
 
-    /// Adds a pair's line, which is on the disk then. Returns whether it was added: a pair that another command made meanwhile has its line.
+    /// Adds a pair's line, which is on the disk then. Returns whether it was added: a pair that another command made
+    /// meanwhile has its line.
     fn add(&mut self, item: u32, line: &Value) -> Result<bool, Box<dyn Error>> {
         let mut file = self.locked()?;
         self.catch_up(&mut file, None)?;

@@ -1,4 +1,5 @@
-"""Specs as files: YAML 1.2's plain values, or JSON. What either leaves open is refused: a key that stands twice, nesting without an end."""
+"""Specs as files: YAML 1.2's plain values, or JSON. What either leaves open is refused: a key that stands twice,
+nesting without an end."""
 
 from __future__ import annotations
 
@@ -34,7 +35,8 @@ def shown(value: Any) -> str:
 
 
 def read(path: Path) -> Any:
-    """What a spec's file says: JSON where its name ends in ``.json``, else YAML. Raises ``SpecError``, naming the line, and ``OSError``."""
+    """What a spec's file says: JSON where its name ends in ``.json``, else YAML. Raises ``SpecError``, naming the line,
+    and ``OSError``."""
     if not path.is_file() and path.exists():
         raise SpecError("it is no regular file")
     with path.open("rb") as file:
@@ -76,7 +78,8 @@ def _yaml(text: str) -> Any:
 
 
 def _loader(yaml: Any) -> Any:
-    """YAML's loader of plain values, as YAML 1.2's core schema has them: ``1:30`` is no number of seconds, ``no`` no truth value, ``010`` is ten."""
+    """YAML's loader of plain values, as YAML 1.2's core schema has them: ``1:30`` is no number of seconds, ``no`` no
+    truth value, ``010`` is ten."""
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}
         level = 0

@@ -125,8 +125,9 @@ def make(
     scene_memory: int = SCENE_MEMORY,
 ) -> Report:
     """Makes a data set on Ray, or goes on with it: ``workers`` actors of ``num_cpus`` cores and ``num_gpus`` GPUs each make a shard after the other. Without an
-    ``address``, and where Ray is not initialised yet, a Ray of this machine is started, which other machines can't reach. ``out`` must be a place that all machines
-    reach, and so must the spec's scene files. ``scene_memory`` is a worker's: see ``stereotrace.dataset.make``.
+    ``address``, and where Ray is not initialised yet, a Ray of this machine is started, which other machines can't
+    reach. ``out`` must be a place that all machines reach, and so must the spec's scene files. ``scene_memory`` is a
+    worker's: see ``stereotrace.dataset.make``.
 
     Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
     ray, _ = needs("ray", "ray"), needs("ray.data", "ray")

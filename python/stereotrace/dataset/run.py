@@ -30,7 +30,8 @@ log = logging.getLogger("stereotrace.dataset")
 HEAD = "dataset.json"
 MANIFEST = "manifest.jsonl"
 ROUNDS = 5
-"""How often a manifest is put together anew where other runs made shards meanwhile. They write it too, at their ends."""
+"""How often a manifest is put together anew where other runs made shards meanwhile. They write it too, at their
+ends."""
 
 
 class OtherDataSet(ValueError):
@@ -79,8 +80,9 @@ class Report:
 
 
 class DataSet:
-    """A spec and the place where its shards lie. Opening one begins the data set or goes on with it. It reads the scenes, to know them by their hashes: those
-    whose files are as they were when the data set was last opened are not read.
+    """A spec and the place where its shards lie. Opening one begins the data set or goes on with it. It reads the
+    scenes, to know them by their hashes: those whose files are as they were when the data set was last opened are not
+    read.
 
     Raises ``OtherDataSet`` where another one lies there, and ``OSError`` where the place can't be reached or written."""
 
@@ -110,7 +112,8 @@ class DataSet:
         return dict(there)
 
     def _head(self, there: dict[str, Any] | None) -> tuple[dict[str, Any], list[str | None]]:
-        """What the data set is made with, and what its scenes' files are known by. A scene that can't be read has its error in place of a hash."""
+        """What the data set is made with, and what its scenes' files are known by. A scene that can't be read has its
+        error in place of a hash."""
         scenes: list[dict[str, Any]] = []
         files: list[str | None] = []
         known_files: list[Any] = []
@@ -212,8 +215,8 @@ class DataSet:
 
     def write_manifest(self, failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Puts the manifest together from the shards' records: a line of JSON for the data set, one for each shard, each pair, each pair that
-        could not be made, and each shard that failed and is not there yet. It is not written where it would be what it is. Returns the lines of all pairs that
-        could not be made."""
+        could not be made, and each shard that failed and is not there yet. It is not written where it would be what it
+        is. Returns the lines of all pairs that could not be made."""
         missing: list[dict[str, Any]] = []
         before = self._stamps()
         for _ in range(ROUNDS):

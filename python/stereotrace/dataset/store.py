@@ -92,7 +92,8 @@ class Store:
         return {posixpath.basename(str(name).rstrip("/")) for name in found}
 
     def stamps(self) -> dict[str, str]:
-        """What lies in the folder, with what tells a file from another of its name: size, time, or the storage's own tag."""
+        """What lies in the folder, with what tells a file from another of its name: size, time, or the storage's own
+        tag."""
         self._files.invalidate_cache()
         try:
             found = self._files.ls(self._path("").rstrip("/"), detail=True)
@@ -186,8 +187,8 @@ class Store:
         return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
 
     def put_into_root(self, folder: Path, name: str) -> int:
-        """All files of a folder of this machine, where they lie in it, each of them whole or not at all; returns their bytes. ``name`` says whose they are, for
-        what a process that is killed leaves."""
+        """All files of a folder of this machine, where they lie in it, each of them whole or not at all; returns their
+        bytes. ``name`` says whose they are, for what a process that is killed leaves."""
         files = sorted(file for file in folder.rglob("*") if file.is_file())
         if self.is_local:
             part = self._path(f"{name}{PART}{uuid.uuid4().hex}")

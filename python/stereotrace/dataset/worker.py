@@ -30,7 +30,8 @@ LAYOUT_OUTPUTS = ["color", "disparity", "occlusion"]
 SCENE_MEMORY = 2**30
 """Memory that a worker keeps scenes in, in bytes, where nothing is said. The scene at hand is always kept."""
 COPIES = 3
-"""What a scene takes here and on a device that is this machine, as a multiple of ``Scene.memory``: 1.8 and 2.9 were measured on a million triangles."""
+"""What a scene takes here and on a device that is this machine, as a multiple of ``Scene.memory``: 1.8 and 2.9 were
+measured on a million triangles."""
 WAITING_MEMORY = 2**28
 """Files of pairs that wait for their place in a shard are in memory up to this size, in bytes, then on disk."""
 MOST_FILES = 10_000
@@ -38,8 +39,9 @@ MOST_FILES = 10_000
 
 
 def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | None:
-    """A hash of names, sizes and times of the files that a scene may be read from: those in its folder and below, and its sky. ``None`` where they can't be
-    told, or are too many. ``leave_out`` is a folder that has none of them, such as the data set's own."""
+    """A hash of names, sizes and times of the files that a scene may be read from: those in its folder and below, and
+    its sky. ``None`` where they can't be told, or are too many. ``leave_out`` is a folder that has none of them, such
+    as the data set's own."""
     path, sky = spec.scene_path(scene), spec["scenes"][scene].get("sky")
     found: list[tuple[str, int, int]] = []
     try:
@@ -141,8 +143,9 @@ class Waiting:
 
 
 class Worker:
-    """Makes pairs and shards of a spec. ``hashes`` are those of its scenes when the data set was begun; a scene that can't be read has none. Scenes stay read, and
-    on the device, up to ``scene_memory`` bytes of them, those that were used last. ``opened`` are scenes that have these hashes already, which it takes."""
+    """Makes pairs and shards of a spec. ``hashes`` are those of its scenes when the data set was begun; a scene that
+    can't be read has none. Scenes stay read, and on the device, up to ``scene_memory`` bytes of them, those that were
+    used last. ``opened`` are scenes that have these hashes already, which it takes."""
 
     def __init__(
         self,
@@ -264,7 +267,8 @@ class Worker:
     def _each(
         self, number: int, record: dict[str, Any], done: Callable[[int], None], use: Callable[[int, StereoPair, dict[str, Any]], Any]
     ) -> Iterator[tuple[int, Any]]:
-        """Each pair of a shard, made and used, scene by scene: yields what its use gives. Errors of either go to the shard's record, and yield ``None``."""
+        """Each pair of a shard, made and used, scene by scene: yields what its use gives. Errors of either go to the
+        shard's record, and yield ``None``."""
         for item in self._by_scene(self.spec.shard_items(number)):
             try:
                 pair, of_pair = self._pair_once_more(item)
