@@ -4,6 +4,8 @@ mod comfort;
 mod display;
 mod fitting;
 mod frustum;
+#[cfg(feature = "json")]
+mod given;
 mod intrinsics;
 mod path;
 mod ranges;
@@ -223,6 +225,22 @@ impl StereoCamera {
     pub fn screen_distance(mut self, distance: f32) -> Self {
         self.screen = Screen::Distance(distance);
         self
+    }
+
+    /// The camera with its screen at infinity: parallel cameras with the same field of view, and the eyes so far apart
+    /// in world units as they are.
+    ///
+    /// # Errors
+    /// Those of [`StereoCamera::pose`].
+    pub fn parallel(self) -> Result<Self, Error> {
+        let pose = self.pose()?;
+        let mut camera = self.interaxial(pose.interaxial).screen_distance(f32::INFINITY);
+        // A screen at infinity has no width.
+        if let Aperture::ScreenWidth(_) = camera.aperture {
+            let [height, distance] = [pose.screen_size[1], pose.screen_distance].map(f64::from);
+            camera.aperture = Aperture::VerticalFov((2.0 * (0.5 * height / distance).atan()).to_degrees() as f32);
+        }
+        Ok(camera)
     }
 
     /// How the eyes are turned.
@@ -551,6 +569,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn parallel_cameras_see_as_much_from_as_far_apart() {
+        let by_fov = camera().vertical_fov_degrees(40.0);
+        for given in [camera(), by_fov, camera().interaxial_pixels(7.0), by_fov.screen_distance(f32::INFINITY)] {
+            let (before, after) = (given.pose().unwrap(), given.parallel().unwrap().pose().unwrap());
+            assert_eq!((after.screen_distance, after.interaxial), (f32::INFINITY, before.interaxial));
+            let (before, after) = (before.intrinsics(), after.intrinsics());
+            assert!((after.fx / before.fx - 1.0).abs() < 1e-6 && (after.fy / before.fy - 1.0).abs() < 1e-6);
+            assert!(after.doffs() == 0.0 && (after.cx0 - 0.5 * (before.cx0 + before.cx1)).abs() < 1e-9);
+        }
+        assert!(camera().interaxial(-1.0).parallel().is_err());
     }
 
     #[test]

@@ -67,7 +67,8 @@
 //! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
 //!   and HDR) and `json` (read and write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
 //!
-//! Off by default: `exr` (write `OpenEXR`), and `webgpu`, the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
+//! Off by default: `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights by serde), and `webgpu`,
+//! the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
 //! ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 

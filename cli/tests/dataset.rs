@@ -63,6 +63,84 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     assert!(error_of(&[&SMALL[..], &["--pairs", "3", "--items", "1..4", "--out", &parts]].concat()).contains("has 3"));
 }
 
+/// The values of a PFM file of one channel and this width, top row first.
+fn pfm(path: &Path, width: usize) -> Vec<f32> {
+    let bytes = fs::read(path).unwrap();
+    let lines: Vec<_> = bytes.splitn(4, |&byte| byte == b'\n').collect();
+    let (values, _) = lines[3].as_chunks::<4>();
+    let rows = values.chunks(width).rev();
+    rows.flatten().map(|&bytes| f32::from_le_bytes(bytes)).collect()
+}
+
+#[test]
+fn middlebury_has_parallel_cameras_and_no_label_that_its_loaders_turn_round() {
+    let folder = Folder::new("middlebury");
+    let make = |name: &str, more: &[&str]| {
+        let out = folder.file(name).to_str().unwrap().to_owned();
+        let whole =
+            ["dataset", "builtin:spheres", "--size", "64x48", "--orbit", "1", "--interaxial", "0.3", "--out", &out];
+        run(&[&whole[..], more].concat())
+    };
+    let made = make("parallel", &[]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let pair = folder.file("parallel/000000");
+    let calib = fs::read_to_string(pair.join("calib.txt")).unwrap();
+    let value = |name: &str| -> f32 {
+        let line = calib.lines().find_map(|line| line.strip_prefix(&format!("{name}="))).unwrap();
+        line.parse().unwrap()
+    };
+    for eye in 0..2 {
+        let disparity = pfm(&pair.join(format!("disp{eye}.pfm")), 64);
+        let grey = |name: &str| image::open(pair.join(format!("mask{eye}{name}.png"))).unwrap().into_luma8().into_raw();
+        let [sky, nocc] = ["sky", "nocc"].map(grey);
+        assert!(sky.contains(&255) && nocc.contains(&255), "the picture has sky and spheres");
+        for index in 0..disparity.len() {
+            assert_eq!(disparity[index] == f32::INFINITY, sky[index] == 255);
+            assert_eq!(nocc[index] == 0, sky[index] == 255);
+            if sky[index] == 0 {
+                // Middlebury: a search from 0 to ndisp - 1 is enough.
+                assert!(disparity[index] > 0.0 && disparity[index] <= value("ndisp") - 1.0, "{}", disparity[index]);
+            }
+        }
+    }
+    assert_eq!(value("doffs"), 0.0);
+
+    // Converged cameras are to be asked for, and must have all disparities above 0.
+    let negative = make("converged", &["--screen", "1"]);
+    let said = String::from_utf8(negative.stderr).unwrap();
+    assert!(!negative.status.success() && said.contains("absolute value of a disparity"), "{said}");
+    assert!(said.contains("behind the screen at 1") && said.contains("view has -"), "{said}");
+    assert!(!folder.file("converged/000000/disp0.pfm").exists());
+    let behind = make("behind", &["--screen", "1000"]);
+    assert!(behind.status.success(), "{}", String::from_utf8_lossy(&behind.stderr));
+    let calib = fs::read_to_string(folder.file("behind/000000/calib.txt")).unwrap();
+    let doffs = calib.lines().find_map(|line| line.strip_prefix("doffs=")).unwrap().parse::<f32>().unwrap();
+    assert!(doffs > 0.0, "{calib}");
+    let toed = make("toed", &["--toe-in", "--screen", "5"]);
+    assert!(!toed.status.success() && String::from_utf8(toed.stderr).unwrap().contains("toed in"));
+}
+
+#[test]
+fn two_commands_in_one_folder_list_each_pair_once() {
+    let folder = Folder::new("two");
+    let out = folder.file("out").to_str().unwrap().to_owned();
+    let command = [&SMALL[..], &["--pairs", "8", "--out", &out]].concat();
+    let counts = std::thread::scope(|scope| {
+        let runs = [(); 2].map(|()| scope.spawn(|| printed(&[&command[..], &["--json"]].concat())));
+        runs.map(|run| {
+            let said: Value = serde_json::from_str(&run.join().unwrap()).unwrap();
+            (said["rendered"].as_u64().unwrap(), said["kept"].as_u64().unwrap())
+        })
+    });
+    assert_eq!(counts.iter().map(|(made, _)| made).sum::<u64>(), 8, "{counts:?}");
+    assert!(counts.iter().all(|(made, kept)| made + kept == 8), "{counts:?}");
+    let manifest = fs::read_to_string(folder.file("out/manifest.jsonl")).unwrap();
+    let lines = manifest.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let mut items = Vec::from_iter(lines.skip(1).map(|line| line["item"].as_u64()));
+    items.sort();
+    assert_eq!(items, Vec::from_iter((0..8).map(Some)), "{manifest}");
+}
+
 #[test]
 fn kitti_and_scene_flow_have_parallel_cameras() {
     let folder = Folder::new("layouts");

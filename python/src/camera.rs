@@ -7,6 +7,7 @@ use stereotrace::{Convergence, Pose, StereoCamera, camera::Intrinsics};
 
 use crate::{
     errors::{raised, refused},
+    pickled::{Reduced, reduced},
     scene::Scene,
     values::{Position, Size, shown, tuple},
 };
@@ -36,8 +37,9 @@ const FIELDS: &str =
 /// - ``toe_in``: whether the eyes are turned towards each other, so that their axes meet at the screen's distance. Points then don't stay
 ///   in their rows, and both views are traced whatever method is asked for. ``False`` where nothing is said.
 ///
-/// Cameras don't change: ``replace`` makes others. Equal ones are ``==``. Raises ``ValueError``, naming the field, for what lies out of
-/// range or contradicts itself, such as both ``fov`` and ``screen_width``, a target that is the eye, or an unknown field.
+/// Cameras don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
+/// ``ValueError``, naming the field, for what lies out of range or contradicts itself, such as both ``fov`` and
+/// ``screen_width``, a target that is the eye, or an unknown field.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Camera(pub(crate) StereoCamera);
@@ -53,6 +55,11 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Camera {
 impl Camera {
     pub(crate) fn pose(&self) -> PyResult<Pose> {
         self.0.pose().map_err(raised)
+    }
+
+    /// The camera that was pickled.
+    pub(crate) fn restored(state: &[u8]) -> PyResult<Self> {
+        StereoCamera::from_json_str(&String::from_utf8_lossy(state)).map(Self).map_err(raised)
     }
 
     /// A camera that has a picture.
@@ -83,20 +90,38 @@ impl Camera {
         Self::checked(StereoCamera::fitting(bounds, size.0, size.1))
     }
 
-    /// Reads the camera ``name`` from a JSON file: an object of cameras by name.
+    /// Reads a camera from JSON: what ``to_json`` wrote, as text or as a file, or the camera ``name`` of a file of
+    /// several, an object of cameras by name.
     ///
-    /// Each has ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; ``vfov_deg`` in degrees;
-    /// ``screen_distance`` in world units, or ``"inf"`` for parallel cameras; and ``eye_separation`` in world units. Calibrations may stand
-    /// in the place of ``vfov_deg`` (``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``, pixel centres at halves), a matrix ``pose``
-    /// of the left eye in that of the first three, and ``baseline`` in that of ``eye_separation``. ``size`` is a tuple of width and height
-    /// in pixels.
+    /// Text is what begins with a brace. From what ``to_json`` wrote, without a ``name``, comes an equal camera;
+    /// ``size`` gives it another picture. Cameras of a file of several are 640 x 480 where no ``size`` is given. Each
+    /// has ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; ``vfov_deg`` in degrees;
+    /// ``screen_distance`` in world units, or ``"inf"`` for parallel cameras; and ``eye_separation`` in world units.
+    /// Calibrations may stand in the place of ``vfov_deg`` (``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``,
+    /// pixel centres at halves), a matrix ``pose`` of the left eye in that of the first three, and ``baseline`` in that
+    /// of ``eye_separation``. ``size`` is a tuple of width and height in pixels.
     ///
     /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field, if it is no JSON, has
     /// no such camera, or the camera is invalid.
     #[staticmethod]
-    #[pyo3(signature = (path, name, size = Size(640, 480)))]
-    fn from_json(path: PathBuf, name: &str, size: Size) -> PyResult<Self> {
-        StereoCamera::from_json(path, name, size.0, size.1).map(Self).map_err(raised)
+    #[pyo3(signature = (source, name = None, size = None))]
+    fn from_json(source: &Bound<'_, PyAny>, name: Option<&str>, size: Option<Size>) -> PyResult<Self> {
+        let text = source.extract::<String>().ok().filter(|text| text.trim_start().starts_with('{'));
+        if let Some(name) = name {
+            if text.is_some() {
+                return Err(refused(format!(
+                    "name: '{name}' is of a file of several cameras, and this is a text of one"
+                )));
+            }
+            let Size(width, height) = size.unwrap_or(Size(640, 480));
+            let path: PathBuf = source.extract()?;
+            return StereoCamera::from_json(path, name, width, height).map(Self).map_err(raised);
+        }
+        let camera = match text {
+            Some(text) => StereoCamera::from_json_str(&text).map_err(raised)?,
+            None => StereoCamera::from_json_file(source.extract::<PathBuf>()?).map_err(raised)?,
+        };
+        Self::checked(size.map_or(camera, |Size(width, height)| camera.size(width, height)))
     }
 
     /// The camera with other fields: the keywords of ``Camera``, ``eye`` and ``target`` among them; all else stays.
@@ -216,12 +241,16 @@ impl Camera {
         Ok((x, y, z))
     }
 
-    /// The camera as JSON text: of ``left`` and ``right`` the intrinsics in pixels and the matrices ``world_to_camera`` and
-    /// ``camera_to_world``, row by row; ``baseline`` and ``doffs``; and the numbers of the camera itself. Its ``conventions`` say what
-    /// frames and units are.
+    /// The camera as JSON text, which ``from_json`` reads back: of ``left`` and ``right`` the intrinsics in pixels and
+    /// the matrices ``world_to_camera`` and ``camera_to_world``, row by row; ``baseline`` and ``doffs``; and the
+    /// numbers of the camera itself. Its ``conventions`` say what frames and units are.
     #[pyo3(name = "to_json")]
     fn json(&self) -> PyResult<String> {
-        Ok(self.pose()?.to_json())
+        self.0.to_json().map_err(raised)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        reduced(py, "Camera", self.json()?.as_bytes())
     }
 
     fn __repr__(&self) -> PyResult<String> {
@@ -246,13 +275,14 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             return Err(refused(format!("camera: {one} and {other} say the same; give one of them")));
         }
     }
-    // By pixels it is a parallax at infinity, which parallel cameras have none of: what the camera had stays, in world units.
+    // In pixels the interaxial is a parallax at infinity, and the screen has a width: parallel cameras have neither.
+    // What is seen stays.
     if let Some(distance) = fields.get_item("screen_distance")?
         && distance.extract::<f32>().is_ok_and(f32::is_infinite)
         && !has("interaxial_px")?
-        && let Ok(pose) = camera.pose()
+        && let Ok(parallel) = camera.parallel()
     {
-        camera = camera.interaxial(pose.interaxial);
+        camera = parallel;
     }
     for (name, value) in fields {
         let name: String = name.extract()?;

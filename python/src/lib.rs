@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod options;
 mod pair;
+mod pickled;
 mod picture;
 mod renderer;
 mod scene;
@@ -26,6 +27,7 @@ mod _stereotrace {
         material::Material,
         options::check_options,
         pair::{StereoPair, View, Views},
+        pickled::restored,
         picture::encode_png,
         renderer::Renderer,
         scene::Scene,

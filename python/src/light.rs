@@ -3,7 +3,10 @@
 use pyo3::prelude::*;
 use stereotrace::LightShape;
 
-use crate::values::{Color, Point, Position, tuple};
+use crate::{
+    pickled::{Reduced, bytes, reduced},
+    values::{Color, Point, Position, tuple},
+};
 
 /// A light without falloff: all of it that is seen from a place is as bright there as from any other.
 ///
@@ -11,8 +14,8 @@ use crate::values::{Color, Point, Position, tuple};
 /// together adds to a white surface that faces it: linear RGB, 0 or more, or one number for all three. Lights are not seen themselves. All
 /// but points light by as many rays as the option ``shadow_rays`` says, so that their shadows have a penumbra; a scene may have 16 such.
 ///
-/// Lights don't change: ``replace`` makes others. Equal ones are ``==``. Their values are checked when a scene is rendered, with a
-/// ``ValueError`` for what is out of range.
+/// Lights don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Their values are
+/// checked when a scene is rendered, with a ``ValueError`` for what is out of range.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Light(pub(crate) stereotrace::Light);
@@ -93,6 +96,10 @@ impl Light {
         light.position = position.map_or(light.position, |point| point.0);
         light.intensity = intensity.map_or(light.intensity, |color| color.0);
         Self(light)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        reduced(py, "Light", &bytes(&self.0)?)
     }
 
     fn __repr__(&self) -> String {

@@ -1,10 +1,11 @@
 //! Materials.
 
 use pyo3::{prelude::*, types::PyDict};
-use stereotrace::{Finish, TextureId};
+use stereotrace::{Finish, TextureId, glam::Vec3};
 
 use crate::{
     errors::refused,
+    pickled::{Reduced, bytes, reduced},
     values::{Color, shown, tuple},
 };
 
@@ -30,12 +31,14 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 /// ``Material()`` is a grey, matte, opaque one of albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for three equal ones. The
 /// fields are keywords, of which ``albedo`` may come first without its name:
 ///
-/// - ``albedo``: diffuse (Lambertian) reflectance.
+/// - ``albedo``: diffuse (Lambertian) reflectance; of mirrors and glass black where nothing is said.
 /// - ``name``: for messages; empty where nothing is said.
 /// - ``texture``: the id of a texture that the albedo is multiplied by; its alpha says nothing. ``None`` for none.
 /// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None`` for none.
 /// - ``opacity``: the share of what is behind the surface that it hides, 0 to 1; 1 where nothing is said.
-/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Black where nothing is said.
+/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Where nothing is said it
+///   is 0.95 for mirrors, what ``index`` gives straight on for glass with ``fresnel`` (0.04 for 1.5), and black for all
+///   else.
 /// - ``exponent``: Phong's exponent, 0 to 10000; the larger, the smaller a highlight. 30 where nothing is said.
 /// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send on. ``False`` where
 ///   nothing is said.
@@ -47,9 +50,9 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 /// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the more the view grazes
 ///   them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True`` for glass where nothing is said.
 ///
-/// Materials don't change: ``replace`` makes others. Equal ones are ``==``. Raises ``ValueError`` for unknown fields, fields of another
-/// finish and values of another type. Ranges are checked when a scene is rendered: there what is scattered, reflected and let through may
-/// be at most 1 together in each channel.
+/// Materials don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
+/// ``ValueError`` for unknown fields, fields of another finish and values of another type. Ranges are checked when a
+/// scene is rendered: there what is scattered, reflected and let through may be at most 1 together in each channel.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Material(pub(crate) stereotrace::Material);
@@ -67,11 +70,19 @@ impl Material {
     #[new]
     #[pyo3(signature = (albedo = None, **fields))]
     fn new(albedo: Option<Color>, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let mut material = stereotrace::Material::new(stereotrace::glam::Vec3::splat(0.7));
+        let mut material = stereotrace::Material::new(Vec3::splat(0.7));
         if let Some(albedo) = albedo {
             material.albedo = albedo.0;
         }
-        with(material, fields)
+        let Material(mut material) = with(material, fields)?;
+        // What the grey would scatter beside what these reflect and let through would be more than all light.
+        if albedo.is_none() && material.finish != Finish::Matte {
+            material.albedo = Vec3::ZERO;
+        }
+        if !fields.is_some_and(|fields| fields.contains("specular").unwrap_or(false)) {
+            material.specular = default_specular(&material.finish);
+        }
+        Ok(Self(material))
     }
 
     /// The material with other fields, ``albedo`` and the other keywords of ``Material``; all else stays. With ``finish``, those of
@@ -168,6 +179,10 @@ impl Material {
         }
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        reduced(py, "Material", &bytes(&self.0)?)
+    }
+
     fn __repr__(&self) -> String {
         let name = if self.0.name.is_empty() { String::new() } else { format!(", name='{}'", self.0.name) };
         format!("Material(albedo={}, finish='{}'{name})", self.0.albedo, self.finish())
@@ -221,11 +236,21 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     Ok(Material(material))
 }
 
+/// What a surface reflects where nothing is said.
+fn default_specular(finish: &Finish) -> Vec3 {
+    match *finish {
+        Finish::Mirror { .. } => Vec3::splat(0.95),
+        // Straight on (Fresnel).
+        Finish::Glass { index, fresnel: true, .. } => Vec3::splat(((index - 1.0) / (index + 1.0)).powi(2)),
+        _ => Vec3::ZERO,
+    }
+}
+
 fn finish(name: &str) -> PyResult<Finish> {
     match name {
         "matte" => Ok(Finish::Matte),
         "mirror" => Ok(Finish::Mirror { fresnel: false }),
-        "glass" => Ok(Finish::Glass { index: 1.5, transmission: stereotrace::glam::Vec3::ONE, fresnel: true }),
+        "glass" => Ok(Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true }),
         _ => Err(refused(format!("material: unknown finish '{name}'; there are matte, mirror and glass"))),
     }
 }

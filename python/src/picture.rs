@@ -58,6 +58,7 @@ pub(crate) fn encoded(
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     let fault = |reason: String| refused(format!("picture: {reason}"));
+    let picture = &py.import("numpy")?.call_method1("require", (picture, py.None(), ["ALIGNED"]))?;
     let file = if let Ok(rgb) = picture.extract::<PyReadonlyArray3<'_, u8>>() {
         let rgb = rgb.as_array();
         let (height, width, channels) = rgb.dim();

@@ -421,6 +421,15 @@ impl Renderer {
         })
     }
 
+    /// Lets go of a scene on the device, where it stands there. The next frame that asks for it brings it again.
+    fn release(&self, py: Python<'_>, scene: &Scene) -> PyResult<()> {
+        let state = scene.state;
+        self.with_stage(py, |stage| {
+            stage.scenes.retain(|(known, _)| !known.is_of_scene(state));
+            Ok(())
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!("Renderer({}, {})", self.adapter, self.driver)
     }

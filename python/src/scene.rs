@@ -22,6 +22,7 @@ use crate::{
     errors::{raised, refused},
     light::Light,
     material::Material,
+    pickled::{self, Reduced, reduced},
     values::{self, Color, Point, Position, Size, named, shown, tuple},
 };
 
@@ -58,6 +59,8 @@ impl State {
 ///
 /// A renderer brings changes to its device when the scene is rendered next. Then the values of materials, lights and sky are checked too:
 /// what is out of range is a ``ValueError``. A scene can't be changed while it is rendered: that is a ``RuntimeError``.
+///
+/// Scenes can be pickled, with all that they show and their cameras; renderers can't.
 #[pyclass(module = "stereotrace")]
 pub(crate) struct Scene {
     pub(crate) inner: stereotrace::Scene,
@@ -76,6 +79,18 @@ impl Scene {
     fn changed(&mut self) -> &mut stereotrace::Scene {
         self.state.change += 1;
         &mut self.inner
+    }
+
+    /// The scene that was pickled.
+    pub(crate) fn restored(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
+        let (inner, cameras, builtin): (stereotrace::Scene, Vec<(String, String)>, Option<String>) =
+            py.detach(|| pickled::value("Scene", state))?;
+        let cameras = cameras.into_iter().map(|(name, text)| {
+            let camera = StereoCamera::from_json_str(&text).map_err(raised)?;
+            Ok((name, camera))
+        });
+        let builtin = builtin.as_deref().map(named).transpose()?;
+        Ok(Self::of(inner, cameras.collect::<PyResult<_>>()?, builtin))
     }
 
     fn check_material(&self, id: u32) -> PyResult<()> {
@@ -155,6 +170,14 @@ impl Scene {
 
     fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
         self.copy()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let cameras = self.cameras.iter().map(|(name, camera)| Ok((name, camera.to_json().map_err(raised)?)));
+        let cameras = cameras.collect::<PyResult<Vec<_>>>()?;
+        let builtin = self.builtin.map(|builtin| builtin.to_string());
+        let state = py.detach(|| pickled::bytes(&(&self.inner, cameras, builtin)))?;
+        reduced(py, "Scene", &state)
     }
 
     /// The camera that goes with the scene: that of a built-in scene, the camera of its file by its ``name`` or else the first one, or
@@ -522,6 +545,13 @@ impl Scene {
     #[getter]
     fn object_count(&self) -> usize {
         self.inner.object_count()
+    }
+
+    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky. On a
+    /// device it takes about as much again.
+    #[getter]
+    fn memory(&self) -> usize {
+        self.inner.memory()
     }
 
     /// The id of the object that a primitive belongs to; ``MISS`` for a number out of range.

@@ -6,7 +6,7 @@ use numpy::{
     Element, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArray,
     PyUntypedArrayMethods,
 };
-use pyo3::{conversion::FromPyObjectOwned, exceptions::PyTypeError, prelude::*, types::PyDict};
+use pyo3::{conversion::FromPyObjectOwned, exceptions::PyTypeError, prelude::*};
 use stereotrace::{
     Error,
     glam::{DVec3, Vec2, Vec3},
@@ -110,11 +110,9 @@ fn array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>>
     Ok(value.py().import("numpy")?.call_method1("asarray", (value,))?.cast_into()?)
 }
 
-/// It as an array of another type, in C order.
+/// It as an array of another type, in C order and aligned.
 fn of_type<'py>(array: &Bound<'py, PyUntypedArray>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    let keywords = PyDict::new(array.py());
-    keywords.set_item("dtype", name)?;
-    array.py().import("numpy")?.call_method("ascontiguousarray", (array,), Some(&keywords))
+    array.py().import("numpy")?.call_method1("require", (array, name, ["C", "ALIGNED"]))
 }
 
 fn misshapen(what: &str, expected: &str, found: &[usize]) -> PyErr {

@@ -13,9 +13,17 @@ an ``AdapterError``. Messages of the library go to the logger ``stereotrace``.
 
 from __future__ import annotations
 
+import os
+import sys
 from typing import TYPE_CHECKING
 
-from ._stereotrace import (
+# Without a user's session Mesa's device chooser prints an error line, which means nothing here. It reads this when a
+# device is opened.
+if sys.platform == "linux" and not os.path.isdir(os.environ.get("XDG_RUNTIME_DIR", "")):
+    os.environ.setdefault("NODEVICE_SELECT", "1")
+
+from ._stereotrace import (  # noqa: E402
+
     ANAGLYPHS,
     BUILTINS,
     LAYOUTS,

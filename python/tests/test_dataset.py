@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tarfile
+import threading
 import time
 from pathlib import Path
 
@@ -183,11 +184,154 @@ def test_orbits_go_round_what_they_look_at():
 
 @pytest.mark.parametrize("layout", stereotrace.LAYOUTS)
 def test_layouts_are_folders(layout, tmp_path):
-    report = dataset.make(spec(format=layout, pairs=2, shard_pairs=1, scenes=[{"builtin": "hall"}]), str(tmp_path))
+    made = spec(format=layout, pairs=2, shard_pairs=1, scenes=[{"builtin": "hall"}])
+    report = dataset.make(made, str(tmp_path))
     assert (report.made, report.errors, report.failed) == (2, [], [])
-    left = {"middlebury": "000001/im0.png", "kitti": "training/image_2/000001_10.png", "sceneflow": "frames_finalpass/stereotrace/left/0001.png"}
-    assert (tmp_path / "small-000001" / left[layout]).is_file()
+    left = {
+        "middlebury": "small-000001/000001/im0.png",
+        "kitti": "training/image_2/000001_10.png",  # one root, whatever the shards
+        "sceneflow": "small-000001/frames_finalpass/stereotrace/left/0001.png",
+    }
+    assert (tmp_path / left[layout]).is_file()
     assert not list(tmp_path.glob("*.part-*"))
+    pairs = [line for line in manifest(tmp_path) if "item" in line]
+    assert all(pair["disparity"][0] >= 0 for pair in pairs), "cameras are parallel where nothing is said"
+    if layout == "kitti":
+        assert sorted(path.name for path in tmp_path.iterdir() if path.is_dir()) == ["training"]
+        assert [path.name for path in sorted((tmp_path / "training" / "disp_occ_0").iterdir())] == ["000000_10.png", "000001_10.png"]
+        picture = tmp_path / left[layout]
+        before = picture.read_bytes()
+        # As a process that was killed leaves it.
+        (tmp_path / "small-000001.json").unlink()
+        picture.unlink()
+        again = dataset.make(made, str(tmp_path))
+        assert (again.made, again.kept) == (1, 1) and picture.read_bytes() == before
+        memory = dataset.Store("flaky://kitti")
+        dataset.make(made, "flaky://kitti")
+        assert memory.read(left[layout]) == before
+
+
+def test_middlebury_has_no_disparity_below_0(tmp_path):
+    """Its loaders take absolute values: converged cameras are asked for by name, and must have none."""
+    common = {"format": "middlebury", "pairs": 1, "scenes": [{"builtin": "spheres"}], "poses": {"kind": "fixed"}, "randomise": {}}
+    worker = Worker(spec(**common))
+    pair, _ = worker.pair(0)
+    pair.write(tmp_path)
+    disparity = cv2.imread(str(tmp_path / "000000" / "disp0.pfm"), cv2.IMREAD_UNCHANGED)
+    sky = cv2.imread(str(tmp_path / "000000" / "mask0sky.png"), cv2.IMREAD_UNCHANGED) == 255
+    assert sky.any() and np.array_equal(np.isinf(disparity), sky) and (disparity[~sky] > 0).all()
+    assert np.array_equal(disparity[~sky], pair.left.disparity[~sky])
+    report = dataset.make(spec(**common, rig={"screen_distance": 2}), str(tmp_path / "converged"))
+    assert "absolute value of a disparity" in report.errors[0]["error"]
+    assert dataset.make(spec(**common, rig={"screen_distance": 1e4}), str(tmp_path / "behind")).errors == []
+
+
+def counted_scenes(monkeypatch) -> list[int]:
+    """Of each scene that is read, its number."""
+    opened: list[int] = []
+    real = dataset.worker.open_scene
+
+    def open_scene(of: Spec, scene: int) -> stereotrace.Scene:
+        opened.append(scene)
+        return real(of, scene)
+
+    monkeypatch.setattr(dataset.worker, "open_scene", open_scene)
+    monkeypatch.setattr(dataset.run, "open_scene", open_scene)
+    return opened
+
+
+def test_shards_read_each_scene_once(tmp_path, monkeypatch):
+    """Pairs are made scene by scene, and stand in their own order."""
+    builtins = ("near", "three-spheres", "spheres", "random-20")
+    many = spec(scenes=[{"builtin": name} for name in builtins], pairs=24, shard_pairs=12, size=[16, 12], poses={"kind": "fixed"}, randomise={})
+    opened = counted_scenes(monkeypatch)
+    dataset.make(many, str(tmp_path / "one"), scene_memory=0)
+    assert sorted(opened[:4]) == list(range(4))
+    # One scene is kept, which the second shard begins with.
+    assert len(opened) == 4 + 4 + 3, opened
+    opened.clear()
+    dataset.make(many, str(tmp_path / "all"))
+    assert sorted(opened) == list(range(4))
+    for name in ("small-000000", "small-000001"):
+        assert (tmp_path / "one" / f"{name}.tar").read_bytes() == (tmp_path / "all" / f"{name}.tar").read_bytes()
+        record = json.loads((tmp_path / "one" / f"{name}.json").read_text())
+        numbers = [pair["item"] for pair in record["pairs"]]
+        assert numbers == sorted(numbers) and len(numbers) == 12
+        keys = [entry.partition(".")[0] for entry in tar(tmp_path / "one" / f"{name}.tar")]
+        assert keys == sorted(keys)
+    # What waits for its place on disk is the same.
+    monkeypatch.setattr(dataset.worker, "WAITING_MEMORY", 1)
+    dataset.make(many, str(tmp_path / "disk"), shards=[1])
+    assert (tmp_path / "disk" / "small-000001.tar").read_bytes() == (tmp_path / "all" / "small-000001.tar").read_bytes()
+
+
+def test_scenes_stay_read_up_to_a_memory(monkeypatch):
+    many = spec(scenes=[{"builtin": "hall"}, {"builtin": "near"}, {"builtin": "spheres"}])
+    opened = counted_scenes(monkeypatch)
+    size = 3 * stereotrace.Scene.builtin("hall").memory
+    worker = Worker(many, scene_memory=size + 2_000_000)
+    for scene in (0, 1, 0, 2, 0, 1):
+        worker._stage(scene)
+    assert opened == [0, 1, 2]
+    opened.clear()
+    worker = Worker(many, scene_memory=size - 1)
+    for scene in (0, 1, 0, 2, 1, 2):
+        worker._stage(scene)
+    assert opened == [0, 1, 0, 2, 1]
+
+
+def test_scenes_whose_files_are_as_they_were_are_not_read_again(tmp_path, monkeypatch):
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (folder / "a.mtl").write_text("newmtl a\nKd 1 0 0\n")
+    (folder / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    one = spec(scenes=[{"file": str(folder / "a.obj")}, {"builtin": "near"}], poses={"kind": "fixed"}, pairs=4)
+    out = str(folder / "out")  # a data set among its scenes is no scene
+    opened = counted_scenes(monkeypatch)
+    dataset.make(one, out)
+    assert opened[:2] == [0, 1]
+    opened.clear()
+    assert dataset.make(one, out).kept == 2 and opened == []
+    # Another time is looked at; content that is the same goes on.
+    os.utime(folder / "a.obj", ns=(1, 1))
+    assert dataset.make(one, out).kept == 2 and opened == [0]
+    opened.clear()
+    assert dataset.make(one, out).kept == 2 and opened == []
+    (folder / "a.mtl").write_text("newmtl a\nKd 0 1 0\n")
+    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+        dataset.make(one, out)
+    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+        dataset.make(one, out)
+
+
+def test_runs_on_parts_end_with_a_manifest_of_all(made, tmp_path, monkeypatch):
+    """Another run ends after this one has listed the shards, and before it writes the manifest."""
+    out, other = str(tmp_path / "out"), []
+    real = dataset.Store.writing
+
+    def writing(self, name):
+        if name == "manifest.jsonl" and not other:
+            other.append(1)
+            dataset.make(spec(), out, shards=[0, 2])
+        return real(self, name)
+
+    monkeypatch.setattr(dataset.Store, "writing", writing)
+    assert dataset.make(spec(), out, shards=[1]).made == 1
+    assert other and [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(7))
+    assert manifest(tmp_path / "out")[0] == manifest(made)[0]
+
+
+def test_a_run_with_nothing_to_do_writes_nothing(tmp_path):
+    out = tmp_path / "out"
+    dataset.make(spec(pairs=4), str(out))
+    times = {path.name: (path.stat().st_mtime_ns, path.stat().st_ino) for path in out.iterdir()}
+    assert dataset.make(spec(pairs=4), str(out)).kept == 2
+    assert dataset.make(spec(pairs=4), str(out), shards=[1]).kept == 1
+    assert times == {path.name: (path.stat().st_mtime_ns, path.stat().st_ino) for path in out.iterdir()}
+    # A manifest that a killed run did not write is written.
+    (out / "manifest.jsonl").unlink()
+    dataset.make(spec(pairs=4), str(out))
+    assert [line["item"] for line in manifest(out) if "item" in line] == list(range(4))
 
 
 def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
@@ -308,6 +452,85 @@ class Flaky(MemoryFileSystem):
 fsspec.register_implementation("flaky", Flaky)
 
 
+class Counting(MemoryFileSystem):
+    """A storage that counts what it is asked: files that are listed, and how many are read at once."""
+
+    protocol = "counting"
+    store: dict = {}
+    pseudo_dirs = [""]
+    listed = 0
+    reading = 0
+    most_reading = 0
+    lock = threading.Lock()
+
+    def ls(self, path, detail=True, **more):
+        found = super().ls(path, detail=detail, **more)
+        Counting.listed += len(found)
+        return found
+
+    def cat_file(self, path, *given, **more):
+        with Counting.lock:
+            Counting.reading += 1
+            Counting.most_reading = max(Counting.most_reading, Counting.reading)
+        time.sleep(0.002)
+        try:
+            return super().cat_file(path, *given, **more)
+        finally:
+            with Counting.lock:
+                Counting.reading -= 1
+
+
+fsspec.register_implementation("counting", Counting)
+
+
+class NoWorker:
+    """Makes no pairs, and the records of shards."""
+
+    def __init__(self, spec: Spec, *_: object) -> None:
+        self.spec = spec
+
+    def shard(self, number: int, store: dataset.Store, *_: object) -> dict:
+        record = {"shard": self.spec.shard_name(number), "pairs": [{"item": number}], "errors": []}
+        store.write(f"{record['shard']}.json", json.dumps(record).encode())
+        return record
+
+
+def test_what_a_storage_is_asked_grows_with_the_shards_and_no_faster(monkeypatch):
+    from stereotrace.dataset import on_ray
+
+    monkeypatch.setattr(on_ray, "Worker", NoWorker)
+    monkeypatch.setattr(on_ray, "_here", lambda: "here")
+    listed = {}
+    for shards in (100, 400):
+        one = spec(pairs=shards, shard_pairs=1, scenes=[{"builtin": "near"}])
+        out = f"counting://{shards}"
+        data_set = dataset.DataSet(one, dataset.Store(out))
+        maker = on_ray.ShardMaker(one.values, ".", data_set.hashes, out, {}, None, 1, "run", 0)
+        Counting.listed = Counting.most_reading = 0
+        rows = [maker._row(shard) for shard in range(shards)]
+        assert all(row["tries"] == 1 for row in rows), rows[0]
+        listed[shards] = Counting.listed
+        assert data_set.write_manifest([]) == []
+        assert 4 < Counting.most_reading <= 32
+        lines = [json.loads(line) for line in data_set.store.read("manifest.jsonl").splitlines()]
+        assert [line["item"] for line in lines if "item" in line] == list(range(shards))
+    # 400 of 400 marks are 160,000 where all are listed for each.
+    assert listed[400] <= 4 * listed[100] + 100, listed
+    # What was tried is counted, up to one more than there may be.
+    assert [maker._count_try("x") for _ in range(5)] == [1, 2, 3, 4, 4]
+
+
+def test_a_shard_that_failed_elsewhere_stays_in_the_manifest(tmp_path):
+    Flaky.away = ("small-000001",)
+    dataset.make(spec(), "flaky://pairs/parts", shards=[0, 1])
+    Flaky.away = ()
+    dataset.make(spec(), "flaky://pairs/parts", shards=[2])
+    lines = dataset.Store("flaky://pairs/parts").read("manifest.jsonl").splitlines()
+    assert "does not answer" in json.loads(lines[-1])["error"]
+    dataset.make(spec(), "flaky://pairs/parts")
+    assert b"does not answer" not in dataset.Store("flaky://pairs/parts").read("manifest.jsonl")
+
+
 def test_any_storage_of_fsspec(made):
     Flaky.away, store = ("small-000001",), dataset.Store("flaky://pairs/one")
     report = dataset.make(spec(), "flaky://pairs/one")
@@ -374,6 +597,34 @@ def test_any_storage_of_fsspec(made):
         ({"compress": True, "format": "middlebury"}, "compress: the layout middlebury says"),
         ({"compress": 1}, "compress: 1 must be true or false"),
         ({"pairs": 10_001, "format": "sceneflow"}, "at most 10000"),
+        ({"rig": {"interaxial": -0.1}}, "rig.interaxial: -0.1 must be 0 or more"),
+        ({"rig": {"interaxial": {"uniform": [-0.1, 1]}}}, r"rig.interaxial.uniform\[0\]: -0.1 must be 0 or more"),
+        ({"rig": {"interaxial": {"choice": [1, -1]}}}, r"rig.interaxial.choice\[1\]: -1 must be 0 or more"),
+        ({"rig": {"interaxial_px": -1}}, "rig.interaxial_px: -1 must be 0 or more"),
+        ({"rig": {"baseline": -1}}, "rig.baseline: -1 must be 0 or more"),
+        ({"rig": {"fov": 180}}, "rig.fov: 180 must be above 0 and below 180"),
+        ({"rig": {"fov": {"uniform": [0, 60]}}}, r"rig.fov.uniform\[0\]: 0 must be above 0"),
+        ({"rig": {"fov": {"uniform": [30, 200]}}}, r"rig.fov.uniform\[1\]: 200 must be above 0 and below 180"),
+        ({"rig": {"screen_distance": -2}}, "rig.screen_distance: -2.0 must be above 0"),
+        ({"rig": {"screen_distance": 5}, "format": "kitti"}, "rig.screen_distance: the cameras of kitti are parallel"),
+        ({"rig": {"screen_distance": {"choice": ["inf", 5]}}, "format": "sceneflow"}, "the cameras of sceneflow are parallel"),
+        ({"rig": {"interaxial_px": 2}, "format": "middlebury"}, "parallel cameras have none of"),
+        ({"rig": {"fx": 500, "fov": 40}}, "rig: fov and fx say the same"),
+        ({"rig": {"interaxial": 1, "baseline": 1}}, "rig: interaxial and baseline say the same"),
+        ({"rig": {"cx": 500}}, "rig.cx: it goes with fx"),
+        ({"rig": {"fx": 0}}, "rig.fx: 0 must be above 0"),
+        ({"rig": {"fx": 100, "interaxial_px": 2}}, "parallel cameras have none of"),
+        ({"poses": {"min_surfaces": 1.1}}, "poses.min_surfaces: 1.1 must be 0 to 1"),
+        ({"poses": {"clearance": -1}}, "poses.clearance: -1 must be 0 or more"),
+        ({"poses": {"clearance": {"uniform": [-1, 1]}}}, r"poses.clearance.uniform\[0\]: -1 must be 0 or more"),
+        ({"poses": {"max_disparity": 0}}, "poses.max_disparity: 0 must be above 0"),
+        ({"poses": {"kind": "orbit", "distance": {"uniform": [0, 1]}}}, r"poses.distance.uniform\[0\]: 0 must be above 0"),
+        ({"scenes": [{"file": "a.obj", "crease_angle": 200}]}, r"scenes\[0\].crease_angle: 200 must be 0 to 180"),
+        ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}]}, r"camera.target: \[0.0, 0.0, 0.0\] is the eye too"),
+        ({"scenes": [{"builtin": "hall", "camera": {"up": [0, 0, 0]}}]}, r"scenes\[0\].camera.up: it must not be 0"),
+        ({"scenes": [{"builtin": "hall", "lights": [{"towards": [0, 0, 0], "intensity": 1}]}]}, r"lights\[0\].towards: it must not be 0"),
+        ({"randomise": {"exposure": 65}}, "randomise.exposure: 65 must be -64 to 64"),
+        ({"rig": {"fov": 10**5000}}, "rig.fov: a number of too many digits must be a number|rig.fov: 1000.* must be a number"),
     ],
 )
 def test_specs_that_say_something_wrong(changes, message):
@@ -406,6 +657,85 @@ def test_specs_of_files(tmp_path):
     ):
         failed = command(*arguments)
         assert failed.returncode == 1 and message in failed.stderr and "Traceback" not in failed.stderr, failed.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("pairs: 1:30\n", "pairs: '1:30' must be a whole number"),
+        ("pairs: 190:20:30.5\n", "pairs: '190:20:30.5' must be a whole number"),
+        ("pairs: 2\nscenes: [{builtin: hall}]\nrig: {fov: 1:30}\n", "rig.fov: '1:30' must be a number"),
+        ("pairs: 2\nseed: 1\npairs: 3\n", "line 3: the key 'pairs' stands twice"),
+        ("pairs: 2\nrig: {fov: 40, fov: 50}\n", "line 2: the key 'fov' stands twice"),
+        ("pairs: 2\nscenes: [{builtin: hall}]\ncompress: yes\n", "compress: 'yes' must be true or false"),
+        ("pairs: " + 9000 * "9" + "\n", "line 1: .*99"),
+        ("pairs: " + 40 * "[" + 40 * "]" + "\n", "line 1: lists and mappings are nested over 32"),
+        ("pairs: " + 100_000 * "[" + "\n", "line 1: lists and mappings are nested over 32"),
+        ("".join(f"{level * ' '}a:\n" for level in range(100)), "nested over 32"),
+        ("pairs: &a [*a]\n", "nested over 32"),
+        ("&a {pairs: *a}\n", "nested over 32"),
+        ("a: &a [1,1,1,1,1,1,1,1,1,1]\n" + "".join(f"{b}: &{b} [{','.join(10 * ['*' + a])}]\n" for a, b in zip("abcdefgh", "bcdefghi")) + "pairs: *i\n", "over 1000000 values"),
+        ("pairs: 2\nscenes: !!python/object/apply:os.system [ls]\n", "no YAML"),
+        ("pairs: \x00\n", "no YAML"),
+    ],
+)
+def test_yaml_that_means_something_else_is_refused(tmp_path, text, message):
+    path = tmp_path / "spec.yaml"
+    path.write_text(text)
+    with pytest.raises(SpecError, match=message) as caught:
+        Spec.load(path)
+    assert len(str(caught.value)) < 2000
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"pairs": 1, "pairs": 2}', "the key 'pairs' stands twice"),
+        ('{"pairs": 1, "rig": {"fov": 1, "fov": 2}}', "the key 'fov' stands twice"),
+        (40 * '{"a":' + "1" + 40 * "}", "nested over 32"),
+        (200_000 * "[", "nested over 32|no JSON"),
+        ('{"pairs": ' + 9000 * "9" + "}", "no JSON"),
+        ('{"pairs": NaN}', "pairs: nan must be a whole number"),
+        ("{", "spec.json: no JSON"),
+    ],
+)
+def test_json_that_means_something_else_is_refused(tmp_path, text, message):
+    path = tmp_path / "spec.json"
+    path.write_text(text)
+    with pytest.raises(SpecError, match=message):
+        Spec.load(path)
+
+
+def test_what_yaml_and_dicts_may_say(tmp_path):
+    path = tmp_path / "spec.yaml"
+    path.write_text("pairs: 1_000\nseed: 010\nrig: {<<: {fov: 40, interaxial: 1}, fov: 5e1}\ncompress: TRUE\nname: on\nscenes: [{builtin: hall}]\n")
+    found = Spec.load(path)
+    assert (found["pairs"], found["seed"], found["rig"], found["compress"], found["name"]) == (1000, 10, {"interaxial": 1.0, "fov": 50.0}, True, "on")
+    deep: dict = {}
+    inner = deep
+    for _ in range(5000):
+        inner["a"] = {}
+        inner = inner["a"]
+    itself: dict = {"pairs": 1}
+    itself["rig"] = itself
+    for wrong in (deep, itself):
+        with pytest.raises(SpecError, match="nested over 32 levels deep"):
+            Spec.load(wrong)
+    with pytest.raises(SpecError, match="it is no regular file"):
+        Spec.load(tmp_path)
+
+
+def test_rigs_of_calibrations():
+    lens = {"fx": 40.0, "fy": 41.0, "cx": 25.5, "cy": 15.25, "baseline": {"uniform": [0.1, 0.2]}}
+    for kind in ("webdataset", "kitti"):
+        pair, record = Worker(spec(rig=lens, format=kind, scenes=[{"builtin": "hall"}])).pair(0)
+        found = pair.camera.intrinsics
+        assert {name: round(value, 9) for name, value in found.items()} == {"fx": 40, "fy": 41, "cx0": 25.5, "cx1": 25.5, "cy": 15.25}
+        assert 0.1 <= record["interaxial"] <= 0.2 and np.isinf(pair.camera.screen_distance)
+    pair, _ = Worker(spec(rig={"fx": 30, "screen_distance": 4}, scenes=[{"builtin": "hall"}], poses={"kind": "fixed"})).pair(0)
+    found = pair.camera.intrinsics
+    assert found["fx"] == found["fy"] == 30 and (found["cx0"] + found["cx1"]) / 2 == 24 and found["cy"] == 16
+    assert pair.camera.screen_distance == 4 and pair.camera.interaxial > 0
 
 
 def test_places_with_colons_and_one_pair_of_a_layout(tmp_path, monkeypatch):

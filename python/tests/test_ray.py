@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -118,3 +119,51 @@ def test_no_adapter_stops_the_run(tmp_path):
     spec = Spec.load({**SPEC, "pairs": 2, "shard_pairs": 1, "size": [32, 24]})
     with pytest.raises(AdapterError, match="worker on .*no graphics adapter found for the name 'Voodoo2'"):
         dataset.make_on_ray(spec, str(tmp_path / "out"), workers=1, adapter="Voodoo2")
+
+
+LISTENING = """if 1:
+    import os, pathlib, ray
+    from stereotrace.dataset import on_ray
+    on_ray._start(ray, None)
+
+    @ray.remote
+    def one():
+        return 1
+
+    assert ray.get(one.remote()) == 1
+    parents = {}
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            parents[int(entry.name)] = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            pass
+    own, grown = {os.getpid()}, True
+    while grown:
+        more = {child for child, parent in parents.items() if parent in own} - own
+        own, grown = own | more, bool(more)
+    sockets = set()
+    for process in own:
+        for file in pathlib.Path(f"/proc/{process}/fd").glob("*"):
+            try:
+                sockets.add(os.readlink(file))
+            except OSError:
+                pass
+    for family in ("tcp", "tcp6"):
+        for line in pathlib.Path(f"/proc/net/{family}").read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[3] == "0A" and f"socket:[{fields[9]}]" in sockets:
+                print(fields[1].partition(":")[0])
+    print(os.environ.get("RAY_AUTH_MODE"), on_ray.CLUSTERS in os.environ)
+    ray.shutdown()
+"""
+
+
+def test_a_ray_of_this_machine_listens_on_the_loopback_interface_alone(tmp_path):
+    env = {key: value for key, value in os.environ.items() if key not in ("RAY_ADDRESS", "RAY_AUTH_MODE", on_ray.CLUSTERS)}
+    found = subprocess.run([sys.executable, "-c", LISTENING], env={**env, "HOME": str(tmp_path)}, capture_output=True, text=True, timeout=300)
+    assert found.returncode == 0, found.stderr
+    *places, last = found.stdout.split("\n")[:-1]
+    loopback = {"0100007F", "0000000000000000FFFF00000100007F", "00000000000000000000000001000000"}
+    assert len(places) >= 4 and set(places) <= loopback, places
+    # Ray asks for a token by itself, and other Rays of this process are as they were.
+    assert last == "token False"

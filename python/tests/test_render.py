@@ -46,9 +46,7 @@ def test_pictures_are_the_commands(renderer, hall, tmp_path, method):
 def test_data_sets_are_the_commands(renderer, hall, tmp_path, layout):
     """The same free places, the same files: byte for byte."""
     run("dataset", "builtin:hall", "--size", "96x64", "--pairs", 2, "--layout", layout, "--out", tmp_path / "command")
-    camera = hall.camera(size=(96, 64))
-    if layout != "middlebury":
-        camera = camera.replace(screen_distance=np.inf)
+    camera = hall.camera(size=(96, 64)).replace(screen_distance=np.inf)
     for item in range(2):
         place, _ = renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * 96)
         pair = renderer.render(hall, place, outputs=["color", "occlusion"])
@@ -315,6 +313,18 @@ def test_messages_go_to_pythons_log(caplog, tmp_path):
     with caplog.at_level("WARNING", logger="stereotrace"):
         Scene.open(flat)
     assert any("without area" in message for message in caplog.messages), caplog.messages
+
+
+def test_nothing_is_printed_that_is_not_ours(tmp_path):
+    """Without a session Mesa would print a line about XDG_RUNTIME_DIR."""
+    env = {key: value for key, value in os.environ.items() if key not in ("XDG_RUNTIME_DIR", "NODEVICE_SELECT")}
+    text = "import stereotrace; scene = stereotrace.Scene.builtin('near'); stereotrace.render(scene, scene.camera(size=(8, 6)))"
+    commands = [[sys.executable, "-c", text]]
+    if COMMAND:
+        commands.append([COMMAND, "render", "builtin:near", "--size", "8x6", "--out", str(tmp_path / "out")])
+    for command in commands:
+        found = subprocess.run(command, env=env, capture_output=True, text=True, timeout=120)
+        assert (found.returncode, found.stderr) == (0, ""), command
 
 
 def test_everything_has_a_docstring():

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import multiprocessing
+import pickle
+
 import numpy as np
 import pytest
 import trimesh
@@ -206,3 +210,156 @@ def test_wrong_arrays_are_refused_by_name():
         scene.set_material(9, Material())
     with pytest.raises(ValueError, match="empty"):
         scene.camera()
+
+
+def everything() -> Scene:
+    """A scene with one of each kind."""
+    scene = Scene()
+    texture = scene.add_texture(checker(), wrap="mirror")
+    board = scene.add_checkerboard(1.0, 0.0, 8)
+    shown = scene.add_material(Material(albedo=0.9, texture=texture, cutout=board, name="shown", specular=0.1))
+    glass = scene.add_material(Material(finish="glass", index=1.3))
+    scene.add_mesh(VERTICES, FACES, uv=UV, material=[shown, glass], normals=np.tile((0, 0, 1), (4, 1)), name="a")
+    scene.add_mesh(VERTICES + 2, FACES, colors=np.tile((0.5, 0.25, 1.0), (4, 1)), name="b")
+    scene.add_mesh(VERTICES - 2, FACES[:0], name="none")
+    scene.add_mesh(VERTICES - 2, FACES, name="c")
+    scene.add_sphere((0, 0, 1), 0.3, glass)
+    scene.add_ellipsoid((1, 0, 1), (0.1, 0.2, 0.3))
+    scene.add_plane((0, -2, 0), tile=2.0)
+    scene.lights = [Light.point((0, 0, 3), 0.5), Light.rectangle((0, 0, 3), (1, 0, 0), (0, 1, 0), 0.5)]
+    scene.lights += [Light.sphere((1, 1, 3), 0.1, (0.1, 0.2, 0.3)), Light.directional((0, 1, 0), 0.1, 0.5)]
+    scene.set_sky_map(np.random.default_rng(2).random((4, 8, 3), np.float32))
+    scene.ambient = (0.1, 0.2, 0.3)
+    scene.shadows = False
+    return scene
+
+
+def test_all_that_says_what_is_rendered_pickles_and_copies():
+    scene = everything()
+    cameras = [
+        CAMERA,
+        CAMERA.replace(screen_distance=float("inf"), fov=0.1 + 40),
+        CAMERA.replace(interaxial_px=3.3, screen_width=1.7),
+        CAMERA.replace(intrinsics={"fx": 100.1, "fy": 99.7, "cx0": 47.3, "cx1": 48.9, "cy": 36.1}, up=(0.1, 1, 0)),
+        CAMERA.replace(toe_in=True),
+        scene.camera(size=(7, 5)),
+        Scene.builtin("hall").camera(),
+    ]
+    for camera in cameras:
+        assert Camera.from_json(camera.to_json()) == camera
+    assert Camera.from_json(CAMERA.to_json(), size=(10, 20)).size == (10, 20)
+    for found in (*cameras, *scene.lights, *scene.materials):
+        for copied in (pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy([found])[0]):
+            assert copied == found and type(copied) is type(found)
+    for kept in (scene, Scene.builtin("three-spheres-textured"), Scene()):
+        for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+            again = pickle.loads(pickle.dumps(kept, protocol))
+            assert again.sha256() == kept.sha256() and again.memory == kept.memory
+            assert [again.object_name(index) for index in range(4)] == [kept.object_name(index) for index in range(4)]
+            assert again.lights == kept.lights and again.materials == kept.materials
+        again.add_light(Light.point((0, 0, 0), 1))
+        assert again.sha256() != kept.sha256() == copy.deepcopy(kept).sha256()
+    assert pickle.loads(pickle.dumps(Scene.builtin("hall"))).camera() == Scene.builtin("hall").camera()
+    with pytest.raises(TypeError, match="cannot pickle"):
+        pickle.dumps(stereotrace.Renderer())
+
+
+def test_pickles_that_are_none_are_refused():
+    restore, (kind, state) = everything().__reduce__()
+    assert restore(kind, state).sha256() == everything().sha256()
+    random = np.random.default_rng(3)
+    for cut in (0, 1, len(state) // 2, len(state) - 1):
+        with pytest.raises(ValueError, match="pickled Scene"):
+            restore(kind, state[:cut])
+    for _ in range(300):
+        place, value = int(random.integers(len(state))), int(random.integers(256))
+        try:
+            restore(kind, state[:place] + bytes([value]) + state[place + 1 :]).sha256()
+        except ValueError:
+            pass
+    for other in ("Camera", "Material", "Renderer"):
+        with pytest.raises(ValueError):
+            restore(other, b"\xff\xfe")
+
+
+def same_scene(queue, scene, camera, lights) -> None:
+    queue.put((scene.sha256(), camera, lights))
+
+
+def test_a_spawned_process_gets_them():
+    """As the workers of torch's DataLoader do."""
+    context = multiprocessing.get_context("spawn")
+    queue, scene = context.Queue(), everything()
+    process = context.Process(target=same_scene, args=(queue, scene, CAMERA, scene.lights))
+    process.start()
+    assert queue.get(timeout=120) == (scene.sha256(), CAMERA, scene.lights)
+    process.join()
+
+
+def test_cameras_of_json_are_read_or_named(tmp_path):
+    path = tmp_path / "camera.json"
+    path.write_text(CAMERA.to_json())
+    assert Camera.from_json(path) == Camera.from_json(str(path)) == CAMERA
+    with pytest.raises(ValueError, match="is of a file of several cameras"):
+        Camera.from_json(CAMERA.to_json(), "a")
+    with pytest.raises(ValueError, match="no object 'camera'"):
+        Camera.from_json("{}")
+    path.write_text('{"camera": 3')
+    with pytest.raises(ValueError, match="camera.json:1: no JSON"):
+        Camera.from_json(path)
+    with pytest.raises(FileNotFoundError, match="none.json"):
+        Camera.from_json(tmp_path / "none.json")
+
+
+def test_arrays_that_are_not_aligned_are_copied():
+    def unaligned(array: np.ndarray) -> np.ndarray:
+        found = np.frombuffer(b"\0" + array.tobytes(), np.uint8)[1:].view(array.dtype).reshape(array.shape)
+        assert not found.flags.aligned
+        return found
+
+    scene, same = Scene(), Scene()
+    vertices, uv = VERTICES.astype(np.float32), UV.astype(np.float32)
+    sky = np.full((2, 4, 3), 0.5, np.float32)
+    for one, prepared in ((scene, np.asarray), (same, unaligned)):
+        one.add_mesh(prepared(vertices), prepared(FACES.astype(np.int64)), uv=prepared(uv), colors=prepared(vertices * 0 + np.float32(0.5)))
+        one.set_sky_map(prepared(sky))
+    assert scene.sha256() == same.sha256()
+    grey = np.arange(12, dtype=np.uint16).reshape(3, 4)
+    assert stereotrace.encode_png(unaligned(grey)) == stereotrace.encode_png(grey)
+
+
+@pytest.mark.parametrize(
+    ("material", "specular"),
+    [(Material(finish="mirror"), 0.95), (Material(finish="glass"), 0.04), (Material(finish="glass", index=2.0), 1 / 9), (Material(finish="glass", fresnel=False), 0.0)],
+)
+def test_mirrors_and_glass_are_valid_and_seen_by_their_defaults(renderer, material, specular):
+    assert material.albedo == (0, 0, 0) and np.allclose(material.specular, specular, atol=1e-6)
+    scene = Scene()
+    scene.set_sky((0.5, 0.4, 0.3), (0.1, 0.3, 0.9))
+    scene.add_sphere((0, 0, 0), 1.0, scene.add_material(material))
+    shown = renderer.render(scene, CAMERA, outputs=["linear", "primitive"]).left
+    ball, behind = shown.linear[shown.primitive == 0], shown.linear[shown.primitive == stereotrace.MISS]
+    # It shows the sky, in places other than those behind it.
+    assert len(ball) > 1000 and ball.mean() > 0.5 * behind.mean() and ball.std() > 0.01
+    assert Material(finish="mirror", albedo=0.02).albedo[0] == np.float32(0.02) and Material(finish="matte").albedo[0] == np.float32(0.7)
+    assert Material(finish="mirror", specular=0.5).specular == (0.5, 0.5, 0.5)
+
+
+def test_files_far_from_the_origin_keep_their_places(tmp_path):
+    path = tmp_path / "utm.obj"
+    path.write_text("v 500000.25 120 -5400000.5\nv 500001.25 120 -5400000.5\nv 500000.25 121 -5400000.5\nf 1 2 3\n")
+    scene = Scene.open(path)
+    assert scene.origin == (500001, 120, -5400000) or scene.origin == (500001, 121, -5400000)
+    assert scene.bounds == [(500000.25, 120, -5400000.5), (500001.25, 121, -5400000.5)]
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.origin == scene.origin and again.sha256() == scene.sha256()
+    whole = Scene.open(path, origin="none")
+    assert whole.origin == (0, 0, 0) and whole.bounds != scene.bounds and whole.sha256() != scene.sha256()
+    assert Scene.open(path, origin=(500000, 0, 0)).origin == (500000, 0, 0)
+    with pytest.raises(ValueError, match="origin: 'there' is not"):
+        Scene.open(path, origin="there")
+    eye, target = (500000.5, 120.25, -5399998.0), (500000.5, 120.25, -5400000.5)
+    camera = Camera(eye, target)
+    assert camera.eye == eye and Camera.from_json(camera.to_json()) == camera
+    t, ids = Renderer().closest_hits(scene, [eye], [(0, 0, -1)])
+    assert ids[0] == 0 and t[0] == 2.5

@@ -8,7 +8,7 @@ use std::{
 
 use glam::DVec3;
 
-use crate::{Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
+use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
 
 /// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from 0 on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -16,6 +16,7 @@ use crate::{Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output
 pub enum Layout {
     /// Middlebury 2014 (Scharstein et al. 2014): a folder a pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`, `disp1.pfm`, `calib.txt`
     /// and the evaluation's `mask0nocc.png`; and, which Middlebury has not, `mask1nocc.png` and `mask0sky.png`, `mask1sky.png`.
+    /// Sky is unknown there: infinite in the disparities, 0 in `mask0nocc.png`.
     #[default]
     Middlebury,
     /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`, `disp_noc_0`, and
@@ -40,7 +41,8 @@ impl Layout {
         }
     }
 
-    /// Whether its cameras are parallel: the screen at infinity, no disparity below 0.
+    /// Whether it takes parallel cameras alone. Middlebury's `doffs` says where converged ones have their screen, but
+    /// its loaders take no disparity below 0 either.
     pub fn is_parallel(self) -> bool {
         self != Self::Middlebury
     }
@@ -53,8 +55,10 @@ impl Layout {
     /// Adds all files of a pair to what is written, and makes their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be; [`Error::Io`], as [`Batch::add`], and as
-    /// [`Batch::add_kitti_disparity`] for a disparity that does not fit.
+    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be, whose eyes are toed in, or, in
+    /// Middlebury's files, that has a disparity below 0; [`Error::Io`], as [`Batch::add`], as
+    /// [`Batch::add_kitti_disparity`] for a disparity that does not fit, and in Scene Flow's files for an id over 2^24
+    /// - 1.
     pub fn add(
         self,
         batch: &mut Batch,
@@ -63,12 +67,24 @@ impl Layout {
         pair: &StereoPair,
         truth: &GroundTruth,
     ) -> Result<(), Error> {
+        let fault = |reason: String| Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
+        if pair.pose.convergence == Convergence::ToeIn {
+            return fault("its pairs are rectified, and the eyes of this one are toed in".into());
+        }
         if self.is_parallel() && pair.pose.screen_distance.is_finite() {
-            let reason = format!(
+            return fault(format!(
                 "its cameras are parallel, and these look through a screen at {}; put it at infinity",
                 pair.pose.screen_distance
-            );
-            return Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
+            ));
+        }
+        if self == Self::Middlebury
+            && let Some(place) = negative_disparity(truth)
+        {
+            return fault(format!(
+                "its loaders take the absolute value of a disparity, and {place}, behind the screen at {}; \
+                 put the screen at infinity, or behind all that is seen",
+                pair.pose.screen_distance
+            ));
         }
         let root = Root(folder.as_ref());
         match self {
@@ -108,6 +124,16 @@ impl Root<'_> {
     }
 }
 
+/// The first surface whose disparity is below 0, in words.
+fn negative_disparity(truth: &GroundTruth) -> Option<String> {
+    [("left", &truth.left), ("right", &truth.right)].into_iter().find_map(|(eye, truth)| {
+        let mut pixels = truth.disparity.iter().zip(truth.surfaces());
+        let index = pixels.position(|(&disparity, is_surface)| is_surface && disparity < 0.0)?;
+        let (column, row) = (index % truth.width as usize, index / truth.width as usize);
+        Some(format!("the {eye} view has {} px at column {column}, row {row}", truth.disparity[index]))
+    })
+}
+
 fn middlebury(
     batch: &mut Batch,
     root: &Root<'_>,
@@ -118,8 +144,11 @@ fn middlebury(
     let file = |name: &str| root.file(&format!("{index:06}/{name}"));
     for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
         batch.add_png(file(&format!("im{eye}.png"))?, &view.picture())?;
-        batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &truth.disparity)?;
-        batch.add_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
+        let known = truth.disparity.iter().zip(truth.surfaces());
+        let known =
+            Vec::from_iter(known.map(|(&disparity, is_surface)| if is_surface { disparity } else { f32::INFINITY }));
+        batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &known)?;
+        batch.add_known_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
         batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)?;
     }
     batch.add_calib(file("calib.txt")?, truth)
@@ -171,8 +200,7 @@ fn scene_flow(
         batch.add_png(file("frames_finalpass", "png")?, &view.picture())?;
         batch.add_pfm(file("disparity", "pfm")?, truth.width, truth.height, &truth.disparity)?;
         for (kind, ids) in [("object_index", &truth.object), ("material_index", &truth.material)] {
-            let indices: Vec<f32> = ids.iter().map(|id| id.wrapping_add(1) as f32).collect();
-            batch.add_pfm(file(kind, "pfm")?, truth.width, truth.height, &indices)?;
+            batch.add_indices_pfm(file(kind, "pfm")?, truth.width, truth.height, ids)?;
         }
     }
     let path = root.file(&format!("camera_data/stereotrace/{index:04}.txt"))?;

@@ -166,6 +166,23 @@ impl Batch {
         self.add(path, &pfm(path, width, height, values)?)
     }
 
+    /// Adds ids as Scene Flow's indices: 0 where nothing is ([`MISS`]), else the id + 1.
+    ///
+    /// # Errors
+    /// Those of [`save_pfm`], and [`Error::Io`] naming an index over 2^24, which f32 does not hold exactly.
+    #[cfg(feature = "png")] // of data sets
+    pub(crate) fn add_indices_pfm(
+        &mut self,
+        path: impl AsRef<Path>,
+        width: u32,
+        height: u32,
+        ids: &[u32],
+    ) -> Result<(), Error> {
+        let indices = Vec::from_iter(ids.iter().map(|id| id.wrapping_add(1)));
+        let values = id_values(path.as_ref(), &indices)?;
+        self.add_pfm(path, width, height, &values)
+    }
+
     /// Adds three numbers a pixel, such as normals, as a PFM picture in colour (`PF`), else as [`save_pfm`] writes it.
     ///
     /// # Errors

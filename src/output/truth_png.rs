@@ -76,6 +76,18 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
     }
 
+    /// Adds [`Batch::add_nocc_mask`]'s mask with 0, for unknown, where sky is: it stands beside disparities that leave
+    /// sky unknown.
+    pub(crate) fn add_known_nocc_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
+        let pixels = truth.occlusion.iter().zip(truth.surfaces());
+        let grey = pixels.map(|(found, is_surface)| match (is_surface, found) {
+            (false, _) => 0,
+            (true, Occlusion::Visible) => 255,
+            (true, _) => 128,
+        });
+        self.add_grey8(path.as_ref(), truth, grey.collect())
+    }
+
     /// Adds what the other eye does not see, and why: 0 where it sees the point, 255 where something hides it, 128 where it lies outside
     /// the other picture.
     ///

@@ -23,6 +23,7 @@ pub const MIN_SEMI_AXIS: f32 = 1e-15;
 /// scene.transform_object(0, &Affine3A::from_scale(Vec3::new(1.0, 3.0, 1.0)))?;
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ellipsoid {

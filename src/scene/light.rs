@@ -20,6 +20,7 @@ const MOST_ANGLE: f32 = 1.5;
 /// let sun = Light::directional(Vec3::new(1.0, 2.0, 0.5), 0.0047, Vec3::new(0.9, 0.85, 0.7));
 /// # let _ = (bulb, window, sun);
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Light {
@@ -33,6 +34,7 @@ pub struct Light {
 
 /// What throws light. Lights are not seen themselves. All but points light by as many rays as
 /// [`Options::shadow_rays`](crate::Options::shadow_rays) says, which end at places spread over them, so that shadows have a penumbra.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum LightShape {

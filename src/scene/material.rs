@@ -5,10 +5,12 @@ use glam::Vec3;
 use super::TextureId;
 
 /// Index of a [`Material`] in its [`Scene`](super::Scene); the default is the grey that every scene begins with.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MaterialId(pub u32);
 
 /// What a surface does with light beside scattering it.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Finish {
@@ -41,6 +43,7 @@ pub enum Finish {
 /// let silver = Material::new(Vec3::ZERO).specular(Vec3::splat(0.95)).finish(Finish::Mirror { fresnel: false });
 /// # let _ = (lacquer, silver);
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Material {

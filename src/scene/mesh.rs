@@ -132,6 +132,7 @@ impl Object {
 }
 
 /// A triangle with everything a renderer asks of it.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Triangle {

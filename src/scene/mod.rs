@@ -28,6 +28,8 @@ mod plane;
 mod ply;
 #[cfg(any(feature = "obj", feature = "ply"))]
 mod polygon;
+#[cfg(feature = "serde")]
+mod serialised;
 mod sky;
 mod smooth;
 pub mod suite;
@@ -77,6 +79,7 @@ const DEFAULT_AMBIENT: f32 = 0.15;
 const PRINTED_WARNINGS: usize = 5;
 
 /// What a ray sees that hits nothing, linear RGB.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Sky {
@@ -94,6 +97,7 @@ pub enum Sky {
 }
 
 /// A sphere, given by its equation.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Sphere {
@@ -349,6 +353,23 @@ impl Scene {
     /// Number of primitive ids: triangles (dropped ones too), then spheres, ellipsoids and planes.
     pub fn primitive_count(&self) -> usize {
         self.triangles.len() + self.ball_count() + self.planes.len()
+    }
+
+    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky, which
+    /// clones share.
+    pub fn memory(&self) -> usize {
+        let lists = size_of_val(&*self.triangles)
+            + size_of_val(&*self.beside.uv)
+            + size_of_val(&*self.beside.colors)
+            + size_of_val(&*self.spheres)
+            + size_of_val(&*self.ellipsoids)
+            + size_of_val(&*self.lights);
+        let pixels = self.textures.iter().map(|texture| match texture.kind() {
+            TextureKind::Image { pixels, .. } => size_of_val(&**pixels),
+            TextureKind::Checkerboard { .. } => 0,
+        });
+        let sky = if let Sky::Map(map) = &self.sky { size_of_val(map.pixels()) } else { 0 };
+        lists + pixels.sum::<usize>() + sky
     }
 
     /// A primitive by its id, which must be there.

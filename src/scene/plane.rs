@@ -37,6 +37,7 @@ const NOTHING: f64 = 1e-6;
 /// assert_eq!(scene.bounds(), None);
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Plane {

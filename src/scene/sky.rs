@@ -13,6 +13,11 @@ use crate::{Limits, input};
 
 /// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and columns
 /// go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the pixels.
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::serialised::GivenSkyMap")
+)]
 #[derive(Clone, PartialEq)]
 pub struct SkyMap {
     width: u32,

@@ -18,10 +18,12 @@ use crate::{Limits, input};
 pub const MAX_TEXTURE_SIDE: u32 = 8192;
 
 /// Index of a [`Texture`] in its [`Scene`].
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
 /// What lies beyond texture coordinates of 0 to 1.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Wrap {
@@ -35,6 +37,7 @@ pub enum Wrap {
 }
 
 /// What a texture shows.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TextureKind {
@@ -78,6 +81,11 @@ impl std::fmt::Debug for TextureKind {
 /// # let _ = material;
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::serialised::GivenTexture")
+)]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Texture {

@@ -43,7 +43,7 @@ pub(crate) struct CameraArguments {
     toe_in: bool,
     /// Calibration of a rectified pair, Middlebury's calib.txt or KITTI's: focal lengths, principal points, baseline and size are the file's
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
-    calib: Option<PathBuf>,
+    pub(super) calib: Option<PathBuf>,
     /// World units of one of that file's units of length, millimetres or metres
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
     calib_scale: f32,

@@ -127,7 +127,7 @@ impl Subject {
 
     /// Whether it is said where the screen is.
     pub(crate) fn screen_is_said(&self) -> bool {
-        self.camera.screen.is_some() || self.camera.cameras.is_some()
+        self.camera.screen.is_some() || self.camera.cameras.is_some() || self.camera.calib.is_some()
     }
 
     /// The files that are read.

@@ -3,8 +3,9 @@
 use std::{
     collections::BTreeSet,
     error::Error,
-    fs::{self, OpenOptions},
-    io::Write as _,
+    fmt::Display,
+    fs::{self, File, OpenOptions},
+    io::{Read as _, Seek as _, SeekFrom, Write as _},
     ops::Range,
     path::{Path, PathBuf},
     time::Instant,
@@ -37,7 +38,8 @@ const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. The last two have parallel cameras
+    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel where nothing
+    /// says where the screen is; only middlebury takes others, whose disparities must all be 0 or more
     #[arg(long, default_value_t)]
     layout: Layout,
     /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
@@ -69,10 +71,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return Err(format!("{}: a data set is a folder", shown(&arguments.out)).into());
     };
     let mut stage = arguments.subject.open(global)?;
-    if arguments.layout.is_parallel() && !arguments.subject.screen_is_said() {
-        // By the interaxial in world units: in pixels it is the parallax at infinity, which is none then.
-        let interaxial = stage.camera.pose()?.interaxial;
-        stage.camera = stage.camera.interaxial(interaxial).screen_distance(f32::INFINITY);
+    if !arguments.subject.screen_is_said() {
+        stage.camera = stage.camera.parallel()?;
     }
     stage.options = stage.options.linear(arguments.exr);
     let motion = arguments.motion.motion(&arguments.subject, stage.camera)?;
@@ -83,23 +83,27 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let settings = (arguments.layout, count, &motion, arguments.max_disparity, arguments.clearance, arguments.exr);
     let stop = Stop::on_signals()?;
-    let mut manifest = Manifest::open(&folder, record::of(&arguments.subject, &stage.scene, &settings)?)?;
+    let mut manifest = Manifest::open(&folder, &record::of(&arguments.subject, &stage.scene, &settings)?)?;
     let pending = Vec::from_iter(range.clone().filter(|item| !manifest.done.contains(item)));
 
     let begin = Instant::now();
     let mut progress = Progress::new(global, pending.len() as u32);
     let mut failed = Vec::new();
-    for (done, &item) in pending.iter().enumerate() {
+    let mut made = 0;
+    for &item in &pending {
         if stop.is_asked_for() {
-            let done = done - failed.len();
-            return Err(Interrupted { done, of: pending.len(), can_go_on: true }.into());
+            return Err(Interrupted { done: made, of: pending.len(), can_go_on: true }.into());
         }
-        match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
-            Ok(line) => manifest.add(&line)?,
-            Err(error) => {
-                // One pair that can't be made does not stop the others; it is tried again by the next run.
-                manifest.add(&json!({ "item": item, "error": error.to_string() }))?;
-                failed.push((item, error.to_string()));
+        // Another command may be making the same pairs.
+        if !manifest.has(item)? {
+            match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
+                Ok(line) => made += usize::from(manifest.add(item, &line)?),
+                Err(error) => {
+                    // One pair that can't be made does not stop the others; it is tried again by the next run.
+                    if manifest.add(item, &json!({ "item": item, "error": error.to_string() }))? {
+                        failed.push((item, error.to_string()));
+                    }
+                }
             }
         }
         progress.next();
@@ -107,12 +111,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     progress.clear();
     let seconds = begin.elapsed().as_secs_f64();
 
-    let made = pending.len() - failed.len();
     if let Some((item, error)) = failed.first() {
         let failures = counted(failed.len(), "pair", "pairs");
         return Err(format!("{failures} of {} failed, the first is item {item}: {error}", pending.len()).into());
     }
-    let kept = range.len() - pending.len();
+    let kept = range.len() - made;
     let each = if made > 0 { format!(", {:.2} s each", seconds / made as f64) } else { String::new() };
     let kept_too = if kept > 0 { format!("; {kept} were there already") } else { String::new() };
     let text = format!(
@@ -209,62 +212,111 @@ fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
     })
 }
 
-/// A line for what the data set is made with, and one for each pair.
+/// A line for what the data set is made with, and one for each pair. Several commands may write one manifest: each line
+/// is added under a lock of the file, after the lines that others added were read.
 struct Manifest {
+    folder: PathBuf,
     path: PathBuf,
     /// Pairs that are there.
     done: BTreeSet<u32>,
+    /// How many bytes and lines of the file were read.
+    read: u64,
+    lines: usize,
 }
 
 impl Manifest {
     /// Begins a manifest, or goes on with one that was made with the same.
-    fn open(folder: &Path, record: Value) -> Result<Self, Box<dyn Error>> {
+    fn open(folder: &Path, record: &Value) -> Result<Self, Box<dyn Error>> {
         let path = folder.join(MANIFEST);
-        let mut manifest = Self { path, done: BTreeSet::new() };
-        let bytes = match fs::read(&manifest.path) {
-            Ok(bytes) if !bytes.is_empty() => bytes,
-            _ => {
-                manifest.add(&record)?;
-                return Ok(manifest);
-            }
-        };
-        // A line that a killed process did not finish has no end, and is cut off.
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        if whole < bytes.len() {
-            let cut = OpenOptions::new().write(true).open(&manifest.path).and_then(|file| file.set_len(whole as u64));
-            cut.map_err(|error| format!("{}: {error}", shown(&manifest.path)))?;
-        }
-        let mut lines = bytes[..whole].split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
-        let head: Option<Value> = lines.next().and_then(|line| serde_json::from_slice(line).ok());
-        match head {
-            None if whole == 0 => manifest.add(&record)?,
-            Some(head) if head == record => {}
-            _ => {
-                let advice = "was made with other files, settings or another version; take another folder";
-                return Err(format!("{}: the data set there {advice}", shown(&manifest.path)).into());
-            }
-        }
-        for (index, line) in lines.enumerate() {
-            let line: Value = serde_json::from_slice(line)
-                .map_err(|error| format!("{}:{}: {error}", shown(&manifest.path), index + 2))?;
-            let files = line["files"].as_array().map(Vec::as_slice).unwrap_or_default();
-            let is_there = |file: &Value| file.as_str().is_some_and(|name| folder.join(name).is_file());
-            if let Some(item) = line["item"].as_u64()
-                && !files.is_empty()
-                && files.iter().all(is_there)
-            {
-                manifest.done.insert(item as u32);
-            }
+        let mut manifest = Self { folder: folder.to_owned(), path, done: BTreeSet::new(), read: 0, lines: 0 };
+        let mut file = manifest.locked()?;
+        manifest.catch_up(&mut file, Some(record))?;
+        if manifest.lines == 0 {
+            manifest.write(&mut file, record)?;
         }
         Ok(manifest)
     }
 
-    /// Adds a line, which is on the disk then.
-    fn add(&mut self, line: &Value) -> Result<(), Box<dyn Error>> {
-        let written = OpenOptions::new().create(true).append(true).open(&self.path).and_then(|mut file| {
-            file.write_all(format!("{line}\n").as_bytes())?;
+    /// Whether a pair is there by now.
+    fn has(&mut self, item: u32) -> Result<bool, Box<dyn Error>> {
+        let mut file = self.locked()?;
+        self.catch_up(&mut file, None)?;
+        Ok(self.done.contains(&item))
+    }
+
+    /// Adds a pair's line, which is on the disk then. Returns whether it was added: a pair that another command made
+    /// meanwhile has its line.
+    fn add(&mut self, item: u32, line: &Value) -> Result<bool, Box<dyn Error>> {
+        let mut file = self.locked()?;
+        self.catch_up(&mut file, None)?;
+        if self.done.contains(&item) {
+            return Ok(false);
+        }
+        self.write(&mut file, line)?;
+        if line.get("files").is_some() {
+            self.done.insert(item);
+        }
+        Ok(true)
+    }
+
+    /// The file, which no other command reads or writes until this one is dropped.
+    fn locked(&self) -> Result<File, Box<dyn Error>> {
+        let opened = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(&self.path);
+        let file = opened.map_err(|error| self.fault(&error))?;
+        if let Err(error) = fs4::FileExt::lock(&file) {
+            // Some network file systems have no locks; one command alone needs none.
+            log::warn!("{}: it can't be locked ({error}); let no other command write there", shown(&self.path));
+        }
+        Ok(file)
+    }
+
+    fn fault(&self, error: &impl Display) -> Box<dyn Error> {
+        format!("{}: {error}", shown(&self.path)).into()
+    }
+
+    /// Reads the lines that were added since the last time. The first of all must be `head`, where that is given.
+    fn catch_up(&mut self, file: &mut File, head: Option<&Value>) -> Result<(), Box<dyn Error>> {
+        let mut bytes = Vec::new();
+        let found = file.seek(SeekFrom::Start(self.read)).and_then(|_| file.read_to_end(&mut bytes));
+        found.map_err(|error| self.fault(&error))?;
+        // A line that a killed process did not finish has no end, and is cut off.
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        if whole < bytes.len() {
+            file.set_len(self.read + whole as u64).map_err(|error| self.fault(&error))?;
+        }
+        for line in bytes[..whole].split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
+            let line: Result<Value, _> = serde_json::from_slice(line);
+            if let (0, Some(head)) = (self.lines, head)
+                && !line.as_ref().is_ok_and(|line| line == head)
+            {
+                let advice = "was made with other files, settings or another version; take another folder";
+                return Err(format!("{}: the data set there {advice}", shown(&self.path)).into());
+            }
+            self.lines += 1;
+            let line = line.map_err(|error| format!("{}:{}: {error}", shown(&self.path), self.lines))?;
+            let files = line["files"].as_array().map(Vec::as_slice).unwrap_or_default();
+            let is_there = |file: &Value| file.as_str().is_some_and(|name| self.folder.join(name).is_file());
+            if let Some(item) = line["item"].as_u64()
+                && !files.is_empty()
+                && files.iter().all(is_there)
+            {
+                self.done.insert(item as u32);
+            }
+        }
+        self.read += whole as u64;
+        Ok(())
+    }
+
+    /// Writes a line behind those that were read.
+    fn write(&mut self, file: &mut File, line: &Value) -> Result<(), Box<dyn Error>> {
+        let text = format!("{line}\n");
+        let written = file.seek(SeekFrom::Start(self.read)).and_then(|_| {
+            file.write_all(text.as_bytes())?;
             file.sync_all()
         });
-        Ok(written.map_err(|error| format!("{}: {error}", shown(&self.path)))?)
+        written.map_err(|error| self.fault(&error))?;
+        self.read += text.len() as u64;
+        self.lines += 1;
+        Ok(())
     }
 }

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from .file import SpecError
 from .run import DataSet, OtherDataSet, Report, make
-from .spec import Spec, SpecError
+from .spec import Spec
 from .store import Store
 from .worker import Worker
 

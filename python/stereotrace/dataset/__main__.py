@@ -16,7 +16,7 @@ from stereotrace import AdapterError
 from . import Spec, make, make_on_ray
 from .encode import files
 from .store import Store
-from .worker import Worker
+from .worker import SCENE_MEMORY, Worker
 
 
 def parser() -> argparse.ArgumentParser:
@@ -31,6 +31,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--retry-errors", action="store_true", help="make shards again in which a pair is missing")
     found.add_argument("--adapter", metavar="NAME", help="graphics adapter: software, fastest, or a part of its name [default: STEREOTRACE_ADAPTER, or the fastest]")
     found.add_argument("--storage-option", metavar="KEY=VALUE", action="append", default=[], type=_pair, help="of the fsspec file system; may be given again")
+    found.add_argument("--scene-memory", metavar="MIB", type=_memory, default=SCENE_MEMORY, help=f"keep scenes up to this memory, of each worker [default: {SCENE_MEMORY >> 20}]")
     found.add_argument("--quiet", action="store_true", help="no progress bar")
     ray = found.add_argument_group("on Ray")
     ray.add_argument("--ray", action="store_true", help="make shards by workers of Ray: of a Ray that is started on this machine, or of a cluster")
@@ -46,6 +47,12 @@ def _range(text: str) -> range:
     if not dots or not first.isdigit() or not last.isdigit() or int(first) >= int(last):
         raise argparse.ArgumentTypeError("it must be a range like 0..4")
     return range(int(first), int(last))
+
+
+def _memory(text: str) -> int:
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError("it must be a number of MiB")
+    return int(text) << 20
 
 
 def _pair(text: str) -> tuple[str, Any]:
@@ -73,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
         storage = dict(given.storage_option)
         if given.item is not None:
             return _one_item(spec, given, storage)
-        common = {"adapter": given.adapter, "retry_errors": given.retry_errors, "storage_options": storage, "progress": not given.quiet}
+        common = {"adapter": given.adapter, "retry_errors": given.retry_errors, "storage_options": storage, "progress": not given.quiet, "scene_memory": given.scene_memory}
         if not given.ray:
             if given.address is not None:
                 raise ValueError("--address: it is that of a cluster of Ray; give --ray too")

@@ -87,6 +87,3 @@ class Parquet:
             self._write({"item": [], "key": []}, {})
         self._writer.close()
 
-
-ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}
-"""Of shards that are files, by their format."""

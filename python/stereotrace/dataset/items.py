@@ -11,7 +11,7 @@ import numpy as np
 import stereotrace
 from stereotrace import Camera, Light, Material, Scene
 
-from .spec import DISPARITY_SHARE, LARGEST_DISPARITY, PARALLEL_LAYOUTS, Spec
+from .spec import DISPARITY_SHARE, LARGEST_DISPARITY, Spec
 
 PLACES = 16
 """Places among which lights are put."""
@@ -69,7 +69,16 @@ class Item:
         rig = self.spec["rig"]
         camera = self.camera_of(self.spec, self.scene(), scene)
         fields = {name: self.draw(value, f"rig.{name}") for name, value in rig.items()}
-        if self.spec["format"] in PARALLEL_LAYOUTS:
+        if "baseline" in fields:
+            fields["interaxial"] = fields.pop("baseline")
+        lens = {name: fields.pop(name) for name in ("fx", "fy", "cx", "cy") if name in fields}
+        if lens:
+            width, height = self.spec["size"]
+            cx, cy = lens.pop("cx", width / 2), lens.pop("cy", height / 2)
+            fields["intrinsics"] = {**lens, "cx0": cx, "cy": cy}
+            if "interaxial_px" not in fields:
+                fields.setdefault("interaxial", camera.interaxial)  # in pixels it would be that of another focal length
+        if self.spec.is_layout:
             fields.setdefault("screen_distance", "inf")
         if fields.get("screen_distance") == "inf":
             fields["screen_distance"] = math.inf

@@ -18,7 +18,7 @@ from .._needs import needs
 from .run import DataSet, Report, failure, peak_memory
 from .spec import Spec
 from .store import Store
-from .worker import Worker
+from .worker import SCENE_MEMORY, Worker
 
 log = logging.getLogger("stereotrace.dataset")
 
@@ -29,7 +29,7 @@ MOST_TRIES = 3
 class ShardMaker:
     """An actor of Ray Data: makes shards, one a call. It opens its device with the first one, and keeps it and the scenes that it has read."""
 
-    def __init__(self, values: dict[str, Any], folder: str, hashes: list[str | None], out: str, storage_options: dict[str, Any], adapter: str | None, cpus: float, run: str) -> None:
+    def __init__(self, values: dict[str, Any], folder: str, hashes: list[str | None], out: str, storage_options: dict[str, Any], adapter: str | None, cpus: float, run: str, scene_memory: int) -> None:
         # Drivers and trees take as many threads as the worker has cores; Mesa's software driver would take all there are.
         threads = str(max(1, round(cpus)))
         for variable in ("LP_NUM_THREADS", "RAYON_NUM_THREADS"):
@@ -39,6 +39,7 @@ class ShardMaker:
         self._store = Store(out, storage_options)
         self._adapter = adapter
         self._run = run
+        self._scene_memory = scene_memory
         self._worker: Worker | None = None
 
     def __call__(self, batch: dict[str, Any]) -> dict[str, list[Any]]:
@@ -55,7 +56,7 @@ class ShardMaker:
             if tries > 1:
                 self._store.remove_parts([name])
             if self._worker is None:
-                self._worker = Worker(self._spec, self._hashes, self._adapter)
+                self._worker = Worker(self._spec, self._hashes, self._adapter, self._scene_memory)
             record = self._worker.shard(shard, self._store)
             return {**record, "worker": _here(), "tries": tries, "memory": peak_memory(), "ended": time.time()}
         except DeviceLostError as error:
@@ -69,8 +70,10 @@ class ShardMaker:
 
     def _count_try(self, name: str) -> int:
         """How many workers began this shard in this run, with this one. A worker that dies leaves its mark."""
-        marks = self._store.names(_marks(self._run))
-        tries = 1 + sum(mark.startswith(f"{name}.") for mark in marks)
+        tries = 1
+        # Each mark by its name: a list of the marks of all shards would be as long as there are shards, once a shard.
+        while tries <= MOST_TRIES and self._store.exists(f"{_marks(self._run)}/{name}.{tries}"):
+            tries += 1
         self._store.mark(f"{_marks(self._run)}/{name}.{tries}")
         return tries
 
@@ -86,6 +89,27 @@ def _marks(run: str) -> str:
     return f"tries-{run}"
 
 
+CLUSTERS = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
+"""Ray's own switch between a node that other machines may join and one that listens on the loopback interface alone."""
+
+
+def _start(ray: Any, address: str | None) -> None:
+    """Connects to a cluster, or starts a Ray of this machine, which listens on the loopback interface alone."""
+    options = {"include_dashboard": False, "log_to_driver": False, "logging_level": logging.WARNING}
+    if address not in (None, "local") or (address is None and "RAY_ADDRESS" in os.environ) or CLUSTERS in os.environ:
+        ray.init(address=address, **options)
+        return
+    # Ray reads its switch when it is imported, which has happened, and its processes read it when they start.
+    constants = ray._private.ray_constants
+    before = constants.ENABLE_RAY_CLUSTER
+    constants.ENABLE_RAY_CLUSTER, os.environ[CLUSTERS] = False, "0"
+    try:
+        ray.init(address=address, **options)
+    finally:
+        constants.ENABLE_RAY_CLUSTER = before
+        del os.environ[CLUSTERS]
+
+
 def make(
     spec: Spec,
     out: str,
@@ -98,10 +122,12 @@ def make(
     retry_errors: bool = False,
     storage_options: dict[str, Any] | None = None,
     progress: bool = False,
+    scene_memory: int = SCENE_MEMORY,
 ) -> Report:
     """Makes a data set on Ray, or goes on with it: ``workers`` actors of ``num_cpus`` cores and ``num_gpus`` GPUs each make a shard after the other. Without an
-    ``address``, and where Ray is not initialised yet, a Ray of this machine is started. ``out`` must be a place that all machines reach, and so must the
-    spec's scene files.
+    ``address``, and where Ray is not initialised yet, a Ray of this machine is started, which other machines can't
+    reach. ``out`` must be a place that all machines reach, and so must the spec's scene files. ``scene_memory`` is a
+    worker's: see ``stereotrace.dataset.make``.
 
     Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
     ray, _ = needs("ray", "ray"), needs("ray.data", "ray")
@@ -116,7 +142,7 @@ def make(
     if not pending:
         return data_set.run([], kept, began)
     if not ray.is_initialized():
-        ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
+        _start(ray, address)
     ray.data.DataContext.get_current().enable_progress_bars = progress
     if not progress:
         logging.getLogger("ray.data").setLevel(logging.ERROR)
@@ -124,7 +150,7 @@ def make(
     shards = ray.data.from_items([{"shard": shard} for shard in pending], override_num_blocks=len(pending))
     records = shards.map_batches(
         ShardMaker,
-        fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run),
+        fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run, scene_memory),
         batch_size=1,
         # One at a time: a shard that waits for a worker at the end would be the last one done.
         compute=ray.data.ActorPoolStrategy(size=workers, max_tasks_in_flight_per_actor=1),

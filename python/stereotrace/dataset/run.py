@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 import os
+import shutil
 import socket
 import sys
+import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from pathlib import Path
+from typing import IO, Any, Callable
 
 import stereotrace
-from stereotrace import DeviceLostError
+from stereotrace import DeviceLostError, Scene
 
 from .._needs import needs
-from .encode import ENDINGS
 from .spec import Spec, canonical
 from .store import Store
-from .worker import Worker, open_scene, scene_hash
+from .worker import COPIES, SCENE_MEMORY, Worker, open_scene, scene_files, scene_hash
 
 log = logging.getLogger("stereotrace.dataset")
 
 HEAD = "dataset.json"
 MANIFEST = "manifest.jsonl"
+ROUNDS = 5
+"""How often a manifest is put together anew where other runs made shards meanwhile. They write it too, at their
+ends."""
 
 
 class OtherDataSet(ValueError):
@@ -74,29 +80,66 @@ class Report:
 
 
 class DataSet:
-    """A spec and the place where its shards lie. Opening one reads the scenes, to know them by their hashes, and begins the data set or goes on with it.
+    """A spec and the place where its shards lie. Opening one begins the data set or goes on with it. It reads the
+    scenes, to know them by their hashes: those whose files are as they were when the data set was last opened are not
+    read.
 
     Raises ``OtherDataSet`` where another one lies there, and ``OSError`` where the place can't be reached or written."""
 
-    def __init__(self, spec: Spec, store: Store) -> None:
+    def __init__(self, spec: Spec, store: Store, scene_memory: int = 0) -> None:
         self.spec = spec
         self.store = store
+        self.opened: dict[int, Scene] = {}
+        """Scenes that were read to be known, up to ``scene_memory``: for a worker of this process."""
+        self._scene_memory = scene_memory
         store.make_folder()
-        self.head = self._head()
-        self._begin()
+        there = self._there()
+        self.head, self._scene_files = self._head(there)
+        self._begin(there)
 
-    def _head(self) -> dict[str, Any]:
-        """What the data set is made with. A scene that can't be read has its error in place of a hash."""
-        scenes = []
+    def _there(self) -> dict[str, Any] | None:
+        """The head of the data set that lies there, if one does."""
+        if not self.store.exists(HEAD):
+            return None
+        try:
+            there = json.loads(self.store.read(HEAD))
+            fits = there["version"] == stereotrace.__version__ and there["spec_sha256"] == self.spec.sha256()
+            hashes = [scene.get("sha256") for scene in there["scenes"]]
+            if fits and len(hashes) != len(self.spec["scenes"]):
+                raise ValueError(f"it has {len(hashes)} scenes, and its spec {len(self.spec['scenes'])}")
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
+        return dict(there)
+
+    def _head(self, there: dict[str, Any] | None) -> tuple[dict[str, Any], list[str | None]]:
+        """What the data set is made with, and what its scenes' files are known by. A scene that can't be read has its
+        error in place of a hash."""
+        scenes: list[dict[str, Any]] = []
+        files: list[str | None] = []
+        known_files: list[Any] = []
+        if there is not None and there["version"] == stereotrace.__version__ and there["spec_sha256"] == self.spec.sha256():
+            known_files = there.get("scene_files") or []
+        own = Path(self.store.url).resolve() if self.store.is_local else None
         for index in range(len(self.spec["scenes"])):
             known: dict[str, Any] = {"scene": self.spec.scene_name(index)}
+            found = scene_files(self.spec, index, own)
+            if there is not None and found is not None and index < len(known_files) and found == known_files[index]:
+                scenes.append(there["scenes"][index])
+                files.append(found)
+                continue
             try:
-                known["sha256"] = scene_hash(self.spec, index, open_scene(self.spec, index))
+                scene = open_scene(self.spec, index)
+                known["sha256"] = scene_hash(self.spec, index, scene)
+                self.opened[index] = scene
+                if COPIES * sum(one.memory for one in self.opened.values()) > self._scene_memory:
+                    del self.opened[index]
             except (ValueError, OSError) as error:
                 log.warning("%s", error)
                 known["error"] = str(error)
+                found = None  # it is to be read again
             scenes.append(known)
-        return {
+            files.append(found)
+        head = {
             "format": "stereotrace data set 1",
             "version": stereotrace.__version__,
             "spec": self.spec.values,
@@ -104,13 +147,13 @@ class DataSet:
             "scenes": scenes,
             "shards": self.spec.shards,
         }
+        return head, files
 
-    def _begin(self) -> None:
-        if not self.store.exists(HEAD):
+    def _begin(self, there: dict[str, Any] | None) -> None:
+        if there is None:
             self._write_head()
             return
         try:
-            there = json.loads(self.store.read(HEAD))
             differing = self._differing(there)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
@@ -120,11 +163,12 @@ class DataSet:
         for then, now in zip(there["scenes"], self.head["scenes"]):
             if "sha256" in then:
                 now["sha256"] = then["sha256"]
-        if [scene.get("sha256") for scene in there["scenes"]] != self.hashes:
+        if [scene.get("sha256") for scene in there["scenes"]] != self.hashes or there.get("scene_files") != self._scene_files:
             self._write_head()
 
     def _write_head(self) -> None:
-        self.store.write(HEAD, (json.dumps(self.head, indent=1, sort_keys=True) + "\n").encode())
+        head = {**self.head, "scene_files": self._scene_files}
+        self.store.write(HEAD, (json.dumps(head, indent=1, sort_keys=True) + "\n").encode())
 
     def _differing(self, there: dict[str, Any]) -> str | None:
         if there["version"] != self.head["version"]:
@@ -142,30 +186,27 @@ class DataSet:
     def hashes(self) -> list[str | None]:
         return [scene.get("sha256") for scene in self.head["scenes"]]
 
-    def data_name(self, shard: int) -> str:
-        """A shard's file, or its folder."""
-        name = self.spec.shard_name(shard)
-        return name if self.spec.is_layout else name + ENDINGS[self.spec["format"]]
-
     def record(self, shard: int) -> dict[str, Any] | None:
         """A shard's record, if the shard is there."""
-        try:
-            found: dict[str, Any] = json.loads(self.store.read(f"{self.spec.shard_name(shard)}.json"))
-        except (FileNotFoundError, ValueError):
-            return None
-        return found
+        return next(self.records([shard]))
+
+    def records(self, shards: list[int]) -> Iterator[dict[str, Any] | None]:
+        """The records of shards, ``None`` of one that is not there; several are read at once."""
+        for data in self.store.read_all([f"{self.spec.shard_name(shard)}.json" for shard in shards]):
+            try:
+                found = None if data is None else json.loads(data)
+            except ValueError:
+                found = None
+            yield found if isinstance(found, dict) else None
 
     def pending(self, shards: Iterable[int], retry_errors: bool = False) -> list[int]:
         """The shards of these that are not there, or not whole; with ``retry_errors`` those too in which a pair is missing."""
-        there, pending = self.store.names(), []
-        for shard in shards:
-            is_there = self.data_name(shard) in there and f"{self.spec.shard_name(shard)}.json" in there
-            if is_there and retry_errors:
-                record = self.record(shard)
-                is_there = record is not None and not record["errors"]
-            if not is_there:
-                pending.append(shard)
-        return pending
+        names, asked = self.store.names(), list(shards)
+        there = [shard for shard in asked if self.spec.data_name(shard) in names and f"{self.spec.shard_name(shard)}.json" in names]
+        if retry_errors:
+            there = [shard for shard, record in zip(there, self.records(there)) if record is not None and not record["errors"]]
+        kept = set(there)
+        return [shard for shard in asked if shard not in kept]
 
     def clear(self, shards: Iterable[int]) -> None:
         """Removes what processes that were killed left of these shards, and of the manifest."""
@@ -174,27 +215,79 @@ class DataSet:
 
     def write_manifest(self, failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Puts the manifest together from the shards' records: a line of JSON for the data set, one for each shard, each pair, each pair that
-        could not be made, and each shard that failed in this run. Returns the lines of all pairs that could not be made."""
-        there, missing = self.store.names(), []
-        with self.store.writing(MANIFEST) as file:
-            for line in self._manifest(there, failed):
-                file.write((json.dumps(line, sort_keys=True) + "\n").encode())
-                if "error" in line and "item" in line:
-                    missing.append(line)
+        could not be made, and each shard that failed and is not there yet. It is not written where it would be what it
+        is. Returns the lines of all pairs that could not be made."""
+        missing: list[dict[str, Any]] = []
+        before = self._stamps()
+        for _ in range(ROUNDS):
+            # On this machine's disk: that of a million pairs is 500 MB.
+            with tempfile.TemporaryFile(prefix="stereotrace-") as file:
+                missing = self._put_together(file, sorted(before), failed)
+                if not self._is_written(file):
+                    file.seek(0)
+                    with self.store.writing(MANIFEST) as written:
+                        shutil.copyfileobj(file, written)
+            # A run that ended meanwhile wrote what this one has just replaced.
+            after = self._stamps()
+            if before == after:
+                break
+            before = after
         return missing
 
-    def _manifest(self, there: set[str], failed: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-        yield self.head
-        for shard in range(self.spec.shards):
-            name = self.spec.shard_name(shard)
-            record = self.record(shard) if f"{name}.json" in there else None
+    def _stamps(self) -> dict[int, str]:
+        """The shards whose records are there, and what tells each record from another."""
+        found = {}
+        for name, stamp in self.store.stamps().items():
+            number = name.removesuffix(".json").rpartition("-")[2]
+            if number.isdecimal() and int(number) < self.spec.shards and name == f"{self.spec.shard_name(int(number))}.json":
+                found[int(number)] = stamp
+        return found
+
+    def _put_together(self, file: IO[bytes], there: list[int], failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """Writes the manifest's lines of shards that are there."""
+        missing = []
+
+        def add(line: dict[str, Any]) -> None:
+            file.write((json.dumps(line, sort_keys=True) + "\n").encode())
+
+        add(self.head)
+        for shard, record in zip(there, self.records(there)):
             if record is None:
                 continue
+            name = self.spec.shard_name(shard)
             pairs, errors = record.pop("pairs"), record.pop("errors")
-            yield record
-            yield from ({**pair, "shard": name} for pair in pairs)
-            yield from ({**error, "shard": name} for error in errors)
-        yield from failed
+            add(record)
+            for line in [*pairs, *errors]:
+                add({**line, "shard": name})
+            missing += [{**error, "shard": name} for error in errors]
+        known = {self.spec.shard_name(shard) for shard in there} | {row["shard"] for row in failed}
+        for row in [*self._failed_before(known), *failed]:
+            add(row)
+        return missing
+
+    def _failed_before(self, known: set[str]) -> Iterator[dict[str, Any]]:
+        """Shards that failed in other runs, of those that nothing is known of."""
+        for line in self.store.lines(MANIFEST):
+            if b'"error"' not in line or b'"item"' in line:
+                continue
+            try:
+                row = json.loads(line)
+                failed_before = "error" in row and row["shard"] not in known
+            except (ValueError, KeyError, TypeError):
+                continue
+            if failed_before:
+                yield row
+
+    def _is_written(self, file: IO[bytes]) -> bool:
+        """Whether the manifest that is there is the one in this file."""
+        hashes = []
+        file.seek(0)
+        for lines in (file, self.store.lines(MANIFEST)):
+            found = hashlib.sha256()
+            for line in lines:
+                found.update(line)
+            hashes.append(found.digest())
+        return hashes[0] == hashes[1]
 
     def run(self, rows: Iterable[dict[str, Any]], kept: int, began: float) -> Report:
         """Takes shards' records, or their errors, as they come; the manifest is written at the end, however that comes."""
@@ -241,8 +334,10 @@ def make(
     retry_errors: bool = False,
     storage_options: dict[str, Any] | None = None,
     progress: bool = False,
+    scene_memory: int = SCENE_MEMORY,
 ) -> Report:
     """Makes a data set on this machine, in this process, or goes on with it. ``shards`` takes some of them alone; the others may be made elsewhere.
+    ``scene_memory`` is how many bytes of scenes are kept, here and on the device together; the scene at hand always is.
 
     Raises ``OtherDataSet`` where another data set lies there, ``OSError`` where nothing can be written there, and ``AdapterError`` where there is nothing to render with. What is wrong with a
     pair or a shard is in the report, and in the manifest."""
@@ -250,13 +345,13 @@ def make(
     asked = list(range(spec.shards) if shards is None else shards)
     if wrong := [shard for shard in asked if not 0 <= shard < spec.shards]:
         raise ValueError(f"shard {wrong[0]}: the data set has {spec.shards}, counted from 0")
-    data_set = DataSet(spec, Store(out, storage_options))
+    data_set = DataSet(spec, Store(out, storage_options), scene_memory)
     pending = data_set.pending(asked, retry_errors)
     data_set.clear(pending)
     first: list[float] = []
 
     def rows(tell: Callable[[int], None]) -> Iterator[dict[str, Any]]:
-        worker = Worker(spec, data_set.hashes, adapter) if pending else None
+        worker = Worker(spec, data_set.hashes, adapter, scene_memory, data_set.opened) if pending else None
         for shard in pending:
             try:
                 assert worker is not None

@@ -13,7 +13,8 @@ from typing import Any, Callable, Mapping, Sequence
 
 import stereotrace
 
-from .._needs import needs
+from .file import MOST_LEVELS, SpecError, read
+from .file import shown as _shown
 
 FORMATS = ("webdataset", "parquet", *stereotrace.LAYOUTS)
 POSES = ("free", "orbit", "fixed")
@@ -21,16 +22,18 @@ DRAWS = ("uniform", "log_uniform", "choice")
 """How a value may be drawn, a dict of one of these: ``{"uniform": [low, high]}``, ``{"log_uniform": [low, high]}``, ``{"choice": [...]}``."""
 
 PARALLEL_LAYOUTS = ("kitti", "sceneflow")
-"""Layouts whose cameras are parallel."""
+"""Layouts that take parallel cameras alone. The others have them where nothing is said."""
+ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}
+"""Of shards that are files, by their format."""
+ONE_ROOT = {"kitti": "training"}
+"""Layouts whose pairs all lie in one folder, whatever their shards, and its name."""
 LARGEST_DISPARITY = {"kitti": 256.0}
 """What disparities a layout's files hold, in pixels."""
 DISPARITY_SHARE = 0.2
 """Largest disparity where nothing is said, as a share of the width."""
 MOST_PAIRS = 2**31 - 1
-
-
-class SpecError(ValueError):
-    """A spec that says something wrong; the text names the key."""
+MOST_VALUES = 1_000_000
+"""How many values a spec may have, those of an alias each time that it stands there."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +50,9 @@ class Spec:
         ``OSError`` for a file that can't be read."""
         if isinstance(source, Mapping):
             return Spec(_checked(source), Path.cwd())
-        yaml = needs("yaml", "dataset")
         path = Path(source)
         try:
-            values = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except (yaml.YAMLError, UnicodeDecodeError) as error:
-            raise SpecError(f"{path}: no YAML: {error}") from error
-        try:
+            values = read(path)
             if not isinstance(values, Mapping):
                 raise SpecError("it must be a mapping of keys to values")
             return Spec(_checked(values), path.resolve().parent)
@@ -71,6 +70,12 @@ class Spec:
     def shard_name(self, shard: int) -> str:
         """The name of a shard, without its ending."""
         return f"{self['name']}-{shard:06d}"
+
+    def data_name(self, shard: int) -> str:
+        """A shard's file, or its folder; of a layout of one root that of all pairs."""
+        if self["format"] in ONE_ROOT:
+            return ONE_ROOT[self["format"]]
+        return self.shard_name(shard) + ENDINGS.get(self["format"], "")
 
     def shard_items(self, shard: int) -> range:
         """The numbers of a shard's pairs."""
@@ -131,11 +136,6 @@ def _join(at: str, key: str) -> str:
     return f"{at}.{key}" if at else key
 
 
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else text[:79] + "…"
-
-
 def _number(value: Any, at: str) -> float:
     # YAML reads 1e-3 as text.
     if isinstance(value, str):
@@ -177,6 +177,18 @@ def _within(low: float, high: float = math.inf) -> Check:
         number = _finite(value, at)
         if not low <= number <= high:
             raise SpecError(f"{at}: {_shown(value)} must be " + (f"{low:g} or more" if high == math.inf else f"{low:g} to {high:g}"))
+        return number
+
+    return check
+
+
+def _above(low: float, high: float = math.inf) -> Check:
+    """Between two values that are not among those that it takes."""
+
+    def check(value: Any, at: str) -> float:
+        number = _finite(value, at)
+        if not low < number < high:
+            raise SpecError(f"{at}: {_shown(value)} must be above {low:g}" + ("" if high == math.inf else f" and below {high:g}"))
         return number
 
     return check
@@ -251,8 +263,8 @@ def _name(value: Any, at: str) -> str:
 
 def _distance(value: Any, at: str) -> Any:
     """A length, or ``"inf"``: JSON has no infinity."""
-    number = math.inf if value in ("inf", ".inf") else _number(value, at)
-    return "inf" if number == math.inf else _finite(number, at)
+    number = math.inf if isinstance(value, str) and value in ("inf", ".inf") else _number(value, at)
+    return "inf" if number == math.inf else _above(0)(number, at)
 
 
 def _camera(value: Any, at: str) -> dict[str, Any]:
@@ -268,6 +280,10 @@ def _camera(value: Any, at: str) -> dict[str, Any]:
         raise SpecError(f"{at}: eye and target go together")
     if "name" in found and "eye" in found:
         raise SpecError(f"{at}: name is of one of the file's own cameras; it has its eye and target")
+    if "eye" in found and found["eye"] == found["target"]:
+        raise SpecError(f"{at}.target: {_shown(found['target'])} is the eye too")
+    if "up" in found and not any(found["up"]):
+        raise SpecError(f"{at}.up: it must not be 0")
     return found
 
 
@@ -281,6 +297,10 @@ def _light(value: Any, at: str) -> dict[str, Any]:
     found = _keys(value, at, known)
     if ("position" in found) == ("towards" in found):
         raise SpecError(f"{at}: give a position, or towards for a light that is infinitely far off")
+    if "towards" in found and not any(found["towards"]):
+        raise SpecError(f"{at}.towards: it must not be 0")
+    if "towards" in found and found.get("radius", 0) > 1.5:
+        raise SpecError(f"{at}.radius: {_shown(found['radius'])} must be an angle of 0 to 1.5 radians")
     return found
 
 
@@ -305,7 +325,7 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
         "file": (_text, None),
         "builtin": (_one_of(*stereotrace.BUILTINS), None),
         "weight": (_within(0), 1),
-        "crease_angle": (_finite, None),
+        "crease_angle": (_within(0, 180), None),
         "missing_textures": (_one_of("error", "warn"), None),
         "outside_files": (_one_of("refuse", "allow"), None),
         "camera": (_camera, None),
@@ -332,26 +352,36 @@ def _poses(value: Any, at: str) -> dict[str, Any]:
     kind = value.get("kind", "free") if isinstance(value, Mapping) else "free"
     known: dict[str, tuple[Check, Any]] = {"kind": (_one_of(*POSES), "free")}
     if kind == "free":
-        known |= {"clearance": (_drawn(_finite), None), "max_disparity": (_finite, None), "min_surfaces": (_finite, None)}
+        known |= {"clearance": (_drawn(_within(0)), None), "max_disparity": (_above(0), None), "min_surfaces": (_within(0, 1), None)}
     if kind == "orbit":
         known |= {
             "turn": (_drawn(_finite), {"uniform": [0, 360]}),
             "rise": (_drawn(_finite), 0),
-            "distance": (_drawn(_finite), 1),
+            "distance": (_drawn(_above(0)), 1),
         }
     return _keys(value, at, known)
 
 
 def _rig(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
-        "interaxial": (_drawn(_finite), None),
-        "interaxial_px": (_drawn(_finite), None),
+        "interaxial": (_drawn(_within(0)), None),
+        "interaxial_px": (_drawn(_within(0)), None),
+        "baseline": (_drawn(_within(0)), None),
         "screen_distance": (_drawn(_distance), None),
-        "fov": (_drawn(_finite), None),
+        "fov": (_drawn(_above(0, 180)), None),
+        "fx": (_drawn(_above(0)), None),
+        "fy": (_drawn(_above(0)), None),
+        "cx": (_drawn(_finite), None),
+        "cy": (_drawn(_finite), None),
     }
     found = _keys(value, at, known)
-    if "interaxial" in found and "interaxial_px" in found:
-        raise SpecError(f"{at}: interaxial and interaxial_px say the same; give one of them")
+    for same in (("interaxial", "interaxial_px", "baseline"), ("fov", "fx")):
+        given = [key for key in same if key in found]
+        if len(given) > 1:
+            raise SpecError(f"{at}: {' and '.join(given)} say the same; give one of them")
+    for key in ("fy", "cx", "cy"):
+        if key in found and "fx" not in found:
+            raise SpecError(f"{at}.{key}: it goes with fx")
     return found
 
 
@@ -384,7 +414,7 @@ def _randomise(value: Any, at: str) -> dict[str, Any]:
         "lights": (_random_lights, None),
         "materials": (_random_materials, None),
         "ambient": (_drawn(_within(0)), None),
-        "exposure": (_drawn(_finite), None),
+        "exposure": (_drawn(_within(-64, 64)), None),
     }
     return _keys(value, at, known)
 
@@ -420,7 +450,25 @@ def _outputs(value: Any, at: str) -> list[str]:
     return names
 
 
+def _check_extent(value: Any) -> None:
+    """Refuses what is nested too deep or has too many values, before anything walks through all of it."""
+    waiting, count = [(value, 1)], 0
+    while waiting:
+        part, level = waiting.pop()
+        count += 1
+        if count > MOST_VALUES:
+            raise SpecError(f"it has over {MOST_VALUES} values")
+        if isinstance(part, (str, bytes)) or not isinstance(part, (Mapping, Sequence)):
+            continue
+        if level > MOST_LEVELS:
+            raise SpecError(f"its lists and mappings are nested over {MOST_LEVELS} levels deep")
+        if len(part) > MOST_VALUES - count - len(waiting):
+            raise SpecError(f"it has over {MOST_VALUES} values")
+        waiting += [(inner, level + 1) for inner in (part.values() if isinstance(part, Mapping) else part)]
+
+
 def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
+    _check_extent(value)
     known: dict[str, tuple[Check, Any]] = {
         "name": (_name, "pairs"),
         "seed": (_whole(0, 2**32 - 1), 0),
@@ -463,8 +511,13 @@ def _check_together(found: Mapping[str, Any]) -> None:
         raise SpecError(f"render.method: {method} shows points up to half a pixel aside, and {truth[0]} is that of pixels' centres; use one of {', '.join(EXACT_METHODS)}")
     if "shadow_source" in outputs and (method == "naive" or method not in EXACT_METHODS):
         raise SpecError(f"outputs: shadow_source is known by brackets, not by {method}")
-    distance = found["rig"].get("screen_distance", "inf" if found["format"] in PARALLEL_LAYOUTS else None)
-    if "interaxial_px" in found["rig"] and (distance == "inf" or distance == {"choice": ["inf"]}):
+    rig = found["rig"]
+    # Cameras with one cx for both eyes are parallel, unless it is said where their screen is.
+    distance = rig.get("screen_distance", "inf" if found["format"] in stereotrace.LAYOUTS or "fx" in rig else None)
+    distances = distance["choice"] if isinstance(distance, dict) and "choice" in distance else [distance]
+    if found["format"] in PARALLEL_LAYOUTS and any(one != "inf" for one in distances):
+        raise SpecError(f"rig.screen_distance: the cameras of {found['format']} are parallel: leave it out, or say inf")
+    if "interaxial_px" in rig and any(one == "inf" for one in distances):
         raise SpecError("rig.interaxial_px: it is the parallax at infinity, which parallel cameras have none of; give interaxial")
 
 

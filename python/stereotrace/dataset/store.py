@@ -7,7 +7,8 @@ import io
 import os
 import posixpath
 import uuid
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,12 @@ from .._needs import needs
 
 PART = ".part-"
 """In the names of what is not whole yet."""
+
+
+READERS = 32
+"""Files that are read at once."""
+READ_AHEAD = 256
+"""Files that are held at once while many are read."""
 
 
 class Written(io.RawIOBase):
@@ -84,12 +91,44 @@ class Store:
             return set()
         return {posixpath.basename(str(name).rstrip("/")) for name in found}
 
+    def stamps(self) -> dict[str, str]:
+        """What lies in the folder, with what tells a file from another of its name: size, time, or the storage's own
+        tag."""
+        self._files.invalidate_cache()
+        try:
+            found = self._files.ls(self._path("").rstrip("/"), detail=True)
+        except FileNotFoundError:
+            return {}
+        tags = ("size", "mtime", "LastModified", "ETag", "etag", "updated", "last_modified", "created")
+        return {posixpath.basename(str(one["name"]).rstrip("/")): " ".join(str(one.get(tag)) for tag in tags) for one in found}
+
     def exists(self, name: str) -> bool:
         self._files.invalidate_cache()
         return bool(self._files.exists(self._path(name)))
 
     def read(self, name: str) -> bytes:
         return bytes(self._files.cat_file(self._path(name)))
+
+    def read_all(self, names: Sequence[str]) -> Iterator[bytes | None]:
+        """Reads many files, several at once; ``None`` of one that is not there."""
+
+        def read(name: str) -> bytes | None:
+            try:
+                return self.read(name)
+            except FileNotFoundError:
+                return None
+
+        with ThreadPoolExecutor(READERS) as readers:
+            for begin in range(0, len(names), READ_AHEAD):
+                yield from readers.map(read, names[begin : begin + READ_AHEAD])
+
+    def lines(self, name: str) -> Iterator[bytes]:
+        """The lines of a file; none where it is not there."""
+        try:
+            with self._files.open(self._path(name), "rb") as file:
+                yield from file
+        except FileNotFoundError:
+            return
 
     def make_folder(self) -> None:
         self._files.makedirs(self._root, exist_ok=True)
@@ -146,6 +185,24 @@ class Store:
             self._discard(part)
             raise
         return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+
+    def put_into_root(self, folder: Path, name: str) -> int:
+        """All files of a folder of this machine, where they lie in it, each of them whole or not at all; returns their
+        bytes. ``name`` says whose they are, for what a process that is killed leaves."""
+        files = sorted(file for file in folder.rglob("*") if file.is_file())
+        if self.is_local:
+            part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
+            try:
+                self._files.put(f"{folder}/", part, recursive=True)
+                for file in files:
+                    place = file.relative_to(folder).as_posix()
+                    os.makedirs(posixpath.dirname(self._path(place)), exist_ok=True)
+                    os.replace(posixpath.join(part, place), self._path(place))
+            finally:
+                self._discard(part)
+        else:
+            self.put_files(folder)  # an object is whole when it is there
+        return sum(file.stat().st_size for file in files)
 
     def put_files(self, folder: Path) -> None:
         """All files of a folder of this machine, where they lie in it."""

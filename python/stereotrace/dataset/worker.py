@@ -5,23 +5,63 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+import os
+import pickle
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import stereotrace
 from stereotrace import AdapterError, DeviceLostError, LimitError, Material, Renderer, Scene, StereoPair
 
 from . import encode
 from .items import Item
-from .spec import Spec
+from .spec import ONE_ROOT, Spec
 from .store import Store
 
 log = logging.getLogger("stereotrace.dataset")
 
 # What a pair's files in a layout take of ground truth.
 LAYOUT_OUTPUTS = ["color", "disparity", "occlusion"]
+
+
+SCENE_MEMORY = 2**30
+"""Memory that a worker keeps scenes in, in bytes, where nothing is said. The scene at hand is always kept."""
+COPIES = 3
+"""What a scene takes here and on a device that is this machine, as a multiple of ``Scene.memory``: 1.8 and 2.9 were
+measured on a million triangles."""
+WAITING_MEMORY = 2**28
+"""Files of pairs that wait for their place in a shard are in memory up to this size, in bytes, then on disk."""
+MOST_FILES = 10_000
+"""A folder with more files than this is not looked through: its scenes are read again each time."""
+
+
+def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | None:
+    """A hash of names, sizes and times of the files that a scene may be read from: those in its folder and below, and
+    its sky. ``None`` where they can't be told, or are too many. ``leave_out`` is a folder that has none of them, such
+    as the data set's own."""
+    path, sky = spec.scene_path(scene), spec["scenes"][scene].get("sky")
+    found: list[tuple[str, int, int]] = []
+    try:
+        for folder, inner, names in os.walk(path.parent) if path is not None else ():
+            inner[:] = sorted(name for name in inner if Path(folder, name).resolve() != leave_out)
+            found += [_stamp(Path(folder, name)) for name in sorted(names)]
+            if len(found) > MOST_FILES:
+                return None
+        if isinstance(sky, str) and sky != "procedural":
+            found.append(_stamp(spec.folder / sky))
+        if path is not None:
+            _stamp(path)
+    except OSError:
+        return None
+    return hashlib.sha256(json.dumps(found).encode()).hexdigest()
+
+
+def _stamp(path: Path) -> tuple[str, int, int]:
+    known = path.stat()
+    return str(path), known.st_size, known.st_mtime_ns
 
 
 def open_scene(spec: Spec, scene: int) -> Scene:
@@ -58,9 +98,9 @@ class SceneChanged(ValueError):
 class Stage:
     """A scene that pairs are made of, one after the other."""
 
-    def __init__(self, spec: Spec, scene: int, sha256: str | None) -> None:
-        self.scene = open_scene(spec, scene)
-        if sha256 is not None and scene_hash(spec, scene, self.scene) != sha256:
+    def __init__(self, spec: Spec, scene: int, sha256: str | None, opened: Scene | None) -> None:
+        self.scene = open_scene(spec, scene) if opened is None else opened
+        if opened is None and sha256 is not None and scene_hash(spec, scene, self.scene) != sha256:
             raise SceneChanged(f"{spec.scene_path(scene)}: it shows something else than when the data set was begun")
         self._materials: list[Material] = self.scene.materials
         self._shown = list(self._materials)
@@ -79,31 +119,71 @@ class Stage:
                 self._shown[place] = drawn
 
 
-class Worker:
-    """Makes pairs and shards of a spec. ``hashes`` are those of its scenes when the data set was begun; a scene that can't be read has none."""
+class Waiting:
+    """Files of pairs that wait for their place in a shard."""
 
-    def __init__(self, spec: Spec, hashes: list[str | None] | None = None, adapter: str | None = None, kept_scenes: int = 4) -> None:
+    def __init__(self) -> None:
+        self._file = tempfile.SpooledTemporaryFile(max_size=WAITING_MEMORY, prefix="stereotrace-")
+        self._places: dict[int, int] = {}
+
+    def __enter__(self) -> Waiting:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def __contains__(self, item: int) -> bool:
+        return item in self._places
+
+    def put(self, item: int, files: dict[str, bytes]) -> None:
+        self._places[item] = self._file.seek(0, os.SEEK_END)
+        pickle.dump(files, self._file, protocol=pickle.HIGHEST_PROTOCOL)
+
+    def take(self, item: int) -> dict[str, bytes]:
+        self._file.seek(self._places.pop(item))
+        files: dict[str, bytes] = pickle.load(self._file)  # of this process
+        return files
+
+
+class Worker:
+    """Makes pairs and shards of a spec. ``hashes`` are those of its scenes when the data set was begun; a scene that
+    can't be read has none. Scenes stay read, and on the device, up to ``scene_memory`` bytes of them, those that were
+    used last. ``opened`` are scenes that have these hashes already, which it takes."""
+
+    def __init__(
+        self,
+        spec: Spec,
+        hashes: list[str | None] | None = None,
+        adapter: str | None = None,
+        scene_memory: int = SCENE_MEMORY,
+        opened: dict[int, Scene] | None = None,
+    ) -> None:
         self.spec = spec
+        self._opened = {} if opened is None else opened
         self._hashes = hashes or [None] * len(spec["scenes"])
         self._adapter = adapter
-        self._kept = kept_scenes
+        self._scene_memory = scene_memory
         self._stages: dict[int, Stage] = {}
         self._faults: dict[int, Exception] = {}
-        self.renderer = Renderer(adapter, kept_scenes=kept_scenes)
+        self.renderer = self._new_renderer()
+
+    def _new_renderer(self) -> Renderer:
+        # What is kept on the device is what is kept here.
+        return Renderer(self._adapter, kept_scenes=len(self.spec["scenes"]) + 1)
 
     def _stage(self, scene: int) -> Stage:
         if scene in self._faults:
             raise self._faults[scene].with_traceback(None)
         stage = self._stages.pop(scene, None)
         if stage is None:
-            if len(self._stages) >= self._kept:
-                self._stages.pop(next(iter(self._stages)))
             try:
-                stage = Stage(self.spec, scene, self._hashes[scene])
+                stage = Stage(self.spec, scene, self._hashes[scene], self._opened.pop(scene, None))
             except (ValueError, OSError) as error:
                 self._faults[scene] = error  # it is not read again for every pair
                 raise
         self._stages[scene] = stage
+        while len(self._stages) > 1 and COPIES * sum(one.scene.memory for one in self._stages.values()) > self._scene_memory:
+            self.renderer.release(self._stages.pop(next(iter(self._stages))).scene)
         return stage
 
     def pair(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
@@ -153,7 +233,7 @@ class Worker:
             return self.pair(number)
         except DeviceLostError as error:
             log.warning("item %d: %s; trying it again on a new device", number, error)
-            self.renderer = Renderer(self._adapter, kept_scenes=self._kept)
+            self.renderer = self._new_renderer()
             return self.pair(number)
 
     def shard(self, number: int, store: Store, done: Callable[[int], None] = lambda item: None) -> dict[str, Any]:
@@ -173,13 +253,26 @@ class Worker:
         }
         make = self._layout_shard if self.spec.is_layout else self._file_shard
         record |= make(number, store, record, done)
+        for lines in (record["pairs"], record["errors"]):
+            lines.sort(key=lambda line: line["item"])
         record["seconds"] = round(time.monotonic() - began, 3)
         store.write(f"{name}.json", (json.dumps(record, sort_keys=True) + "\n").encode())
         return record
 
-    def _each(self, number: int, record: dict[str, Any], done: Callable[[int], None], use: Callable[[int, StereoPair, dict[str, Any]], Any]) -> Any:
-        """Each pair of a shard, made and used: yields what its use gives. Errors of either go to the shard's record."""
-        for item in self.spec.shard_items(number):
+    def _by_scene(self, items: Iterable[int]) -> list[int]:
+        """Items in an order in which no scene is read twice: first those of scenes that are kept."""
+        scenes = {item: Item(self.spec, item).scene() for item in items}
+        first: dict[int, int] = {}
+        for item, scene in scenes.items():
+            first.setdefault(scene, item)
+        return sorted(scenes, key=lambda item: (scenes[item] not in self._stages, first[scenes[item]], item))
+
+    def _each(
+        self, number: int, record: dict[str, Any], done: Callable[[int], None], use: Callable[[int, StereoPair, dict[str, Any]], Any]
+    ) -> Iterator[tuple[int, Any]]:
+        """Each pair of a shard, made and used, scene by scene: yields what its use gives. Errors of either go to the
+        shard's record, and yield ``None``."""
+        for item in self._by_scene(self.spec.shard_items(number)):
             try:
                 pair, of_pair = self._pair_once_more(item)
             except Exception as error:
@@ -187,6 +280,7 @@ class Worker:
                 if isinstance(error, AdapterError) and not isinstance(error, LimitError):
                     raise
                 self._note(record, item, error)
+                yield item, None
                 done(item)
                 continue
             try:
@@ -195,6 +289,7 @@ class Worker:
                 raise
             except Exception as error:
                 self._note(record, item, error)
+                yield item, None
             else:
                 yield item, used
                 record["pairs"].append(of_pair)
@@ -211,11 +306,21 @@ class Worker:
         def use(item: int, pair: StereoPair, of_pair: dict[str, Any]) -> dict[str, bytes]:
             return encode.files(pair, self.spec, of_pair)
 
-        file = self.spec.shard_name(number) + encode.ENDINGS[self.spec["format"]]
-        with store.writing(file) as written:
+        file = self.spec.data_name(number)
+        with store.writing(file) as written, Waiting() as waiting:
             shard = (encode.Tar if self.spec["format"] == "webdataset" else encode.Parquet)(written)
+            order, missing = list(self.spec.shard_items(number)), set()
             for item, files in self._each(number, record, done, use):
-                shard.add(f"{item:08d}", item, files)
+                if files is None:
+                    missing.add(item)
+                elif item == order[0]:
+                    shard.add(f"{order.pop(0):08d}", item, files)
+                else:
+                    waiting.put(item, files)
+                while order and (order[0] in missing or order[0] in waiting):
+                    next_item = order.pop(0)
+                    if next_item in waiting:
+                        shard.add(f"{next_item:08d}", next_item, waiting.take(next_item))
             shard.close()
         return {"file": file, "bytes": written.bytes, "sha256": written.sha256()}
 
@@ -228,5 +333,7 @@ class Worker:
 
             for _ in self._each(number, record, done, use):
                 pass
+            if self.spec["format"] in ONE_ROOT:
+                return {"file": self.spec.data_name(number), "bytes": store.put_into_root(Path(folder), name)}
             size = store.put_folder(Path(folder), name)
-        return {"file": name, "bytes": size}
+        return {"file": self.spec.data_name(number), "bytes": size}

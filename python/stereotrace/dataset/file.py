@@ -1,0 +1,125 @@
+"""Specs as files: YAML 1.2's plain values, or JSON. What either leaves open is refused: a key that stands twice,
+nesting without an end."""
+
+from __future__ import annotations
+
+import json
+import re
+import reprlib
+from pathlib import Path
+from typing import Any
+
+from .._needs import needs
+
+MOST_LEVELS = 32
+"""How deep a spec's lists and mappings may be nested."""
+MOST_BYTES = 2**25
+"""How large a spec's file may be."""
+
+
+class SpecError(ValueError):
+    """A spec that says something wrong; the text names the key."""
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 80, 80, 40
+
+
+def shown(value: Any) -> str:
+    """A value as messages show it; of a large one only a part is ever written."""
+    try:
+        text = _SHORT.repr(value)
+    except ValueError:  # Python refuses to write a number of thousands of digits
+        text = "a number of too many digits"
+    return text if len(text) <= 80 else text[:79] + "…"
+
+
+def read(path: Path) -> Any:
+    """What a spec's file says: JSON where its name ends in ``.json``, else YAML. Raises ``SpecError``, naming the line,
+    and ``OSError``."""
+    if not path.is_file() and path.exists():
+        raise SpecError("it is no regular file")
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise SpecError(f"it is over {MOST_BYTES >> 20} MiB large")
+    is_json = path.suffix.lower() == ".json"
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SpecError(f"no {'JSON' if is_json else 'YAML'}: {error}") from error
+    return _json(text) if is_json else _yaml(text)
+
+
+def _json(text: str) -> Any:
+    def mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            keys = [key for key, _ in pairs]
+            raise SpecError(f"the key {shown(next(key for key in keys if keys.count(key) > 1))} stands twice in one mapping")
+        return found
+
+    try:
+        return json.loads(text, object_pairs_hook=mapping)
+    except SpecError:
+        raise
+    except ValueError as error:  # a number of thousands of digits, too
+        raise SpecError(f"no JSON: {error}") from error
+    except RecursionError:
+        raise SpecError(f"its lists and mappings are nested over {MOST_LEVELS} levels deep") from None
+
+
+def _yaml(text: str) -> Any:
+    yaml = needs("yaml", "dataset")
+    try:
+        return yaml.load(text, Loader=_loader(yaml))
+    except yaml.YAMLError as error:
+        raise SpecError(f"no YAML: {error}") from error
+
+
+def _loader(yaml: Any) -> Any:
+    """YAML's loader of plain values, as YAML 1.2's core schema has them: ``1:30`` is no number of seconds, ``no`` no
+    truth value, ``010`` is ten."""
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
+        yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}
+        level = 0
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            self.level += 1
+            if self.level > MOST_LEVELS + 1:  # the values in the deepest list, too
+                line = self.peek_event().start_mark.line + 1
+                raise SpecError(f"line {line}: lists and mappings are nested over {MOST_LEVELS} levels deep")
+            try:
+                return super().compose_node(parent, index)
+            finally:
+                self.level -= 1
+
+        def compose_mapping_node(self, anchor: Any) -> Any:
+            node = super().compose_mapping_node(anchor)
+            seen = set()
+            for key, _ in node.value:
+                # Values of merged mappings are meant to be replaced.
+                if not isinstance(key, yaml.ScalarNode) or key.tag == "tag:yaml.org,2002:merge":
+                    continue
+                if (key.tag, key.value) in seen:
+                    raise SpecError(f"line {key.start_mark.line + 1}: the key {shown(key.value)} stands twice in one mapping")
+                seen.add((key.tag, key.value))
+            return node
+
+        def whole(self, node: Any) -> int:
+            value = self.construct_scalar(node).replace("_", "")
+            try:
+                return int(value, 0) if re.match("[-+]?0[xo]", value) else int(value)
+            except ValueError as error:
+                raise SpecError(f"line {node.start_mark.line + 1}: {shown(value)}: {error}") from None
+
+    for tag, pattern, first in (
+        ("bool", "true|True|TRUE|false|False|FALSE", "tTfF"),
+        ("int", "[-+]?[0-9][0-9_]*|0o[0-7]+|0x[0-9a-fA-F]+", "-+0123456789"),
+        ("float", r"[-+]?(?:\.[0-9]+|[0-9][0-9_]*(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", "-+.0123456789"),
+        ("merge", "<<", "<"),
+        ("null", "~|null|Null|NULL|", ["~", "n", "N", ""]),
+    ):
+        Loader.add_implicit_resolver(f"tag:yaml.org,2002:{tag}", re.compile(f"^(?:{pattern})$"), list(first))
+    Loader.add_constructor("tag:yaml.org,2002:int", Loader.whole)
+    return Loader
