@@ -74,7 +74,7 @@ impl Material {
         if let Some(albedo) = albedo {
             material.albedo = albedo.0;
         }
-        let Material(mut material) = with(material, fields)?;
+        let Self(mut material) = with(material, fields)?;
         // What the grey would scatter beside what these reflect and let through would be more than all light.
         if albedo.is_none() && material.finish != Finish::Matte {
             material.albedo = Vec3::ZERO;
