@@ -73,9 +73,9 @@ mod tests {
     fn coordinates_that_are_powers_of_two_take_no_square_of_time() {
         let power = |index: u32| f32::from_bits(index << 20);
         let at = |x: u32, y: u32| Vec3::new(power(x), power(y), 1.0);
-        let positions: Vec<Vec3> = (0..600 * 600).map(|index| at(1 + index % 600, 1 + index / 600)).collect();
-        let corners = (0..600 * 599).filter(|index| index % 600 < 599);
-        let triangles: Vec<[u32; 3]> = corners.map(|corner| [corner, corner + 1, corner + 600]).collect();
+        let positions: Vec<Vec3> = (0..800 * 800).map(|index| at(1 + index % 800, 1 + index / 800)).collect();
+        let corners = (0..800 * 799).filter(|index| index % 800 < 799);
+        let triangles: Vec<[u32; 3]> = corners.map(|corner| [corner, corner + 1, corner + 800]).collect();
         let mut scene = Scene::new();
         scene.add_mesh(&Mesh::new(positions, triangles)).unwrap();
         let started = std::time::Instant::now();
