@@ -16,6 +16,8 @@ use glam::Vec3;
 use super::check_size;
 use crate::{Error, Limits, message::counted};
 
+/// What a block may have, however small skies have to be.
+const LEAST_BLOCK_BYTES: u64 = 16 << 20;
 /// All of a block's channels are decompressed, also those that are not looked at.
 const MOST_CHANNELS: usize = 128;
 
@@ -45,6 +47,13 @@ pub(super) fn decode(
     let data = header.layer_size;
     if data.area() as u64 > limits.largest_sky().max(count) {
         return Err(no_sky(format!("its data window has {}x{} pixels, more than a sky may have", data.0, data.1)));
+    }
+    // What is read for a block at once, whatever the file has of it.
+    let Vec2(columns, rows) = header.max_block_pixel_size();
+    let pixels = (columns as u64).saturating_mul(rows as u64);
+    let most = limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64).max(LEAST_BLOCK_BYTES);
+    if pixels.saturating_mul(header.channels.bytes_per_pixel as u64) > most {
+        return Err(no_sky(format!("blocks of {columns}x{rows} pixels; one can have {most} bytes")));
     }
     let Vec2(left, top) = header.own_attributes.layer_position - window.position;
     drop(reader);
@@ -80,7 +89,7 @@ fn sides(size: Vec2<usize>) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use exr::{
-        image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, write::WritableImage},
+        image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer, write::WritableImage},
         math::Vec2,
         meta::{
             attribute::IntegerBounds,
@@ -91,8 +100,22 @@ mod tests {
     use super::*;
     use crate::SkyMap;
 
+    const ROWS: Encoding = Encoding::SMALL_LOSSLESS;
+    const TILES: Encoding = Encoding { blocks: Blocks::Tiles(Vec2(4, 4)), ..Encoding::SMALL_LOSSLESS };
+
     /// A file of these channels, with `value` of each channel and pixel, in a data window within a display window.
     fn file(
+        names: &[&str],
+        place: [i32; 2],
+        size: [usize; 2],
+        display: [usize; 2],
+        value: impl Fn(usize, usize) -> f32,
+    ) -> Vec<u8> {
+        encoded(ROWS, names, place, size, display, value)
+    }
+
+    fn encoded(
+        encoding: Encoding,
         names: &[&str],
         [left, top]: [i32; 2],
         [width, height]: [usize; 2],
@@ -105,7 +128,7 @@ mod tests {
         });
         let layer = LayerAttributes { layer_position: Vec2(left, top), ..LayerAttributes::named("sky") };
         let channels = AnyChannels::sort(channels.collect());
-        let layer = Layer::new((width, height), layer, Encoding::SMALL_LOSSLESS, channels);
+        let layer = Layer::new((width, height), layer, encoding, channels);
         let window = IntegerBounds::new((0, 0), (display[0], display[1]));
         let mut bytes = std::io::Cursor::new(Vec::new());
         let image = Image::from_layers(ImageAttributes::new(window), vec![layer]);
@@ -162,23 +185,42 @@ mod tests {
         for name in ["dataWindow", "displayWindow"] {
             let name = format!("{name}\0box2i\0").into_bytes();
             let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 4;
-            for [right, bottom] in [[i32::MAX - 1; 2], [i32::MAX - 2, 1], [3, i32::MAX - 2], [-5, -5], [1 << 20; 2]] {
+            for [right, bottom] in
+                [[i32::MAX - 1; 2], [i32::MAX - 2, 1], [3, i32::MAX - 2], [-5, -5], [1 << 20; 2], [(1 << 22) - 1, 1]]
+            {
                 let mut changed = bytes.clone();
                 changed[at + 8..][..4].copy_from_slice(&right.to_le_bytes());
                 changed[at + 12..][..4].copy_from_slice(&bottom.to_le_bytes());
-                // Bounds the wrong way round are taken the right way.
+                // Bounds the wrong way round are taken the right way, and a display window at the limit is a sky.
                 match read(&changed) {
-                    Ok(sky) => assert_eq!((right, sky.size()), (-5, [6, 6])),
+                    Ok(sky) => assert!(matches!(sky.size(), [6, 6] | [0x40_0000, 2]), "{sky:?}"),
                     Err(error) => assert!(error.to_string().contains("sky.exr: "), "{error}"),
                 }
             }
+        }
+        // Tiles, which are read whole.
+        let bytes = encoded(TILES, &["R", "G", "B"], [0, 0], [16, 8], [16, 8], |_, _| 0.5);
+        assert_eq!(read(&bytes).unwrap().size(), [16, 8]);
+        let name = b"tiles\0tiledesc\0";
+        let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 4;
+        for sides in [[1 << 30; 2], [1 << 22, 4]] {
+            let mut changed = bytes.clone();
+            changed[at..][..8].copy_from_slice(bytemuck::cast_slice(&sides.map(i32::to_le)));
+            let message = read(&changed).unwrap_err().to_string();
+            assert!(
+                message.contains(&format!("blocks of {}x{} pixels; one can have", sides[0], sides[1])),
+                "{message}"
+            );
         }
     }
 
     /// Bytes that are changed at random end in a sky or an error.
     #[test]
     fn damaged_files_do_no_harm() {
-        let bytes = file(&["R", "G", "B"], [0, 0], [16, 8], [16, 8], |channel, pixel| (channel * pixel) as f32);
+        let of = |encoding: Encoding| {
+            encoded(encoding, &["R", "G", "B"], [0, 0], [16, 8], [16, 8], |channel, pixel| (channel * pixel) as f32)
+        };
+        let whole = [of(ROWS), of(TILES)];
         let mut state = 1u64;
         let mut random = |below: usize| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -186,7 +228,7 @@ mod tests {
         };
         let rounds = std::env::var("STEREOTRACE_EXR_ROUNDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2000);
         for _ in 0..rounds {
-            let mut changed = bytes.clone();
+            let mut changed = whole[random(2)].clone();
             for _ in 0..=random(3) {
                 let at = random(changed.len());
                 changed[at] = [0, 1, 0x7f, 0x80, 0xff, random(256) as u8][random(6)];
