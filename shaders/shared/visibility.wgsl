@@ -124,6 +124,7 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 // of theirs, unless the penumbra is narrow. -1 where they don't tell.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
+    if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
     if (of_ray_u(taken.known, ray) & bit) != 0u { return select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u); }
     if !KEEP_SHARES || slot >= SHARES { return -1.0; }
     let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;
@@ -136,17 +137,6 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     if !is_chance(before, after, frame.share_tolerance, count) || is_narrow(slot, before, after, count, ray) { return -1.0; }
     return mix(before, after, of_ray(taken.way, ray));
 }
-
-// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
-fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
-    let mean = 0.5 * (a + b);
-    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
-    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
-}
-
-// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
-// most, and what two of them have in common says little of what lies between.
-const NARROW: f32 = 2.0;
 
 // Whether that is so of one of the two samples beside a point and its neighbour on the other side.
 fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {

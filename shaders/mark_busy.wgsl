@@ -1,0 +1,111 @@
+// Pass 2 of 3 of `bracket` where shadow bits are taken over, second part: lights whose shadows are so narrow somewhere that two samples beside
+// a point don't tell what lies between them (docs/BRACKET.md).
+//
+// A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It lies in a shadow, or in a
+// strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
+// tiles around the place where the sample lands: the more of them, the less the surface itself may be the cause.
+//
+// launch  one thread per run of TILE pixels of a row of the source
+// reads   source_samples  texture
+// adds    bounds          [tiles, BOUND_WORDS]  a bit for each light that is busy, and from bit 16 on for each share; cleared by the host
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
+
+// How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two samples on both sides; around
+// one on a surface that is flat for one. Around others it is the tile alone.
+const REACH_OF_SHADOW: f32 = 32.0;
+const REACH_OF_LIGHT: f32 = 8.0;
+// What is flat may be off the line between two samples by so much of their distance.
+const FLAT: f32 = 1.0 / 64.0;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
+    let row = launched_row(id) + frame.row_begin;
+    let begin = id.x * TILE;
+    if begin >= frame.image_size.x || row >= frame.row_end { return; }
+    let end = min(begin + TILE, frame.image_size.x);
+    var far_before = sample_in_row(row, begin, -2);
+    var before = sample_in_row(row, begin, -1);
+    var here = sample_in_row(row, begin, 0);
+    var after = sample_in_row(row, begin, 1);
+    var column = begin;
+    loop {
+        let far_after = sample_in_row(row, column, 2);
+        var busy = (unlike(here, before) | unlike(here, far_before)) & (unlike(here, after) | unlike(here, far_after));
+        if KEEP_SHARES { busy |= busy_shares(here, before, far_before, after, far_after); }
+        if busy != 0u {
+            let x = landing_x(column, here.depth);
+            let flat = is_flat(before, here, after, 1.0);
+            let flat_on = flat && is_flat(far_before, here, far_after, 2.0);
+            // Of shares it is not asked whether they are of shadows.
+            let dark = busy & ~(here.bits & 0xffffu);
+            mark_tiles(row, x, select(0.0, REACH_OF_LIGHT, flat), busy);
+            if flat_on { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
+        }
+        far_before = before;
+        before = here;
+        here = after;
+        after = far_after;
+        column += 1u;
+        if column >= end { break; }
+    }
+}
+
+// So many columns from another; outside the picture one that was asked nothing.
+fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
+    let place = i32(column) + offset;
+    let inside = (place >= 0) & (place < i32(frame.image_size.x));
+    let sample = source_sample(vec2u(u32(select(0, place, inside)), row));
+    return SourceSample(sample.depth, sample.other, select(MISS, sample.component, inside), select(0u, sample.bits, inside));
+}
+
+// The lights of which two samples of a component saw different things.
+fn unlike(a: SourceSample, b: SourceSample) -> u32 {
+    let asked = (a.bits & b.bits) >> 16u;
+    return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
+}
+
+// Whether three samples, so many pixels from one to the next, show a flat surface: reciprocals of depth lie on a line there.
+fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
+    let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
+    return a.component == b.component && c.component == b.component && off < FLAT * apart * length(frame.step_x);
+}
+
+fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
+    let low = max(x - reach, 0.0);
+    let high = min(x + reach, f32(frame.image_size.x) - 0.5);
+    if busy == 0u || !(low <= high) { return; }
+    let first = row / TILE * tiles_across();
+    var tile = u32(low) / TILE;
+    loop {
+        atomicOr(&bounds[BOUND_WORDS * (first + tile) + 1u], busy);
+        tile += 1u;
+        if tile > u32(high) / TILE { break; }
+    }
+}
+
+// The shares that are less than those on both sides by more than chance, or more.
+fn busy_shares(here: SourceSample, before: SourceSample, far_before: SourceSample, after: SourceSample, far_after: SourceSample) -> u32 {
+    var busy = 0u;
+    var slot = 0u;
+    loop {
+        let one = above_or_below(here, before, slot) | above_or_below(here, far_before, slot);
+        let other = above_or_below(here, after, slot) | above_or_below(here, far_after, slot);
+        busy |= select(0u, 1u << (16u + slot), (one & other) != 0u);
+        slot += 1u;
+        if slot >= SHARES { break; }
+    }
+    return busy;
+}
+
+// 1 where the second sample's share is less than the first one's by more than chance, 2 where it is more.
+fn above_or_below(a: SourceSample, b: SourceSample, slot: u32) -> u32 {
+    let first = (a.other >> (SHARE_BITS * slot)) & UNASKED;
+    let second = (b.other >> (SHARE_BITS * slot)) & UNASKED;
+    if a.component != b.component || first == UNASKED || second == UNASKED { return 0u; }
+    // Ambient light, or the sky in its place, has the first slot where it is asked for.
+    let count = select(LIGHT_RAYS, OCCLUSION_RAYS, slot == 0u && OCCLUSION_RAYS > 0u);
+    if is_chance(f32(first) / f32(ALL_OPEN), f32(second) / f32(ALL_OPEN), NARROW * frame.share_tolerance, count) { return 0u; }
+    return select(2u, 1u, second < first);
+}
