@@ -33,13 +33,15 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
     loop {
         let far_after = sample_in_row(row, column, 2);
         var busy = (unlike(here, before) | unlike(here, far_before)) & (unlike(here, after) | unlike(here, far_after));
-        if KEEP_SHARES { busy |= busy_shares(here, before, far_before, after, far_after); }
+        var dark = busy & ~here.bits;
+        if KEEP_SHARES {
+            dark |= busy_shares(here, before, far_before, after, far_after, false);
+            busy |= dark | busy_shares(here, before, far_before, after, far_after, true);
+        }
         if busy != 0u {
             let x = landing_x(column, here.depth);
             let flat = is_flat(before, here, after, 1.0);
             let flat_on = flat && is_flat(far_before, here, far_after, 2.0);
-            // Of shares it is not asked whether they are of shadows.
-            let dark = busy & ~(here.bits & 0xffffu);
             mark_tiles(row, x, select(0.0, REACH_OF_LIGHT, flat), busy);
             if flat_on { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
         }
@@ -85,27 +87,29 @@ fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
     }
 }
 
-// The shares that are less than those on both sides by more than chance, or more.
-fn busy_shares(here: SourceSample, before: SourceSample, far_before: SourceSample, after: SourceSample, far_after: SourceSample) -> u32 {
+// A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of half and more between samples that
+// see nothing of it.
+fn busy_shares(here: SourceSample, before: SourceSample, far_before: SourceSample, after: SourceSample, far_after: SourceSample, lit: bool) -> u32 {
+    let beside = select(ALL_OPEN, 0u, lit);
     var busy = 0u;
     var slot = 0u;
     loop {
-        let one = above_or_below(here, before, slot) | above_or_below(here, far_before, slot);
-        let other = above_or_below(here, after, slot) | above_or_below(here, far_after, slot);
-        busy |= select(0u, 1u << (16u + slot), (one & other) != 0u);
+        let share = share_in(here, slot);
+        let half = select(share <= ALL_OPEN / 2u, share >= ALL_OPEN / 2u && share != UNASKED, lit);
+        let one = is_share(here, before, slot, beside) || is_share(here, far_before, slot, beside);
+        let other = is_share(here, after, slot, beside) || is_share(here, far_after, slot, beside);
+        busy |= select(0u, 1u << (16u + slot), half && one && other);
         slot += 1u;
         if slot >= SHARES { break; }
     }
     return busy;
 }
 
-// 1 where the second sample's share is less than the first one's by more than chance, 2 where it is more.
-fn above_or_below(a: SourceSample, b: SourceSample, slot: u32) -> u32 {
-    let first = (a.other >> (SHARE_BITS * slot)) & UNASKED;
-    let second = (b.other >> (SHARE_BITS * slot)) & UNASKED;
-    if a.component != b.component || first == UNASKED || second == UNASKED { return 0u; }
-    // Ambient light, or the sky in its place, has the first slot where it is asked for.
-    let count = select(LIGHT_RAYS, OCCLUSION_RAYS, slot == 0u && OCCLUSION_RAYS > 0u);
-    if is_chance(f32(first) / f32(ALL_OPEN), f32(second) / f32(ALL_OPEN), NARROW * frame.share_tolerance, count) { return 0u; }
-    return select(2u, 1u, second < first);
+fn share_in(sample: SourceSample, slot: u32) -> u32 {
+    return (sample.other >> (SHARE_BITS * slot)) & UNASKED;
+}
+
+// Whether a sample is of another one's component and has such a share.
+fn is_share(here: SourceSample, sample: SourceSample, slot: u32, share: u32) -> bool {
+    return sample.component == here.component && share_in(sample, slot) == share;
 }

@@ -250,10 +250,9 @@ impl Variant {
     /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
         let with = match kernel.touches {
-            // Whether samples have shares, and of how many rays.
+            // Whether samples have shares.
             Touches::Pixels if kernel.name == MARK_BUSY.name && self.shares && self.is_soft() => {
-                let Self { triangles, spheres, planes, shares, soft_lights, shadow_rays, occlusion_rays, .. } = self;
-                Self { triangles, spheres, planes, shares, soft_lights, shadow_rays, occlusion_rays, ..Self::PIXELS }
+                Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },

@@ -19,17 +19,6 @@ const SHARE_BITS: u32 = 5u;
 const ALL_OPEN: u32 = 30u;
 const UNASKED: u32 = 31u;
 
-// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
-fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
-    let mean = 0.5 * (a + b);
-    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
-    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
-}
-
-// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
-// most, and what two of them have in common says little of what lies between.
-const NARROW: f32 = 2.0;
-
 fn light_mask(light: u32) -> u32 {
     return select(0u, 1u << (light & 15u), light < 16u);
 }
@@ -55,12 +44,17 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
 // Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), U(0u));
+    var tile = MISS;
+    var busy = 0u;
     var ray = 0u;
     loop {
         if of_ray_b(surfaces.there, ray) {
             let near = place_between(nearest_source(), pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
             let agreed = asked_also(bits_of_ray(near, hits_there, surfaces, ray), pixels, hits_there, surfaces, ray);
-            let busy = busy_at(pixel_of_ray(pixels, ray));
+            // A lane's pixels are mostly of one tile.
+            let its_tile = found_in_tile(pixel_of_ray(pixels, ray));
+            if its_tile != tile { busy = busy_in(its_tile); }
+            tile = its_tile;
             result.busy = with_ray_u(result.busy, ray, busy);
             result.known = with_ray_u(result.known, ray, (agreed >> 16u) & ~busy);
             result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
@@ -156,16 +150,16 @@ fn agreeing(a: u32, b: u32) -> u32 {
 
 //! if bits is none
 // `rays`: nothing is taken over.
-fn busy_at(pixel: vec2u) -> u32 { return 0u; }
+fn busy_in(tile: u32) -> u32 { return 0u; }
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     return 0u;
 }
 
 //! if bits is two or block
-// The lights that are busy about a pixel (mark_busy.wgsl).
-fn busy_at(pixel: vec2u) -> u32 {
-    return lists.entries[found_in_tile(pixel) + BUSY_WORD];
+// The lights that are busy in a tile (mark_busy.wgsl).
+fn busy_in(tile: u32) -> u32 {
+    return lists.entries[tile + BUSY_WORD];
 }
 
 //! if bits is two

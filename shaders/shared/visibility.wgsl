@@ -138,6 +138,17 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     return mix(before, after, of_ray(taken.way, ray));
 }
 
+// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
+fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
+    let mean = 0.5 * (a + b);
+    let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
+    return abs(a - b) <= max(by_chance, 1.0 / f32(count));
+}
+
+// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
+// most, and what two of them have in common says little of what lies between.
+const NARROW: f32 = 2.0;
+
 // Whether that is so of one of the two samples beside a point and its neighbour on the other side.
 fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {
     let pixel = pixel_of_ray(dice, ray);
