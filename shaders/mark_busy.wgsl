@@ -3,7 +3,7 @@
 //
 // A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It lies in a shadow, or in a
 // strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
-// tiles around the place where the sample lands: the more of them, the less the surface itself may be the cause.
+// tiles around the place where the sample lands, if it is on a flat surface: others are in narrow shadows of their own.
 //
 // launch  one thread per run of TILE pixels of a row of the source
 // reads   source_samples  texture
@@ -13,11 +13,11 @@
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
 
 // How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two samples on both sides; around
-// one on a surface that is flat for one. Around others it is the tile alone.
+// one on a surface that is flat for one.
 const REACH_OF_SHADOW: f32 = 32.0;
-const REACH_OF_LIGHT: f32 = 8.0;
+const REACH_OF_LIGHT: f32 = 12.0;
 // What is flat may be off the line between two samples by so much of their distance.
-const FLAT: f32 = 1.0 / 64.0;
+const FLAT: f32 = 1.0 / 32.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
@@ -38,12 +38,10 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
             dark |= busy_shares(here, before, far_before, after, far_after, false);
             busy |= dark | busy_shares(here, before, far_before, after, far_after, true);
         }
-        if busy != 0u {
+        if busy != 0u && is_flat(before, here, after, 1.0) {
             let x = landing_x(column, here.depth);
-            let flat = is_flat(before, here, after, 1.0);
-            let flat_on = flat && is_flat(far_before, here, far_after, 2.0);
-            mark_tiles(row, x, select(0.0, REACH_OF_LIGHT, flat), busy);
-            if flat_on { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
+            mark_tiles(row, x, REACH_OF_LIGHT, busy);
+            if is_flat(far_before, here, far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
         }
         far_before = before;
         before = here;

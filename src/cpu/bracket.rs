@@ -16,8 +16,8 @@ const BETWEEN: f32 = 1.001;
 const GROOVE: f32 = 1.0 / 96.0;
 /// `REACH_OF_SHADOW`, `REACH_OF_LIGHT` and `FLAT` of `mark_busy.wgsl`.
 const REACH_OF_SHADOW: f32 = 32.0;
-const REACH_OF_LIGHT: f32 = 8.0;
-const FLAT: f32 = 1.0 / 64.0;
+const REACH_OF_LIGHT: f32 = 12.0;
+const FLAT: f32 = 1.0 / 32.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
@@ -160,7 +160,9 @@ fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> 
                 (low as usize / tile..=high as usize / tile).for_each(|at| busy[row / tile * across + at] |= lights);
             }
         };
-        mark(if is_flat(1) { REACH_OF_LIGHT } else { 0.0 }, lights);
+        if is_flat(1) {
+            mark(REACH_OF_LIGHT, lights);
+        }
         if is_flat(1) && is_flat(2) {
             mark(REACH_OF_SHADOW, lights & !bits[index].lit);
         }
