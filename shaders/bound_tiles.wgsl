@@ -5,7 +5,7 @@
 //
 // launch  one thread per run of TILE pixels of a row of the source, in the order of a sweep
 // reads   source    [height * width]
-// writes  bounds    [tiles]             bits of the largest depth; cleared by the host
+// writes  bounds    [tiles, BOUND_WORDS]  bits of the largest depth; cleared by the host
 // adds    counters  [height * COUNTERS] the target's pixels in gaps
 
 @group(1) @binding(0) var<uniform> frame: Frame;
@@ -54,7 +54,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
         loop {
             if low > high { break; }
             if landed != tile {
-                if tile != NO_TILE { atomicMax(&bounds[first_tile + tile], bitcast<u32>(deepest)); }
+                if tile != NO_TILE { atomicMax(&bounds[BOUND_WORDS * (first_tile + tile)], bitcast<u32>(deepest)); }
                 tile = landed;
                 deepest = 0.0;
             }
@@ -67,7 +67,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
         place += 1u;
         if place >= end { break; }
     }
-    if tile != NO_TILE { atomicMax(&bounds[first_tile + tile], bitcast<u32>(deepest)); }
+    if tile != NO_TILE { atomicMax(&bounds[BOUND_WORDS * (first_tile + tile)], bitcast<u32>(deepest)); }
     if unseen > 0u { atomicAdd(&counters[row * COUNTERS + GAP_PIXELS], unseen); }
 }
 

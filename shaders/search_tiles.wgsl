@@ -3,7 +3,7 @@
 // cover a pixel's centre in it.
 //
 // launch  one thread per tile
-// reads   bounds    [tiles]             bits of a depth
+// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
 // adds    counters  [height * COUNTERS]
 // writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
@@ -31,13 +31,15 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
     if outside(corner) || !is_any_wanted(corner) { return; }
     let size = min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
     let tile = Tile(corner + vec2u(0u, frame.first_row), size);
-    let bound = min(bitcast<f32>(bounds[corner.y / TILE * tiles_across() + corner.x / TILE]) * BETWEEN, FAR);
+    let place = bound_place(corner);
+    let bound = min(bitcast<f32>(bounds[place]) * BETWEEN, FAR);
     let found = found_in_tile(corner);
     search(tile, found, min(bound * DEEPER, FAR));
     var anything = bound < FAR || meets_planes(tile);
     let given_up = steps > MOST_STEPS;
     anything |= given_up;
     lists.entries[found] = bitcast<u32>(bound);
+    lists.entries[found + BUSY_WORD] = bounds[place + 1u];
     var block = 0u;
     loop {
         anything |= listed[block] > 0u;

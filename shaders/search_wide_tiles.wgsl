@@ -2,7 +2,7 @@
 // mostly see the same primitives. Each is projected once; what may cover a sample of a tile is then narrowed to that tile's blocks.
 //
 // launch  one thread per four tiles
-// reads   bounds    [tiles]             bits of a depth
+// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
 // adds    counters  [height * COUNTERS]
 // writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
@@ -65,7 +65,7 @@ fn deepest_bound(corner: vec2u) -> f32 {
     var quadrant = 0u;
     loop {
         let own = corner + corner_of(quadrant);
-        if !outside(own) { deepest = max(deepest, bitcast<f32>(bounds[own.y / TILE * tiles_across() + own.x / TILE])); }
+        if !outside(own) { deepest = max(deepest, bitcast<f32>(bounds[bound_place(own)])); }
         quadrant += 1u;
         if quadrant >= QUADRANTS { break; }
     }
@@ -76,6 +76,7 @@ fn deepest_bound(corner: vec2u) -> f32 {
 fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
     var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.first_row), vec2u(TILE)));
     lists.entries[found] = bitcast<u32>(bound);
+    lists.entries[found + BUSY_WORD] = bounds[bound_place(corner) + 1u];
     var block = 0u;
     loop {
         let count = listed[quadrant * TILE_BLOCKS + block];

@@ -117,14 +117,14 @@ impl Kernel {
     pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
             "trace_left" | "shade_hits" if with.samples => Some(Write),
-            "shade_tiles" | "shade_listed" | "trace_soft_asked" => Some(Read),
+            "shade_tiles" | "shade_listed" | "trace_soft_asked" | "mark_busy" => Some(Read),
             _ => None,
         }
     }
 
     /// Whether it reads a second source's samples, at `SECOND_SAMPLES_BINDING` of group 1.
     pub(crate) fn asks_second(&self, with: &Variant) -> bool {
-        with.second && self.samples(with) == Some(Read)
+        with.second && self.touches == Touches::Shading && self.samples(with) == Some(Read)
     }
 
     /// Whether what it does depends on which pixels are wanted. (What others do follows from lists.)

@@ -123,8 +123,10 @@ pub(crate) const TILE: u32 = 8;
 /// Samples of the side of what is searched at once where a pixel has several (`shaders/shared/search.wgsl`).
 pub(crate) const WIDE_TILE: u32 = 16;
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
+/// Words of what is known of a tile before it is searched (`shaders/shared/tiles.wgsl`).
+pub(crate) const BOUND_WORDS: u32 = 2;
 /// Words of what is found in a tile (`shaders/shared/lists.wgsl`).
-pub(crate) const TILE_WORDS: u32 = 641;
+pub(crate) const TILE_WORDS: u32 = 642;
 
 /// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
 pub(crate) const COUNTERS: usize = 13;

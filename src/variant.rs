@@ -11,6 +11,7 @@ use crate::{
     kernels::{Kernel, Touches},
     shadow_buffer::Reading,
     steps::{
+        bracket::MARK_BUSY,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
         resolve::TAKE_OVER,
     },
@@ -250,6 +251,10 @@ impl Variant {
     /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
         let with = match kernel.touches {
+            // Whether samples have shares.
+            Touches::Pixels if kernel.name == MARK_BUSY.name && self.shares && self.is_soft() => {
+                Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
+            }
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
             // A texel a lane.

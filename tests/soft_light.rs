@@ -8,7 +8,9 @@ use common::{
 };
 use stereotrace::{
     AmbientOcclusion, Error, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sphere, StereoCamera,
-    StereoPair, View, glam::Vec3, scene::builtin::Builtin,
+    StereoPair, View,
+    glam::Vec3,
+    scene::{builtin::Builtin, suite::Trial},
 };
 
 /// The integral of h / r over a rectangle from the origin to (a, b) at the height h.
@@ -255,6 +257,34 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
     println!("{text}");
     // Without what is asked of the samples beside and of grooves, 0.987 of the exact rule's error; 0.940 with it.
     assert!(shared < 0.96 * exact && rays < 0.65, "{text}");
+}
+
+/// Cables throw shadows of a few rays and pixels, which most pairs of samples miss.
+#[test]
+fn soft_light_under_cables_is_as_near_to_the_limit_as_naive_s() {
+    let mut renderer = Renderer::new(gpu());
+    let (mut scene, camera) = (Trial::Cables.scene(), Trial::Cables.camera(120, 120));
+    let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).unwrap();
+    scene.lights.truncate(2);
+    for light in &mut scene.lights {
+        *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
+    }
+    let uploaded = renderer.upload(&scene).unwrap();
+    let mut render = |options: Options| renderer.render(&uploaded, &camera, &options.linear(true)).unwrap().right;
+    let mut limit = vec![[0.0; 3]; camera_pixels(&camera)];
+    for seed in 1..=8 {
+        for (sum, color) in limit.iter_mut().zip(&render(naive().shadow_rays(32).seed(seed)).linear) {
+            (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 8.0);
+        }
+    }
+    let mut rms = |options: Options| {
+        let squares: f64 = errors_of(&render(options), &limit).map(|off| off * off).sum();
+        (squares / limit.len() as f64).sqrt()
+    };
+    let (of_naive, of_bracket) = (rms(naive()), rms(Options::new(Method::BRACKET)));
+    let ratio = of_bracket / of_naive;
+    println!("cables: {of_bracket:.5} for naive's {of_naive:.5}: {ratio:.3}");
+    assert!(ratio < 1.1, "{ratio}");
 }
 
 fn camera_pixels(camera: &StereoCamera) -> usize {

@@ -10,6 +10,7 @@ struct Taken {
     shares_before: U,   // of the samples on both sides, as found_shares of visibility.wgsl: UNASKED where one does not vouch
     shares_after: U,
     way: F,             // from the first one to the next, 0 to 1
+    busy: U,            // bits of shares that are not taken over, from bit 16 on
 }
 
 // Shares of so many sources stand in a word, from 0 for none of the rays to ALL_OPEN for all.
@@ -42,13 +43,20 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
 
 // Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
-    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0));
+    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), U(0u));
+    var tile = MISS;
+    var busy = 0u;
     var ray = 0u;
     loop {
         if of_ray_b(surfaces.there, ray) {
             let near = place_between(nearest_source(), pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
             let agreed = asked_also(bits_of_ray(near, hits_there, surfaces, ray), pixels, hits_there, surfaces, ray);
-            result.known = with_ray_u(result.known, ray, agreed >> 16u);
+            // A lane's pixels are mostly of one tile.
+            let its_tile = found_in_tile(pixel_of_ray(pixels, ray));
+            if its_tile != tile { busy = busy_in(its_tile); }
+            tile = its_tile;
+            result.busy = with_ray_u(result.busy, ray, busy);
+            result.known = with_ray_u(result.known, ray, (agreed >> 16u) & ~busy);
             result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
             if KEEP_OCCLUDERS && near.usable {
                 result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(near.first).other);
@@ -142,8 +150,16 @@ fn agreeing(a: u32, b: u32) -> u32 {
 
 //! if bits is none
 // `rays`: nothing is taken over.
+fn busy_in(tile: u32) -> u32 { return 0u; }
+
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     return 0u;
+}
+
+//! if bits is two or block
+// The lights that are busy in a tile (mark_busy.wgsl).
+fn busy_in(tile: u32) -> u32 {
+    return lists.entries[tile + BUSY_WORD];
 }
 
 //! if bits is two

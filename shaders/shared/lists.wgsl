@@ -96,8 +96,9 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
 const LIST_WORDS: u32 = 40u;
 const LIST_MOST: u32 = 39u;     // a block of which more is listed has no list: its pixels are traced
 const FIRST_PIXEL_BIT: u32 = 28u;
-// Words of a tile: the bits of its bound, then its blocks' lists.
-const TILE_WORDS: u32 = 641u;
+// Words of a tile: the bits of its bound, its blocks' lists, and the lights that are busy in it.
+const TILE_WORDS: u32 = 642u;
+const BUSY_WORD: u32 = 641u;
 
 // Where a pixel's tile begins, in the entries of `lists`.
 fn found_in_tile(pixel: vec2u) -> u32 {

@@ -9,6 +9,14 @@ fn tiles_across() -> u32 {
     return (frame.image_size.x + TILE - 1u) / TILE;
 }
 
+// What bound_tiles leaves of a tile: the bits of its bound, and of the lights that are busy there.
+const BOUND_WORDS: u32 = 2u;
+
+// Where that of a pixel's tile begins.
+fn bound_place(pixel: vec2u) -> u32 {
+    return BOUND_WORDS * (pixel.y / TILE * tiles_across() + pixel.x / TILE);
+}
+
 // Tiles of the rows at work.
 fn tiles_at_work() -> u32 {
     return (frame.row_end - frame.row_begin + TILE - 1u) / TILE * tiles_across();

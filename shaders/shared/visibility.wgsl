@@ -124,6 +124,7 @@ fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
 // of theirs, unless the penumbra is narrow. -1 where they don't tell.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
+    if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
     if (of_ray_u(taken.known, ray) & bit) != 0u { return select(0.0, 1.0, (of_ray_u(taken.lit, ray) & bit) != 0u); }
     if !KEEP_SHARES || slot >= SHARES { return -1.0; }
     let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;

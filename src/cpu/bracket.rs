@@ -14,6 +14,10 @@ use crate::{
 const BETWEEN: f32 = 1.001;
 /// `GROOVE` of `bits.wgsl`.
 const GROOVE: f32 = 1.0 / 96.0;
+/// `REACH_OF_SHADOW`, `REACH_OF_LIGHT` and `FLAT` of `mark_busy.wgsl`.
+const REACH_OF_SHADOW: f32 = 32.0;
+const REACH_OF_LIGHT: f32 = 12.0;
+const FLAT: f32 = 1.0 / 32.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
@@ -99,6 +103,8 @@ pub fn shadow_sources(
             (0..left.len()).map(|index| light_bits(scene, frame, Eye::Left, index, left[index], true)).collect()
         })
         .collect();
+    let busy = busy_lights(&components, sources[0], &bits[0]);
+    let (width, tile) = (sources[0].0.size()[0], TILE as usize);
     let source = |(index, &hit): (usize, &(f32, u32))| {
         if hit.1 == MISS {
             return ShadowSource::Taken;
@@ -107,6 +113,7 @@ pub fn shadow_sources(
             agreed_bits(scene, &components, *source, bits, (index, hit), reuse)
         };
         let agreed = sources.iter().zip(&bits).map(known).fold(0, |agreed, more| agreed | more);
+        let agreed = agreed & !busy[index / width / tile * width.div_ceil(tile) + index % width / tile];
         let wanted = light_bits(scene, sources[0].0, Eye::Right, index, hit, false).known;
         if wanted & !agreed == 0 { ShadowSource::Taken } else { ShadowSource::Traced }
     };
@@ -121,6 +128,46 @@ fn marked_components(scene: &Scene) -> Vec<u32> {
         *component = *component << 1 | u32::from(triangle.is_some_and(|triangle| scene.cutout_of(triangle).is_some()));
     }
     components
+}
+
+/// The lights of each tile of which no bit is taken over: their shadows are too narrow for the samples that land around it.
+fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> Vec<u32> {
+    let [width, height] = frame.size();
+    let tile = TILE as usize;
+    let across = width.div_ceil(tile);
+    let mut busy = vec![0; across * height.div_ceil(tile)];
+    let step = Vec3::from(frame.raw.step_x).length();
+    for (index, &(depth, id)) in left.iter().enumerate().filter(|(_, hit)| hit.1 != MISS) {
+        let (row, column) = (index / width, index % width);
+        // A sample of the same row and component, so many columns on.
+        let beside = |columns: isize| {
+            let place = column.checked_add_signed(columns).filter(|&column| column < width)? + row * width;
+            (left[place].1 != MISS && components[left[place].1 as usize] == components[id as usize]).then_some(place)
+        };
+        let unlike = |columns: isize| {
+            let other = beside(columns).map_or(Bits::default(), |place| bits[place]);
+            bits[index].known & other.known & (bits[index].lit ^ other.lit)
+        };
+        let lights = (unlike(-1) | unlike(-2)) & (unlike(1) | unlike(2));
+        let is_flat = |columns: isize| match (beside(-columns), beside(columns)) {
+            (Some(a), Some(b)) => (depth / left[a].0 + depth / left[b].0 - 2.0).abs() < FLAT * columns as f32 * step,
+            _ => false,
+        };
+        let x = landing_x(frame, column, depth);
+        let mut mark = |reach: f32, lights: u32| {
+            let (low, high) = ((x - reach).max(0.0), (x + reach).min(width as f32 - 0.5));
+            if low <= high {
+                (low as usize / tile..=high as usize / tile).for_each(|at| busy[row / tile * across + at] |= lights);
+            }
+        };
+        if is_flat(1) {
+            mark(REACH_OF_LIGHT, lights);
+        }
+        if is_flat(1) && is_flat(2) {
+            mark(REACH_OF_SHADOW, lights & !bits[index].lit);
+        }
+    }
+    busy
 }
 
 /// The lights of which a source's samples around the point that a right pixel shows know whether it sees them.

@@ -264,7 +264,7 @@ fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Opti
         Method::Sweep(Sweep::Sequential) => {
             return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None, soft))];
         }
-        Method::Bracket(_) => [bracket::bound(view), bracket::resolve(view, soft, wide)].concat(),
+        Method::Bracket(bits) => [bracket::bound(view, bits), bracket::resolve(view, soft, wide)].concat(),
     };
     vec![Stage::Steps(steps)]
 }

@@ -114,7 +114,7 @@ impl Shape {
             Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
             Target::Packed => pixels.saturating_mul(4 * u64::from(self.words_read())),
             Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
-            Target::Bounds => tiles * 4,
+            Target::Bounds => tiles * 4 * u64::from(layout::BOUND_WORDS),
             Target::Counters | Target::SourceCounters => {
                 let each = u64::from(self.soft_sources) + u64::from(self.cost_map);
                 4 * (rows * layout::COUNTERS as u64 + pixels.saturating_mul(each))

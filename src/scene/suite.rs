@@ -45,6 +45,13 @@ pub enum Trial {
     /// Thousands of curved strands, 0.1 to 0.5 pixels wide, on a ball: nearly every pixel is an edge, and the two
     /// eyes' samples seldom meet the same strand.
     Hair,
+    /// Crowns of squares that masks cut leaves out of: their shadows are dapples, many of them narrower than the distance between
+    /// the left eye's samples.
+    Foliage,
+    /// Cables over a street, far from what they throw their shadows on.
+    Cables,
+    /// A plate with fins and bars that are narrower than a pixel or little wider, close to what they throw their shadows on.
+    Strips,
     /// A thin wall between the eyes, from their plane into the depth. Each eye sees one side of it and one half of
     /// the scene, so that the left view holds next to nothing of the right one.
     Septum,
@@ -95,6 +102,9 @@ impl Trial {
         Self::Grazing,
         Self::Wires,
         Self::Hair,
+        Self::Foliage,
+        Self::Cables,
+        Self::Strips,
         Self::Septum,
         Self::Checkerboard,
         Self::Shells,
@@ -119,6 +129,9 @@ impl Trial {
             Self::Grazing => "grazing",
             Self::Wires => "wires",
             Self::Hair => "hair",
+            Self::Foliage => "foliage",
+            Self::Cables => "cables",
+            Self::Strips => "strips",
             Self::Septum => "septum",
             Self::Checkerboard => "checkerboard",
             Self::Shells => "shells",
@@ -144,6 +157,9 @@ impl Trial {
             Self::Grazing => "what the right eye sees lies between two left samples",
             Self::Wires => "wires pass between one eye's samples and not the other's",
             Self::Hair => "nearly every pixel is an edge",
+            Self::Foliage => "masks throw shadows narrower than a pixel",
+            Self::Cables => "cables far above the street throw narrow shadows",
+            Self::Strips => "fins and bars throw narrow shadows close by",
             Self::Septum => "the eyes see different sides and halves of the scene",
             Self::Checkerboard => "smooth in depth, but colours change within a pixel",
             Self::Shells => "the eyes look through different windows",
@@ -169,6 +185,9 @@ impl Trial {
             Self::Grazing => Builtin::Grazing.scene(),
             Self::Wires => thin::wires(),
             Self::Hair => thin::hair(),
+            Self::Foliage => thin::foliage(),
+            Self::Cables => thin::cables(),
+            Self::Strips => thin::strips(),
             Self::Septum => space::septum(),
             Self::Checkerboard => space::checkerboard(),
             Self::Shells => surfaces::shells(),
@@ -216,6 +235,9 @@ impl Trial {
             Self::FarOff => scales::FAR_OFF.camera(),
             Self::Wires
             | Self::Hair
+            | Self::Foliage
+            | Self::Cables
+            | Self::Strips
             | Self::Septum
             | Self::Checkerboard
             | Self::Shells

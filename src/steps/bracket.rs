@@ -5,6 +5,7 @@ use super::{
     soft, step, trace,
 };
 use crate::{
+    ShadowReuse,
     frame::{
         plan::{Launch, Step},
         targets::Target::{Bounds, Counters, Found, Source, SourceCounters, View},
@@ -23,6 +24,9 @@ pub(crate) const BOUND_TILES: Kernel = Kernel {
     storage: &[(Source, Read), (Bounds, Write), (Counters, Write)],
     main: part!("bound_tiles.wgsl"),
 };
+/// Where shadow bits are taken over: which of them are not.
+pub(crate) const MARK_BUSY: Kernel =
+    Kernel { name: "mark_busy", touches: Touches::Pixels, storage: &[(Bounds, Write)], main: part!("mark_busy.wgsl") };
 pub(crate) const SEARCH_TILES: Kernel = Kernel {
     name: "search_tiles",
     touches: Touches::Geometry,
@@ -62,9 +66,13 @@ pub(crate) const CHOOSE: Kernel = Kernel {
     main: part!("choose.wgsl"),
 };
 
-/// How deep each tile must be searched.
-pub(crate) fn bound(view: usize) -> Vec<Step> {
-    vec![step(&BOUND_TILES, view, Launch::Runs)]
+/// How deep each tile must be searched, and which shadow bits are taken over there.
+pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
+    let mut steps = vec![step(&BOUND_TILES, view, Launch::Runs)];
+    if bits != ShadowReuse::Rays {
+        steps.push(step(&MARK_BUSY, view, Launch::Runs));
+    }
+    steps
 }
 
 /// Primary visibility by tiles, the rest by rays; then shading from the hits, with shadow rays where bits don't agree.
@@ -94,5 +102,5 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(search(wide), view, Launch::Listed(Found, TO_SEARCH))];
-    [bound(view), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
+    [bound(view, ShadowReuse::Two), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
 }

@@ -136,6 +136,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("TILE", layout::TILE),
         ("WIDE_TILE", layout::WIDE_TILE),
         ("TILE_PIXELS", layout::TILE_PIXELS),
+        ("BOUND_WORDS", layout::BOUND_WORDS),
         ("TILE_WORDS", layout::TILE_WORDS),
     ] {
         let decimal = format!("const {name}: u32 = {value}u;");

@@ -9,8 +9,8 @@ use crate::{
     shadow_buffer::Reading,
     steps::{
         bracket::{
-            BOUND_TILES, CHOOSE, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY, SHADE_TILES,
-            TRACE_BOUNDED,
+            BOUND_TILES, CHOOSE, MARK_BUSY, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY,
+            SHADE_TILES, TRACE_BOUNDED,
         },
         edges::MARK_EDGES,
         mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
@@ -29,7 +29,7 @@ use crate::{
     variant::{Shadows, SkyKind},
 };
 
-pub(super) const ALL: [&Kernel; 53] = [
+pub(super) const ALL: [&Kernel; 54] = [
     &LIST_MIRRORS,
     &TRACE_MIRRORED,
     &TRACE_IN_STEPS,
@@ -38,6 +38,7 @@ pub(super) const ALL: [&Kernel; 53] = [
     &SHADE_SKY,
     &SHADE_TILES,
     &BOUND_TILES,
+    &MARK_BUSY,
     &CHOOSE,
     &SEARCH_TILES,
     &SEARCH_WIDE_TILES,

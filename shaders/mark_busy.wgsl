@@ -1,0 +1,113 @@
+// Pass 2 of 3 of `bracket` where shadow bits are taken over, second part: lights whose shadows are so narrow somewhere that two samples beside
+// a point don't tell what lies between them (docs/BRACKET.md).
+//
+// A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It lies in a shadow, or in a
+// strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
+// tiles around the place where the sample lands, if it is on a flat surface: others are in narrow shadows of their own.
+//
+// launch  one thread per run of TILE pixels of a row of the source
+// reads   source_samples  texture
+// adds    bounds          [tiles, BOUND_WORDS]  a bit for each light that is busy, and from bit 16 on for each share; cleared by the host
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
+
+// How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two samples on both sides; around
+// one on a surface that is flat for one.
+const REACH_OF_SHADOW: f32 = 32.0;
+const REACH_OF_LIGHT: f32 = 12.0;
+// What is flat may be off the line between two samples by so much of their distance.
+const FLAT: f32 = 1.0 / 32.0;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
+    let row = launched_row(id) + frame.row_begin;
+    let begin = id.x * TILE;
+    if begin >= frame.image_size.x || row >= frame.row_end { return; }
+    let end = min(begin + TILE, frame.image_size.x);
+    var far_before = sample_in_row(row, begin, -2);
+    var before = sample_in_row(row, begin, -1);
+    var here = sample_in_row(row, begin, 0);
+    var after = sample_in_row(row, begin, 1);
+    var column = begin;
+    loop {
+        let far_after = sample_in_row(row, column, 2);
+        var busy = (unlike(here, before) | unlike(here, far_before)) & (unlike(here, after) | unlike(here, far_after));
+        var dark = busy & ~here.bits;
+        if KEEP_SHARES {
+            dark |= busy_shares(here, before, far_before, after, far_after, false);
+            busy |= dark | busy_shares(here, before, far_before, after, far_after, true);
+        }
+        if busy != 0u && is_flat(before, here, after, 1.0) {
+            let x = landing_x(column, here.depth);
+            mark_tiles(row, x, REACH_OF_LIGHT, busy);
+            if is_flat(far_before, here, far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
+        }
+        far_before = before;
+        before = here;
+        here = after;
+        after = far_after;
+        column += 1u;
+        if column >= end { break; }
+    }
+}
+
+// So many columns from another; outside the picture one that was asked nothing.
+fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
+    let place = i32(column) + offset;
+    let inside = (place >= 0) & (place < i32(frame.image_size.x));
+    let sample = source_sample(vec2u(u32(select(0, place, inside)), row));
+    return SourceSample(sample.depth, sample.other, select(MISS, sample.component, inside), select(0u, sample.bits, inside));
+}
+
+// The lights of which two samples of a component saw different things.
+fn unlike(a: SourceSample, b: SourceSample) -> u32 {
+    let asked = (a.bits & b.bits) >> 16u;
+    return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
+}
+
+// Whether three samples, so many pixels from one to the next, show a flat surface: reciprocals of depth lie on a line there.
+fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
+    let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
+    return a.component == b.component && c.component == b.component && off < FLAT * apart * length(frame.step_x);
+}
+
+fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
+    let low = max(x - reach, 0.0);
+    let high = min(x + reach, f32(frame.image_size.x) - 0.5);
+    if busy == 0u || !(low <= high) { return; }
+    let first = row / TILE * tiles_across();
+    var tile = u32(low) / TILE;
+    loop {
+        atomicOr(&bounds[BOUND_WORDS * (first + tile) + 1u], busy);
+        tile += 1u;
+        if tile > u32(high) / TILE { break; }
+    }
+}
+
+// A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of half and more between samples that
+// see nothing of it.
+fn busy_shares(here: SourceSample, before: SourceSample, far_before: SourceSample, after: SourceSample, far_after: SourceSample, lit: bool) -> u32 {
+    let beside = select(ALL_OPEN, 0u, lit);
+    var busy = 0u;
+    var slot = 0u;
+    loop {
+        let share = share_in(here, slot);
+        let half = select(share <= ALL_OPEN / 2u, share >= ALL_OPEN / 2u && share != UNASKED, lit);
+        let one = is_share(here, before, slot, beside) || is_share(here, far_before, slot, beside);
+        let other = is_share(here, after, slot, beside) || is_share(here, far_after, slot, beside);
+        busy |= select(0u, 1u << (16u + slot), half && one && other);
+        slot += 1u;
+        if slot >= SHARES { break; }
+    }
+    return busy;
+}
+
+fn share_in(sample: SourceSample, slot: u32) -> u32 {
+    return (sample.other >> (SHARE_BITS * slot)) & UNASKED;
+}
+
+// Whether a sample is of another one's component and has such a share.
+fn is_share(here: SourceSample, sample: SourceSample, slot: u32, share: u32) -> bool {
+    return sample.component == here.component && share_in(sample, slot) == share;
+}
