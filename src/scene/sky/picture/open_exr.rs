@@ -203,7 +203,7 @@ mod tests {
         assert_eq!(read(&bytes).unwrap().size(), [16, 8]);
         let name = b"tiles\0tiledesc\0";
         let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 4;
-        for sides in [[1 << 30; 2], [1 << 22, 4]] {
+        for sides in [[1 << 29; 2], [1 << 22, 4]] {
             let mut changed = bytes.clone();
             changed[at..][..8].copy_from_slice(bytemuck::cast_slice(&sides.map(i32::to_le)));
             let message = read(&changed).unwrap_err().to_string();
