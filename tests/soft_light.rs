@@ -264,7 +264,7 @@ fn narrow_penumbrae_are_nearer_to_the_limit_than_by_the_exact_rule() {
 fn soft_light_under_cables_is_as_near_to_the_limit_as_naive_s() {
     let mut renderer = Renderer::new(gpu());
     let (mut scene, camera) = (Trial::Cables.scene(), Trial::Cables.camera(120, 120));
-    let diagonal = scene.bounds().map(|(low, high)| low.distance(high)).unwrap();
+    let diagonal = scene.bounds().map(|(low, high)| low.distance(high) as f32).unwrap();
     scene.lights.truncate(2);
     for light in &mut scene.lights {
         *light = Light::sphere(light.position, 0.002 * diagonal, light.intensity);
