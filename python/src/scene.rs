@@ -87,7 +87,7 @@ impl Scene {
             py.detach(|| pickled::value("Scene", state))?;
         let cameras = cameras.into_iter().map(|(name, text)| {
             let camera = StereoCamera::from_json_str(&text).map_err(raised)?;
-            Ok((name, camera))
+            Ok((name.into(), camera))
         });
         let builtin = builtin.as_deref().map(named).transpose()?;
         Ok(Self::of(inner, cameras.collect::<PyResult<_>>()?, builtin))
