@@ -16,7 +16,7 @@
 // one on a surface that is flat for one.
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
-// What is flat may be off the line between two samples by so much of their distance.
+// A surface is flat if a sample is off the line between its two neighbours by less than this share of their distance.
 const FLAT: f32 = 1.0 / 32.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)

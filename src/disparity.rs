@@ -41,21 +41,22 @@ impl Pose {
 }
 
 impl Pose {
-    /// The disparity of a point at depth `z` that a column of an eye (-1 left, +1 right) shows, in pixels.
+    /// The disparity in pixels of a point that an eye (-1 left, +1 right) shows, by its column and its depth `z`.
     ///
     /// It is [`Pose::disparity_px`], and what the rounding of the rendered eyes adds to it. With rounding `(ρ, υ, φ)`
     /// along right, up and forward, the other eye sees the point `f (ρ - T φ) / (Z ± φ)` pixels further aside. T is the
     /// tangent of the angle at which it sees the point beside its axis. υ moves the point across rows only.
-    pub(crate) fn disparity_of_column_px(&self, side: f64, column: usize, z: f32) -> f64 {
-        let nominal = self.disparity_px(z);
-        let rounding = self.baseline_rounding();
-        if rounding == DVec3::ZERO || !nominal.is_finite() {
-            return nominal;
+    pub(crate) fn disparities_of_eye(&self, side: f64) -> impl Fn(usize, f32) -> f64 {
+        let (rounding, fx, cx) = (self.baseline_rounding(), self.focal_px()[0], self.principal_px(side as f32)[0]);
+        move |column, z| {
+            let nominal = self.disparity_px(z);
+            if rounding == DVec3::ZERO || !nominal.is_finite() {
+                return nominal;
+            }
+            let z = f64::from(z);
+            let tangent = (column as f64 + 0.5 - cx) / fx + side * f64::from(self.interaxial) / z;
+            nominal + fx * (rounding.x - tangent * rounding.z) / (z + side * rounding.z)
         }
-        let (fx, z) = (self.focal_px()[0], f64::from(z));
-        let own_tangent = (column as f64 + 0.5 - self.principal_px(side as f32)[0]) / fx;
-        let tangent = own_tangent + side * f64::from(self.interaxial) / z;
-        nominal + fx * (rounding.x - tangent * rounding.z) / (z + side * rounding.z)
     }
 }
 
@@ -119,8 +120,8 @@ impl StereoPair {
 
     fn exact(&self, view: &View, side: f64) -> Vec<f64> {
         let width = (view.width as usize).max(1);
-        let depths = view.depth.iter().enumerate();
-        depths.map(|(index, &z)| self.pose.disparity_of_column_px(side, index % width, z)).collect()
+        let disparity = self.pose.disparities_of_eye(side);
+        view.depth.iter().enumerate().map(|(index, &z)| disparity(index % width, z)).collect()
     }
 }
 

@@ -55,10 +55,11 @@ impl Renderer {
         let rays = view.depth.iter().enumerate().map(|(index, &z)| pixels.ray(index % width, index / width, z));
         let rays: Vec<Ray> = rays.collect();
         let hits = self.closest_hits_async(scene, &rays).await?.hits;
+        let disparity = pose.disparities_of_eye(2.0 * side);
         let found = hits.iter().enumerate().map(|(index, hit)| {
             let (column, z) = (index % width, view.depth[index]);
             // To the other side of its own column by its disparity.
-            let x = column as f64 + 0.5 + 2.0 * side * pose.disparity_of_column_px(2.0 * side, column, z);
+            let x = column as f64 + 0.5 + 2.0 * side * disparity(column, z);
             if !(x >= 0.0 && x < width as f64) {
                 return Occlusion::OutOfFrame;
             }

@@ -14,7 +14,7 @@ use signal_hook::{
     flag,
 };
 
-/// What a program returns that SIGINT ends.
+/// Exit status of a program that SIGINT ends.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Whether SIGINT or SIGTERM has come.

@@ -275,8 +275,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             return Err(refused(format!("camera: {one} and {other} say the same; give one of them")));
         }
     }
-    // In pixels the interaxial is a parallax at infinity, and the screen has a width: parallel cameras have neither.
-    // What is seen stays.
+    // Parallel cameras have no parallax at infinity and no screen width: both are converted, so that the view stays.
     if let Some(distance) = fields.get_item("screen_distance")?
         && distance.extract::<f32>().is_ok_and(f32::is_infinite)
         && !has("interaxial_px")?

@@ -75,7 +75,7 @@ impl Material {
             material.albedo = albedo.0;
         }
         let Self(mut material) = with(material, fields)?;
-        // What the grey would scatter beside what these reflect and let through would be more than all light.
+        // Mirrors and glass return nearly all light: with the grey albedo they would return more than they get.
         if albedo.is_none() && material.finish != Finish::Matte {
             material.albedo = Vec3::ZERO;
         }
@@ -236,7 +236,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     Ok(Material(material))
 }
 
-/// What a surface reflects where nothing is said.
+/// Default specular reflectance of a finish.
 fn default_specular(finish: &Finish) -> Vec3 {
     match *finish {
         Finish::Mirror { .. } => Vec3::splat(0.95),

@@ -168,7 +168,7 @@ class Worker:
         self.renderer = self._new_renderer()
 
     def _new_renderer(self) -> Renderer:
-        # What is kept on the device is what is kept here.
+        # The renderer keeps every scene; only `_stages` drops some.
         return Renderer(self._adapter, kept_scenes=len(self.spec["scenes"]) + 1)
 
     def _stage(self, scene: int) -> Stage:
