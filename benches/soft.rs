@@ -3,7 +3,7 @@
 //! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds. Errors are the right
 //! view's mean and root mean square distance from a converged picture, the mean of naive's over many seeds with 32 rays each, in linear
 //! light; naive's own is noise. Counts and errors are those of half the width and height. `cargo bench --bench soft -- NAME…` takes other
-//! scenes: built-in ones, or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
+//! scenes: built-in ones, those of the stability suite (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -39,7 +39,8 @@ enum Softness {
     SkyMap,
 }
 
-const ALL: [(&str, Softness); 7] = [
+const ALL: [(&str, Softness); 8] = [
+    ("2 lights, radius 0.0005", Softness::Lights(0.0005)),
     ("2 lights, radius 0.002", Softness::Lights(0.002)),
     ("2 lights, radius 0.005", Softness::Lights(0.005)),
     ("2 lights, radius 0.01", Softness::Lights(0.01)),

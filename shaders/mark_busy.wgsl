@@ -5,7 +5,7 @@
 // strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
 // tiles around the place where the sample lands, if it is on a flat surface: others are in narrow shadows of their own.
 //
-// launch  one thread per run of TILE pixels of a row of the source
+// launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
 // adds    bounds          [tiles, BOUND_WORDS]  a bit for each light that is busy, and from bit 16 on for each share; cleared by the host
 
@@ -22,34 +22,67 @@ const FLAT: f32 = 1.0 / 32.0;
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
     let row = launched_row(id) + frame.row_begin;
-    let begin = id.x * TILE;
+    let begin = id.x * BUSY_RUN;
     if begin >= frame.image_size.x || row >= frame.row_end { return; }
-    let end = min(begin + TILE, frame.image_size.x);
-    var far_before = sample_in_row(row, begin, -2);
-    var before = sample_in_row(row, begin, -1);
-    var here = sample_in_row(row, begin, 0);
-    var after = sample_in_row(row, begin, 1);
+    let end = min(begin + BUSY_RUN, frame.image_size.x);
+    // A bit for each column of a sample that is busy for some light: few are.
+    var busy_columns = 0u;
+    var samples = samples_around(row, begin);
     var column = begin;
     loop {
-        let far_after = sample_in_row(row, column, 2);
-        var busy = (unlike(here, before) | unlike(here, far_before)) & (unlike(here, after) | unlike(here, far_after));
-        var dark = busy & ~here.bits;
-        if KEEP_SHARES {
-            dark |= busy_shares(here, before, far_before, after, far_after, false);
-            busy |= dark | busy_shares(here, before, far_before, after, far_after, true);
-        }
-        if busy != 0u && is_flat(before, here, after, 1.0) {
-            let x = landing_x(column, here.depth);
-            mark_tiles(row, x, REACH_OF_LIGHT, busy);
-            if is_flat(far_before, here, far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, dark); }
-        }
-        far_before = before;
-        before = here;
-        here = after;
-        after = far_after;
+        if busy_lights(samples).all != 0u { busy_columns |= 1u << (column - begin); }
         column += 1u;
         if column >= end { break; }
+        samples = Samples(samples.before, samples.here, samples.after, samples.far_after, sample_in_row(row, column, 2));
     }
+    loop {
+        if busy_columns == 0u { break; }
+        mark(row, begin + firstTrailingBit(busy_columns));
+        busy_columns &= busy_columns - 1u;
+    }
+}
+
+// A sample, and two on both sides of it in its row.
+struct Samples {
+    far_before: SourceSample,
+    before: SourceSample,
+    here: SourceSample,
+    after: SourceSample,
+    far_after: SourceSample,
+}
+
+fn samples_around(row: u32, column: u32) -> Samples {
+    return Samples(
+        sample_in_row(row, column, -2),
+        sample_in_row(row, column, -1),
+        sample_in_row(row, column, 0),
+        sample_in_row(row, column, 1),
+        sample_in_row(row, column, 2),
+    );
+}
+
+// The lights that a sample is busy for, and those of them whose shadow it lies in.
+struct Busy {
+    all: u32,
+    dark: u32,
+}
+
+fn busy_lights(s: Samples) -> Busy {
+    let all = (unlike(s.here, s.before) | unlike(s.here, s.far_before)) & (unlike(s.here, s.after) | unlike(s.here, s.far_after));
+    let dark = all & ~s.here.bits;
+    if !KEEP_SHARES { return Busy(all, dark); }
+    let dark_shares = busy_shares(s, false);
+    return Busy(all | dark_shares | busy_shares(s, true), dark | dark_shares);
+}
+
+// Marks the tiles around the place where a sample lands.
+fn mark(row: u32, column: u32) {
+    let samples = samples_around(row, column);
+    if !is_flat(samples.before, samples.here, samples.after, 1.0) { return; }
+    let busy = busy_lights(samples);
+    let x = landing_x(column, samples.here.depth);
+    mark_tiles(row, x, REACH_OF_LIGHT, busy.all);
+    if is_flat(samples.far_before, samples.here, samples.far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, busy.dark); }
 }
 
 // So many columns from another; outside the picture one that was asked nothing.
@@ -87,15 +120,15 @@ fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
 
 // A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of half and more between samples that
 // see nothing of it.
-fn busy_shares(here: SourceSample, before: SourceSample, far_before: SourceSample, after: SourceSample, far_after: SourceSample, lit: bool) -> u32 {
+fn busy_shares(s: Samples, lit: bool) -> u32 {
     let beside = select(ALL_OPEN, 0u, lit);
     var busy = 0u;
     var slot = 0u;
     loop {
-        let share = share_in(here, slot);
+        let share = share_in(s.here, slot);
         let half = select(share <= ALL_OPEN / 2u, share >= ALL_OPEN / 2u && share != UNASKED, lit);
-        let one = is_share(here, before, slot, beside) || is_share(here, far_before, slot, beside);
-        let other = is_share(here, after, slot, beside) || is_share(here, far_after, slot, beside);
+        let one = is_share(s.here, s.before, slot, beside) || is_share(s.here, s.far_before, slot, beside);
+        let other = is_share(s.here, s.after, slot, beside) || is_share(s.here, s.far_after, slot, beside);
         busy |= select(0u, 1u << (16u + slot), half && one && other);
         slot += 1u;
         if slot >= SHARES { break; }

@@ -19,7 +19,7 @@ fn shade_tiles(@builtin(global_invocation_id) id: vec3u) {
     let found = target_hits(block.pixels, block.wanted);
     let surfaces = surfaces_at(rays, found);
     throw_dice(block.pixels, 0u);
-    ask_source(block.pixels, found, surfaces);
+    ask_source_in_tile(block.pixels, found, surfaces);
     keep_colors(block.pixels, block.wanted, shade(rays, found, surfaces).color);
     let to_light = block.wanted & put_off;
     var place = reserve(TO_LIGHT, count_rays(to_light));

@@ -122,6 +122,8 @@ pub(crate) const LIST_WORKGROUP: u32 = 64;
 pub(crate) const TILE: u32 = 8;
 /// Samples of the side of what is searched at once where a pixel has several (`shaders/shared/search.wgsl`).
 pub(crate) const WIDE_TILE: u32 = 16;
+/// Pixels of a row that a thread of `mark_busy` looks at (`shaders/shared/tiles.wgsl`).
+pub(crate) const BUSY_RUN: u32 = 16;
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
 /// Words of what is known of a tile before it is searched (`shaders/shared/tiles.wgsl`).
 pub(crate) const BOUND_WORDS: u32 = 2;

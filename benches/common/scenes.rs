@@ -1,11 +1,14 @@
-//! The scenes: built-in ones, OBJ files that were unpacked beside the build, and any scene file by its path.
+//! The scenes: built-in ones, those of the stability suite, OBJ files unpacked beside the build, and any scene file by its path.
 
 use std::path::{Path, PathBuf};
 
 use stereotrace::{
     Error, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera,
     glam::Vec3,
-    scene::builtin::{Builtin, spheres_turned},
+    scene::{
+        builtin::{Builtin, spheres_turned},
+        suite::Trial,
+    },
 };
 
 /// Names the folder that holds NAME/NAME.obj and cameras.json, in place of target/scenes.
@@ -25,7 +28,7 @@ pub struct BenchScene {
 }
 
 /// The scene of this name, or that of the file at this path; `None` if there is none of a name. `lights` are placed by the library's rule; without
-/// a number built-in scenes and files keep their own, and files without any get five. A file is seen by its first camera, and without one so that all of
+/// a number built-in scenes, trials and files keep their own, and files without any get five. A file is seen by its first camera, and without one so that all of
 /// it fits the picture.
 pub fn load(
     name: &str,
@@ -38,6 +41,8 @@ pub fn load(
         (path.file_stem().unwrap_or_default().to_string_lossy(), open(path, [width, height])?)
     } else if let Ok(builtin) = name.parse::<Builtin>() {
         (name.into(), (builtin.scene(), builtin.camera(width, height)))
+    } else if let Ok(trial) = name.parse::<Trial>() {
+        (name.into(), (trial.scene(), trial.camera(width, height)))
     } else {
         let folder = folder();
         let (obj, cameras) = (folder.join(name).join(format!("{name}.obj")), folder.join("cameras.json"));

@@ -41,22 +41,15 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
     return source.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
 }
 
-// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits.
-fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces) -> Taken {
-    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), U(0u));
-    var tile = MISS;
-    var busy = 0u;
+// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits. Those of lights that are busy there do not.
+fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> Taken {
+    var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
     var ray = 0u;
     loop {
         if of_ray_b(surfaces.there, ray) {
             let near = place_between(nearest_source(), pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
             let agreed = asked_also(bits_of_ray(near, hits_there, surfaces, ray), pixels, hits_there, surfaces, ray);
-            // A lane's pixels are mostly of one tile.
-            let its_tile = found_in_tile(pixel_of_ray(pixels, ray));
-            if its_tile != tile { busy = busy_in(its_tile); }
-            tile = its_tile;
-            result.busy = with_ray_u(result.busy, ray, busy);
-            result.known = with_ray_u(result.known, ray, (agreed >> 16u) & ~busy);
+            result.known = with_ray_u(result.known, ray, (agreed >> 16u) & ~of_ray_u(busy, ray));
             result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
             if KEEP_OCCLUDERS && near.usable {
                 result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(near.first).other);
@@ -148,18 +141,30 @@ fn agreeing(a: u32, b: u32) -> u32 {
     return (known << 16u) | (a & known);
 }
 
+// Of each of a lane's pixels.
+fn busy_at(pixels: Pixels) -> U {
+    var busy = U(0u);
+    var ray = 0u;
+    loop {
+        busy = with_ray_u(busy, ray, busy_near(pixel_of_ray(pixels, ray)));
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    return busy;
+}
+
 //! if bits is none
 // `rays`: nothing is taken over.
-fn busy_in(tile: u32) -> u32 { return 0u; }
+fn busy_near(pixel: vec2u) -> u32 { return 0u; }
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
     return 0u;
 }
 
 //! if bits is two or block
-// The lights that are busy in a tile (mark_busy.wgsl).
-fn busy_in(tile: u32) -> u32 {
-    return lists.entries[tile + BUSY_WORD];
+// The lights that are busy in a pixel's tile (mark_busy.wgsl).
+fn busy_near(pixel: vec2u) -> u32 {
+    return lists.entries[found_in_tile(pixel) + BUSY_WORD];
 }
 
 //! if bits is two

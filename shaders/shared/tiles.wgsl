@@ -9,6 +9,9 @@ fn tiles_across() -> u32 {
     return (frame.image_size.x + TILE - 1u) / TILE;
 }
 
+// Pixels of a row that a thread of mark_busy looks at: it reads four samples more.
+const BUSY_RUN: u32 = 16u;
+
 // What bound_tiles leaves of a tile: the bits of its bound, and of the lights that are busy there.
 const BOUND_WORDS: u32 = 2u;
 

@@ -117,7 +117,12 @@ var<private> taken: Taken;
 
 // What the source's samples say of these points.
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
-    taken = taken_bits(pixels, hits, surfaces);
+    taken = taken_bits(pixels, hits, surfaces, busy_at(pixels));
+}
+
+// The same where all of a lane's pixels are of one tile: its busy lights are read once.
+fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
+    taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
 // Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how they differ, the mean

@@ -326,7 +326,7 @@ impl Driver<'_> {
         let block = kernel.block(&self.variant);
         let [x, y, z] = match launch {
             Launch::Pixels => self.workgroups(rows, [block, block]),
-            Launch::Runs => self.workgroups(rows, [layout::TILE, 1]),
+            Launch::Runs(pixels) => self.workgroups(rows, [pixels, 1]),
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
             Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],

@@ -84,8 +84,8 @@ pub(crate) enum Step {
 pub(crate) enum Launch {
     /// One a pixel of the band, or a block of pixels where the kernel traces rays.
     Pixels,
-    /// One a run of a tile's width in each row of the band.
-    Runs,
+    /// One a run of so many pixels in each row of the band.
+    Runs(u32),
     /// One a tile of the band.
     Tiles,
     /// One for four tiles of the band.

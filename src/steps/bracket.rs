@@ -14,7 +14,7 @@ use crate::{
         Access::{Read, Write},
         Kernel, Touches,
     },
-    layout::{SKY, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
+    layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
     wgsl::part,
 };
 
@@ -68,9 +68,9 @@ pub(crate) const CHOOSE: Kernel = Kernel {
 
 /// How deep each tile must be searched, and which shadow bits are taken over there.
 pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
-    let mut steps = vec![step(&BOUND_TILES, view, Launch::Runs)];
+    let mut steps = vec![step(&BOUND_TILES, view, Launch::Runs(TILE))];
     if bits != ShadowReuse::Rays {
-        steps.push(step(&MARK_BUSY, view, Launch::Runs));
+        steps.push(step(&MARK_BUSY, view, Launch::Runs(BUSY_RUN)));
     }
     steps
 }

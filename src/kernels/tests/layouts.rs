@@ -135,6 +135,7 @@ fn counters_and_marks_have_the_same_numbers_in_both_languages() {
         ("SKY", layout::SKY),
         ("TILE", layout::TILE),
         ("WIDE_TILE", layout::WIDE_TILE),
+        ("BUSY_RUN", layout::BUSY_RUN),
         ("TILE_PIXELS", layout::TILE_PIXELS),
         ("BOUND_WORDS", layout::BOUND_WORDS),
         ("TILE_WORDS", layout::TILE_WORDS),
