@@ -77,12 +77,12 @@ pub(crate) struct Seen {
 impl CostModel {
     /// Share of points' shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls.
     const DISAGREED: f32 = 0.05;
-    /// The same of rays to lights that are not points, where shares are taken over and where they are not: from the counts of docs/BRACKET.md.
+    /// The same of rays to lights that are not points, where shares are taken over and where they are not: from the counts of studies/notes/bracket.md.
     const DISAGREED_SOFT: [f32; 2] = [0.74, 0.1];
     /// A ray of a list to such a light, which neighbours ask in the same order, relative to a whole picture's.
     const LISTED_SOFT: f32 = 1.5;
 
-    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (docs/BRACKET.md). GPU: from counted nodes and
+    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). GPU: from counted nodes and
     /// primitive tests, not measured.
     pub(crate) fn of(gpu: &Gpu, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;

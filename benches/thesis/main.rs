@@ -32,7 +32,7 @@ use crate::{
     report::{Content, Stability},
 };
 
-/// The thesis's scenes, as far as they are to be had: scenes/README.md and docs/THESIS.md say how they stand to its own.
+/// The thesis's scenes, as far as they are to be had: scenes/README.md and studies/THESIS.md say how they stand to its own.
 const SCENES: [&str; 5] = ["spheres", "spheres-turned", "sponza_4x", "buddha_1m2", "dragon"];
 /// The built-in scenes that show where right pixels come from, and the size and interaxial they are shown at.
 const SHOWN: [&str; 2] = ["spheres", "hall"];
