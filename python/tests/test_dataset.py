@@ -89,6 +89,16 @@ def test_shards_hold_what_the_spec_says(made):
     assert camera["baseline"] == pairs[4]["interaxial"] and camera["width"] == 48
 
 
+@pytest.mark.parametrize(("origin", "expected"), [(None, (5e5, 0, 5.4e6)), ("none", (0, 0, 0)), ([4e5, 1, 5e6], (4e5, 1, 5e6))])
+def test_a_scene_s_origin_is_the_spec_s(tmp_path, origin, expected):
+    """Without one it follows from the file's bounds."""
+    path = tmp_path / "far.obj"
+    path.write_text("v 500000 0 5400000\nv 500001 0 5400000\nv 500000 1 5400000\nf 1 2 3\n")
+    scene = {"file": str(path)} | ({} if origin is None else {"origin": origin})
+    found = dataset.worker.open_scene(spec(scenes=[scene]), 0)
+    assert found.origin == pytest.approx(expected, abs=1)
+
+
 def test_any_pair_can_be_made_again_alone(made):
     """On another renderer, in another order, after other scenes: the same bytes."""
     worker = Worker(spec())
@@ -620,6 +630,9 @@ def test_any_storage_of_fsspec(made):
         ({"poses": {"max_disparity": 0}}, "poses.max_disparity: 0 must be above 0"),
         ({"poses": {"kind": "orbit", "distance": {"uniform": [0, 1]}}}, r"poses.distance.uniform\[0\]: 0 must be above 0"),
         ({"scenes": [{"file": "a.obj", "crease_angle": 200}]}, r"scenes\[0\].crease_angle: 200 must be 0 to 180"),
+        ({"scenes": [{"file": "a.obj", "origin": "there"}]}, r"scenes\[0\].origin: unknown 'there'; use one of auto, none"),
+        ({"scenes": [{"file": "a.obj", "origin": [0, 1]}]}, r"scenes\[0\].origin: .* must be a list of 3"),
+        ({"scenes": [{"builtin": "hall", "origin": "none"}]}, r"scenes\[0\]: origin is an option of files"),
         ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}]}, r"camera.target: \[0.0, 0.0, 0.0\] is the eye too"),
         ({"scenes": [{"builtin": "hall", "camera": {"up": [0, 0, 0]}}]}, r"scenes\[0\].camera.up: it must not be 0"),
         ({"scenes": [{"builtin": "hall", "lights": [{"towards": [0, 0, 0], "intensity": 1}]}]}, r"lights\[0\].towards: it must not be 0"),

@@ -320,6 +320,16 @@ def _sky(value: Any, at: str) -> Any:
         raise
 
 
+def _origin(value: Any, at: str) -> Any:
+    if isinstance(value, str):
+        return _one_of("auto", "none")(value, at)
+    return _list(3, _finite)(value, at)
+
+
+# Options of scenes that are files.
+_OF_FILES = ("crease_angle", "missing_textures", "origin", "outside_files")
+
+
 def _scene(value: Any, at: str) -> dict[str, Any]:
     known: dict[str, tuple[Check, Any]] = {
         "file": (_text, None),
@@ -328,6 +338,7 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
         "crease_angle": (_within(0, 180), None),
         "missing_textures": (_one_of("error", "warn"), None),
         "outside_files": (_one_of("refuse", "allow"), None),
+        "origin": (_origin, None),
         "camera": (_camera, None),
         "lights": (_lights, None),
         "ambient": (_color, None),
@@ -336,8 +347,8 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
     found = _keys(value, at, known)
     if ("file" in found) == ("builtin" in found):
         raise SpecError(f"{at}: give a file, or the name of a built-in scene")
-    if "builtin" in found and ("crease_angle" in found or "missing_textures" in found):
-        raise SpecError(f"{at}: crease_angle and missing_textures are of files")
+    if "builtin" in found and (refused := [key for key in _OF_FILES if key in found]):
+        raise SpecError(f"{at}: {refused[0]} is an option of files, and this scene is built in")
     return found
 
 

@@ -70,10 +70,12 @@ def open_scene(spec: Spec, scene: int) -> Scene:
     if path is None:
         found = Scene.builtin(entry["builtin"])
     else:
-        textures = entry.get("missing_textures", "error")
-        outside = entry.get("outside_files", "refuse")
         found = Scene.open(
-            path, crease_angle=entry.get("crease_angle"), missing_textures=textures, outside_files=outside
+            path,
+            crease_angle=entry.get("crease_angle"),
+            missing_textures=entry.get("missing_textures", "error"),
+            outside_files=entry.get("outside_files", "refuse"),
+            origin=entry.get("origin"),
         )
     sky = entry.get("sky")
     if sky == "procedural":
