@@ -1,12 +1,10 @@
 //! The table of kernels: what each touches, its bindings and its WGSL file.
 
-use std::sync::Arc;
-
 use crate::{
     cast,
     frame::targets::Target,
     gpu::{
-        Gpu, Pipeline, Pipelines, Program, TEXELS, entry, layout_of, sampled_layers_type, sampled_type, storage_type,
+        Built, Gpu, Pipelines, Program, TEXELS, entry, layout_of, sampled_layers_type, sampled_type, storage_type,
         texture_type, uniform_type,
     },
     layout,
@@ -204,7 +202,7 @@ impl Kernels {
     }
 
     /// The pipeline of a kernel, built if this is its first use.
-    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Arc<Pipeline> {
+    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Built {
         let with = with.of_kernel(kernel);
         self.built.get(gpu, (kernel.name, with), || self.program(kernel, &with))
     }

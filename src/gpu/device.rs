@@ -5,7 +5,10 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use super::adapter::{Adapter, describe};
+use super::{
+    adapter::{Adapter, describe},
+    pipelines::Held,
+};
 use crate::{Error, kernels};
 
 /// A graphics device and what is known of it. Cloning is cheap and shares the device.
@@ -17,6 +20,7 @@ pub struct Gpu {
     pub(crate) limits: wgpu::Limits,
     pub(crate) timestamps: bool,
     lost: Arc<Mutex<Option<String>>>,
+    pub(super) pipelines: Arc<Held>,
 }
 
 /// A lock that another thread's panic poisoned still guards whole values here.
@@ -115,6 +119,7 @@ impl Gpu {
             limits,
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
             lost: Arc::default(),
+            pipelines: Arc::default(),
             device,
             queue,
         })

@@ -2,8 +2,9 @@
 
 use std::{
     collections::HashMap,
-    hash::Hash,
-    sync::{Arc, Mutex},
+    hash::{DefaultHasher, Hash, Hasher},
+    ops::Deref,
+    sync::{Arc, Mutex, OnceLock, Weak},
 };
 
 use super::{Gpu, lock};
@@ -28,9 +29,56 @@ pub(crate) struct Pipeline {
     pub(crate) own: wgpu::BindGroupLayout,
 }
 
-/// The pipelines built so far, by what they are made for.
+/// A pipeline that several users of a device may hold.
+#[derive(Clone, Debug)]
+pub(crate) struct Built(Arc<OnceLock<Pipeline>>);
+
+impl Deref for Built {
+    type Target = Pipeline;
+
+    fn deref(&self) -> &Pipeline {
+        self.0.get().expect("built before it is handed out")
+    }
+}
+
+/// The pipelines of a device that somebody holds, by hashes of what they are made of. Kernels that are specialised to
+/// different things often have the same text, and so do those of several renderers.
+#[derive(Debug, Default)]
+pub(crate) struct Held(Mutex<HashMap<[u64; 2], Weak<OnceLock<Pipeline>>>>);
+
+impl Held {
+    /// Other threads wait for the one that builds a pipeline, but not for each other's.
+    fn get(&self, gpu: &Gpu, program: Program<'_>) -> Built {
+        let slot = {
+            let mut held = lock(&self.0);
+            let key = [0, 1].map(|seed| program.hash(seed));
+            held.get(&key).and_then(Weak::upgrade).unwrap_or_else(|| {
+                held.retain(|_, pipeline| pipeline.strong_count() > 0);
+                let slot = Arc::default();
+                held.insert(key, Arc::downgrade(&slot));
+                slot
+            })
+        };
+        slot.get_or_init(|| build(gpu, program));
+        Built(slot)
+    }
+}
+
+impl Program<'_> {
+    /// What its text binds of groups 0 and 2 follows from the text.
+    fn hash(&self, seed: u8) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (seed, &self.text, &self.own).hash(&mut hasher);
+        for (name, value) in &self.constants {
+            (name, value.to_bits()).hash(&mut hasher);
+        }
+        hasher.finish()
+    }
+}
+
+/// The pipelines that a renderer has used, by what they are made for.
 #[derive(Debug)]
-pub(crate) struct Pipelines<Key>(Mutex<HashMap<Key, Arc<Pipeline>>>);
+pub(crate) struct Pipelines<Key>(Mutex<HashMap<Key, Built>>);
 
 impl<Key> Default for Pipelines<Key> {
     fn default() -> Self {
@@ -40,8 +88,8 @@ impl<Key> Default for Pipelines<Key> {
 
 impl<Key: Eq + Hash> Pipelines<Key> {
     /// The pipeline made for this, built if this is its first use.
-    pub(crate) fn get<'a>(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program<'a>) -> Arc<Pipeline> {
-        lock(&self.0).entry(key).or_insert_with(|| Arc::new(build(gpu, program()))).clone()
+    pub(crate) fn get<'a>(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program<'a>) -> Built {
+        lock(&self.0).entry(key).or_insert_with(|| gpu.pipelines.get(gpu, program())).clone()
     }
 }
 

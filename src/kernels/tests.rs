@@ -120,8 +120,8 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
 }
 
-/// A third of each kernel's variants, another one from kernel to kernel, and of those that draw on tables a ninth: drivers take their time, and naga and Tint read
-/// all of them.
+/// Of each kernel every ninth variant, of those that draw on tables every 27th, others from kernel to kernel; in the long form
+/// (`STEREOTRACE_TESTS=long`) a third and a ninth. Drivers take their time, and naga and Tint read all of them.
 #[test]
 fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
@@ -129,7 +129,9 @@ fn specialised_kernels_make_pipelines() {
         let pipelines = Kernels::new(&gpu);
         let mut built = BTreeSet::new();
         for (index, kernel) in ALL.into_iter().enumerate() {
-            let step = if ["_middles", "_texels"].iter().any(|end| kernel.name.ends_with(end)) { 9 } else { 3 };
+            let long = std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long");
+            let on_tables = ["_middles", "_texels"].iter().any(|end| kernel.name.ends_with(end));
+            let step = [9, 3][usize::from(long)] * if on_tables { 3 } else { 1 };
             for with in variants_of(kernel).into_iter().skip(index % step).step_by(step) {
                 if built.insert((kernel.text(&with), with.count, with.cost_map)) {
                     pipelines.get(&gpu, kernel, with);

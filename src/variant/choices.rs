@@ -119,37 +119,45 @@ impl Kernel {
 
     /// The text that the driver gets.
     pub(crate) fn text(&self, with: &Variant) -> String {
+        let body = wgsl::text(self.main, &self.choices(with));
+        let used = self.constants(with).into_iter().filter(|(name, ..)| body.contains(name));
+        let constants: String = used.map(|(name, kind, value)| format!("const {name}: {kind} = {value};\n")).collect();
+        constants + &body
+    }
+
+    /// The constants that shared WGSL may use: name, type and value.
+    fn constants(&self, with: &Variant) -> Vec<(&'static str, &'static str, String)> {
         // Six samples are told apart by their normals, two have room for an occluder.
-        let (stack, shares, close) = (with.stack_size, with.shares && with.is_soft(), with.close);
-        let occluders = with.bits == ShadowReuse::Two && !shares;
-        let bits = self.samples(with) == Some(Write);
+        let shares = with.shares && with.is_soft();
         let TexelPlaces { uv, colors, count } = with.texel_places();
-        let (shine, material_texels) = (with.shine, material_texels(with.shine || with.mirrors));
-        let (light_texels, casts) = (light_texels(with.soft_lights), with.casts);
         // What mirrors show needs less.
         let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
         let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
-        let planes = match with.planes {
-            0 => String::new(),
-            count => format!("const PLANES: u32 = {count}u;\n"),
-        };
-        let jitter = match with.jitter {
-            0 | 1 => String::new(),
-            side => format!("const SAMPLES_SIDE: u32 = {side}u;\n"),
-        };
-        let buffer = self.shadow_buffer(with).map(|reading| {
-            let (lights, margin) = (reading.lights, reading.value());
-            format!("const BUFFERED_LIGHTS: u32 = {lights}u;\nconst BUFFER_MARGIN: f32 = {margin:?};\n")
-        });
-        let buffer = buffer.unwrap_or_default();
-        format!(
-            "{planes}const STACK_SIZE: u32 = {stack}u;\nconst KEEP_OCCLUDERS: bool = {occluders};\nconst KEEP_BITS: bool = {bits};\n\
-             const CLOSE: bool = {close};\nconst LARGE: f32 = {LARGE:?};\nconst SHINE: bool = {shine};\n\
-             const MATERIAL_TEXELS: u32 = {material_texels}u;\nconst PRIMITIVE_TEXELS: u32 = {count}u;\n\
-             const LIGHT_TEXELS: u32 = {light_texels}u;\nconst CASTS: bool = {casts};\nconst KEEP_SHARES: bool = {shares};\n\
-             const LIGHT_RAYS: u32 = {shadow_rays}u;\nconst OCCLUSION_RAYS: u32 = {occlusion_rays}u;\n\
-             const UV_TEXEL: u32 = {uv}u;\nconst COLOR_TEXEL: u32 = {colors}u;\n{jitter}{buffer}{}",
-            wgsl::text(self.main, &self.choices(with))
-        )
+        let flag = |name, value: bool| (name, "bool", value.to_string());
+        let number = |name, value: u32| (name, "u32", format!("{value}u"));
+        let mut all = vec![
+            number("STACK_SIZE", with.stack_size),
+            flag("KEEP_OCCLUDERS", with.bits == ShadowReuse::Two && !shares),
+            flag("KEEP_BITS", self.samples(with) == Some(Write)),
+            flag("CLOSE", with.close),
+            ("LARGE", "f32", format!("{LARGE:?}")),
+            flag("SHINE", with.shine),
+            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors) as u32),
+            number("PRIMITIVE_TEXELS", count as u32),
+            number("LIGHT_TEXELS", light_texels(with.soft_lights) as u32),
+            flag("CASTS", with.casts),
+            flag("KEEP_SHARES", shares),
+            number("LIGHT_RAYS", shadow_rays),
+            number("OCCLUSION_RAYS", occlusion_rays),
+            number("UV_TEXEL", uv as u32),
+            number("COLOR_TEXEL", colors as u32),
+        ];
+        all.extend((with.planes > 0).then(|| number("PLANES", with.planes)));
+        all.extend((with.jitter > 1).then(|| number("SAMPLES_SIDE", with.jitter)));
+        if let Some(reading) = self.shadow_buffer(with) {
+            all.push(number("BUFFERED_LIGHTS", reading.lights));
+            all.push(("BUFFER_MARGIN", "f32", format!("{:?}", reading.value())));
+        }
+        all
     }
 }
