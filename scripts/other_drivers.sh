@@ -34,8 +34,7 @@ fi
 tests() { # tests NAME VARIABLE=VALUE...
     say "tests on $1"
     shift
-    env "$@" cargo test --manifest-path "$root/Cargo.toml" \
-        --test golden --test twins --test geometry --test suite --test limits
+    env "$@" cargo test --manifest-path "$root/Cargo.toml" --test it -- golden:: twins:: geometry:: suite:: limits::
 }
 # Named, so that no other adapter takes its place.
 tests SwiftShader VK_DRIVER_FILES="$icd" VK_ICD_FILENAMES="$icd" STEREOTRACE_ADAPTER=swiftshader

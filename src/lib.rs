@@ -90,7 +90,7 @@ pub mod dataset;
 mod disparity;
 mod error;
 #[cfg(test)]
-#[path = "../tests/common/folder.rs"]
+#[path = "../tests/it/common/folder.rs"]
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 mod frame;

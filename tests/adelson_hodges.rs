@@ -3,7 +3,6 @@
 
 #[path = "../benches/adelson-hodges/closed.rs"]
 mod closed;
-mod common;
 #[path = "../benches/adelson-hodges/counts.rs"]
 mod counts;
 #[path = "../benches/adelson-hodges/panes.rs"]
@@ -11,11 +10,10 @@ mod panes;
 #[path = "../benches/adelson-hodges/quanta.rs"]
 mod quanta;
 
-use stereotrace::{Method, PixelSource};
+use stereotrace::{Gpu, Method, PixelSource, Renderer};
 
 use crate::{
     closed::{Levels, Surfaces},
-    common::renderer,
     counts::{LEVELS, options, rays_as_in_the_paper},
     quanta::quanta,
 };
@@ -80,7 +78,7 @@ fn quanta_are_where_both_projections_of_a_point_round_to_so_many_pixels() {
 fn panes_send_as_many_rays_as_the_closed_forms_say_and_the_sweep_saves_that_share() {
     const SIDE: u32 = 32;
     let pixels = u64::from(SIDE * SIDE);
-    let mut renderer = renderer();
+    let mut renderer = Renderer::new(Gpu::new().unwrap());
     for surfaces in Surfaces::ALL {
         let (scene, camera) = (panes::scene(surfaces, 2), panes::camera(SIDE, 10.0));
         let uploaded = renderer.upload(&scene).unwrap();

@@ -3,7 +3,7 @@
 
 #[path = "../benches/common/mod.rs"]
 mod common;
-#[path = "common/folder.rs"]
+#[path = "it/common/folder.rs"]
 mod folder;
 #[path = "../benches/thesis/record.rs"]
 mod record;

@@ -8,7 +8,7 @@
 mod arguments;
 mod commands;
 #[cfg(all(test, feature = "view"))]
-#[path = "../../tests/common/folder.rs"]
+#[path = "../../tests/it/common/folder.rs"]
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 mod progress;

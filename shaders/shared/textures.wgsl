@@ -54,7 +54,7 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     }
     let largest = vec2f(table_texel(head.y).yz);
     // By areas, as the footprint is a square. The level whose pixels are as large comes nearest to the mean of 64 rays a pixel: half a level
-    // to either side is farther off or flickers more between the eyes (tests/textures/filter.rs).
+    // to either side is farther off or flickers more between the eyes (tests/it/textures/filter.rs).
     let pixels = at.width * sqrt(largest.x * largest.y);
     let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
     let finer = u32(level);

@@ -9,10 +9,14 @@
 //! Then each case's memory is measured too (Linux): glibc must give back what was freed, or the next case's is not seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats one case, the one that a failure names.
 #![cfg(all(feature = "obj", feature = "gltf", feature = "ply", feature = "textures"))]
 
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "../common/gltf.rs"]
+#[allow(dead_code, reason = "the other tests use more of it")]
+#[path = "../it/common/folder.rs"]
+mod folder;
+#[path = "../it/common/gltf.rs"]
 mod gltf;
+#[allow(dead_code, reason = "the other tests use more of it")]
+#[path = "../../src/random.rs"]
+mod random;
 mod seeds;
 mod structure;
 
@@ -22,10 +26,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use common::{
-    folder::Folder,
-    random::{Random, pcg},
-};
+use folder::Folder;
+use random::{Random, pcg};
 use stereotrace::{Limits, MissingTextures, SceneFile, SceneOptions};
 
 /// Without the environment's word for it.

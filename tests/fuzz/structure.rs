@@ -14,11 +14,9 @@ use stereotrace::{Limits, MissingTextures, SceneFile, SceneOptions};
 
 use crate::{
     Files, below,
-    common::{
-        folder::Folder,
-        random::{Random, pcg},
-    },
+    folder::Folder,
     gltf::{Builder, binary, data_uri},
+    random::{Random, pcg},
     status, write,
 };
 

@@ -1,7 +1,7 @@
 //! What the tests of the command share: they run it as a user does.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
-#[path = "../../../tests/common/folder.rs"]
+#[path = "../../../tests/it/common/folder.rs"]
 pub(crate) mod folder;
 
 use std::process::{Command, Output};

@@ -1,0 +1,29 @@
+#!/bin/sh
+# Compares what every method makes, to the bit, with what it made at another commit: for changes that may change no picture.
+#   sh scripts/same_bytes.sh COMMIT
+# Some minutes, of which most is compiling the other commit, once, in target/same-bytes.
+set -eu
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+[ $# = 1 ] || { echo "usage: sh scripts/same_bytes.sh COMMIT" >&2; exit 2; }
+commit=$(git -C "$root" rev-parse --verify "$1^{commit}")
+export STEREOTRACE_ADAPTER="${STEREOTRACE_ADAPTER:-software}"
+work=$root/target/same-bytes
+other=$work/tree
+mkdir -p "$work"
+hashes() { # of the tree in a folder, into a file
+    (cd "$1" && STEREOTRACE_BYTES=$2 cargo test --quiet --test it -- --ignored --exact bytes::every_method_makes_the_bytes_that_it_made)
+}
+if [ ! -f "$work/$commit.txt" ]; then
+    git -C "$root" worktree remove --force "$other" 2>/dev/null || rm -rf "$other"
+    git -C "$root" worktree add --quiet --detach "$other" "$commit"
+    CARGO_TARGET_DIR=$work/target hashes "$other" "$work/$commit.part"
+    git -C "$root" worktree remove --force "$other"
+    mv "$work/$commit.part" "$work/$commit.txt"
+fi
+hashes "$root" "$work/now.txt"
+if diff "$work/$commit.txt" "$work/now.txt"; then
+    echo "$(wc -l <"$work/now.txt") pictures, all as at $commit"
+else
+    echo "error: pictures differ from those of $commit" >&2
+    exit 1
+fi

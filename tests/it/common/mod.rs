@@ -1,0 +1,170 @@
+//! What the integration tests share: the device, its name in the output, scenes and comparisons.
+pub(crate) mod floor;
+pub(crate) mod folder;
+pub(crate) mod gltf;
+pub(crate) mod nearest;
+#[path = "../../../src/random.rs"]
+pub(crate) mod random;
+mod random_scene;
+pub(crate) mod sampling;
+pub(crate) mod shown_sky;
+pub(crate) mod warnings;
+
+use std::{
+    io::Write,
+    ops::{Deref, DerefMut},
+    panic::Location,
+    sync::{LazyLock, Mutex, PoisonError},
+};
+
+use stereotrace::{Gpu, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Traversal, glam::Vec3, wgpu};
+
+pub(crate) use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_stage};
+
+/// The device that tests share, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a
+/// failure with a remedy, not a skip.
+pub(crate) fn gpu() -> Gpu {
+    static GPU: LazyLock<Gpu> = LazyLock::new(|| {
+        let gpu = own_gpu();
+        // Not through eprintln: the test harness would keep it to itself.
+        let _ = writeln!(std::io::stderr(), "adapter: {}, driver {}", gpu.adapter_name(), gpu.driver());
+        gpu
+    });
+    GPU.clone()
+}
+
+/// A device of a test's own on the same adapter.
+pub(crate) fn own_gpu() -> Gpu {
+    let wanted = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
+    Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}; or run `sh scripts/test.sh`, which installs one"))
+}
+
+/// A device of the tests' adapter with limits of the caller's choice.
+pub(crate) fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
+    let own = gpu();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let same = |adapter: &wgpu::Adapter| {
+        let info = adapter.get_info();
+        (&info.name, info.backend) == (&own.adapter_info().name, own.adapter_info().backend)
+    };
+    let adapter = adapters.into_iter().find(same).expect("the adapter that was just opened");
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    pollster::block_on(adapter.request_device(&descriptor)).unwrap()
+}
+
+/// A [`Gpu`] of the caller's own on the tests' adapter, with these limits.
+pub(crate) fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
+    let (device, queue) = device(limits);
+    Gpu::from_device(device, queue).unwrap()
+}
+
+/// A renderer on the shared device, lent to a test. Tests of a file share renderers, so that pipelines are built once; those of
+/// other files are dropped, since thousands of pipelines take gigabytes.
+#[track_caller]
+pub(crate) fn renderer() -> Lent {
+    renderer_by(Traversal::of(&gpu()))
+}
+
+/// The same with a traversal of the caller's choice.
+#[track_caller]
+pub(crate) fn renderer_by(traversal: Traversal) -> Lent {
+    let key = (Location::caller().file(), traversal);
+    let found = {
+        let mut free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
+        free.retain(|((file, _), _)| *file == key.0);
+        let place = free.iter().position(|(other, _)| *other == key);
+        place.map(|place| free.swap_remove(place).1)
+    };
+    Lent { key, renderer: Some(found.unwrap_or_else(|| Renderer::with_traversal(gpu(), traversal))) }
+}
+
+/// The file that a renderer was lent to, and its traversal.
+type Key = (&'static str, Traversal);
+
+static FREE: Mutex<Vec<(Key, Renderer)>> = Mutex::new(Vec::new());
+
+/// A renderer that goes back when it is dropped.
+pub(crate) struct Lent {
+    key: Key,
+    renderer: Option<Renderer>,
+}
+
+impl Deref for Lent {
+    type Target = Renderer;
+
+    fn deref(&self) -> &Renderer {
+        self.renderer.as_ref().expect("lent until it is dropped")
+    }
+}
+
+impl DerefMut for Lent {
+    fn deref_mut(&mut self) -> &mut Renderer {
+        self.renderer.as_mut().expect("lent until it is dropped")
+    }
+}
+
+impl Drop for Lent {
+    /// What a failed test leaves is dropped.
+    fn drop(&mut self) {
+        if let (Some(renderer), false) = (self.renderer.take(), std::thread::panicking()) {
+            FREE.lock().unwrap_or_else(PoisonError::into_inner).push((self.key, renderer));
+        }
+    }
+}
+
+/// Whether tests run in their long form: `STEREOTRACE_TESTS=long`.
+pub(crate) fn is_long() -> bool {
+    std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long")
+}
+
+/// Traversals among which each pair of their three choices occurs; all eight in the long form.
+pub(crate) fn traversals() -> Vec<Traversal> {
+    let pairwise = [0, 3, 4, 7].map(|place| Traversal::ALL[place]);
+    if is_long() { Traversal::ALL.into() } else { pairwise.into() }
+}
+
+/// Software Vulkan neither contracts nor reorders f32: there results must agree bit for bit.
+pub(crate) fn is_exact(renderer: &Renderer) -> bool {
+    let info = renderer.gpu().adapter_info();
+    info.device_type == wgpu::DeviceType::Cpu && info.backend == wgpu::Backend::Vulkan
+}
+
+#[track_caller]
+pub(crate) fn render(scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(scene).unwrap();
+    renderer.render(&uploaded, camera, &Options::new(method).linear(true)).unwrap()
+}
+
+/// A closed sphere of triangles: `rings` from pole to pole, twice as many segments.
+pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Mesh {
+    let segments = 2 * rings;
+    let point = |ring: u32, segment: u32| {
+        let polar = std::f32::consts::PI * ring as f32 / rings as f32;
+        let around = std::f32::consts::TAU * (segment % segments) as f32 / segments as f32;
+        center + radius * Vec3::new(polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin())
+    };
+    let mut positions = vec![center + radius * Vec3::Y, center - radius * Vec3::Y];
+    for ring in 1..rings {
+        positions.extend((0..segments).map(|segment| point(ring, segment)));
+    }
+    let at = |ring: u32, segment: u32| match ring {
+        0 => 0,
+        ring if ring == rings => 1,
+        ring => 2 + (ring - 1) * segments + segment % segments,
+    };
+    let mut triangles = Vec::new();
+    for ring in 0..rings {
+        for segment in 0..segments {
+            let corners = [at(ring, segment), at(ring + 1, segment), at(ring + 1, segment + 1), at(ring, segment + 1)];
+            if ring + 1 < rings {
+                triangles.push([corners[0], corners[1], corners[2]]);
+            }
+            if ring > 0 {
+                triangles.push([corners[0], corners[2], corners[3]]);
+            }
+        }
+    }
+    Mesh::new(positions, triangles)
+}

@@ -1,0 +1,23 @@
+//! What tests of several samples a pixel share.
+
+use stereotrace::{Filter, StereoCamera, glam::Vec3};
+
+/// Of a screen whose width is a power of two, so that the finer camera's numbers are the same but for the size.
+pub(crate) fn camera(width: u32, height: u32) -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
+        .screen_distance(5.0)
+        .screen_width(4.0)
+        .interaxial(0.25)
+        .size(width, height)
+}
+
+/// `w(x)` of a filter, and how far it reaches, as its documentation has them.
+pub(crate) fn weight(filter: Filter, x: f64) -> f64 {
+    let x = x.abs();
+    match filter {
+        Filter::Box => f64::from(u8::from(x < 0.5)),
+        Filter::Tent => (1.0 - x).max(0.0),
+        Filter::Gauss => ((-x * x / 0.5).exp() - (-1.5_f64 * 1.5 / 0.5).exp()).max(0.0),
+        filter => panic!("{filter}"),
+    }
+}

@@ -1,0 +1,96 @@
+//! Random places of a data set: whether they are free.
+
+use crate::common;
+
+use common::renderer;
+use stereotrace::{
+    Material, Mesh, Scene, StereoCamera,
+    dataset::FreePoses,
+    glam::{DVec3, Vec3, vec3},
+};
+
+/// The faces of a box, seen from outside, or from inside.
+fn block(low: Vec3, high: Vec3, inward: bool) -> Mesh {
+    let corner = |index: usize| {
+        Vec3::from_array(std::array::from_fn(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] }))
+    };
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let turned = triangles.map(|[a, b, c]| if inward { [a, c, b] } else { [a, b, c] });
+    Mesh::new((0..8).map(corner).collect(), turned.collect())
+}
+
+/// A room of 10 x 4 x 10 with a solid block of 4 x 4 x 4 in it.
+fn room(walls_face_inward: bool) -> Scene {
+    let mut scene = Scene::new();
+    let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
+    for (low, high, inward) in [
+        (vec3(-5.0, 0.0, -5.0), vec3(5.0, 4.0, 5.0), walls_face_inward),
+        (vec3(-2.0, 0.0, -2.0), vec3(2.0, 4.0, 2.0), false),
+    ] {
+        scene.add_mesh(&block(low, high, inward).materials(vec![grey; 12])).unwrap();
+    }
+    scene
+}
+
+fn camera() -> StereoCamera {
+    StereoCamera::look_at(vec3(-4.0, 1.6, 4.0), vec3(4.0, 1.6, 3.0)).size(64, 48).interaxial(0.1)
+}
+
+#[test]
+fn places_in_a_room_are_neither_in_a_wall_nor_in_what_stands_there() {
+    let renderer = renderer();
+    // Walls that face inward, and walls of which only the given camera tells that their back sides are to be seen.
+    for walls_face_inward in [true, false] {
+        let scene = room(walls_face_inward);
+        let uploaded = renderer.upload(&scene).unwrap();
+        let poses = FreePoses::new(&scene, camera(), 7).unwrap().clearance(0.3);
+        let mut tries = 0;
+        for item in 0..60 {
+            let found = poses.find(&renderer, &uploaded, item).unwrap();
+            let eye = found.camera.pose().unwrap().eye.as_vec3();
+            // By 128 directions a corner may be a little nearer than what they meet.
+            let near = 0.25;
+            let in_room = eye.cmpge(vec3(-5.0, 0.0, -5.0) + near).all() && eye.cmple(vec3(5.0, 4.0, 5.0) - near).all();
+            let in_block = eye.x.abs() < 2.0 + near && eye.z.abs() < 2.0 + near;
+            assert!(in_room && !in_block, "item {item}: {eye}");
+            assert_eq!(found, poses.find(&renderer, &uploaded, item).unwrap());
+            tries += found.tries;
+        }
+        assert!(tries > 60, "nothing was rejected, though a fifth of the room is the block's");
+    }
+}
+
+#[test]
+fn around_an_object_the_distance_stays_and_the_object_is_seen() {
+    let renderer = renderer();
+    let mut scene = Scene::new();
+    let grey = scene.add_material(Material::new(Vec3::splat(0.5)));
+    scene.add_mesh(&block(vec3(0.0, 0.0, 0.0), vec3(2.0, 1.0, 3.0), false).materials(vec![grey; 12])).unwrap();
+    let middle = DVec3::new(1.0, 0.5, 1.5);
+    let camera = StereoCamera::look_at(vec3(6.0, 2.0, 1.5), middle).size(64, 48).vertical_fov_degrees(30.0);
+    let uploaded = renderer.upload(&scene).unwrap();
+    let poses = FreePoses::new(&scene, camera, 1).unwrap().surfaces(0.2);
+    let eyes = Vec::from_iter((0..12).map(|item| {
+        let pose = poses.find(&renderer, &uploaded, item).unwrap().camera.pose().unwrap();
+        assert!((pose.eye.distance(middle) - camera.pose().unwrap().eye.distance(middle)).abs() < 1e-4, "{}", pose.eye);
+        pose.eye
+    }));
+    assert!(
+        eyes.iter().any(|eye| eye.z > 3.0) && eyes.iter().any(|eye| eye.z < 0.0) && eyes.iter().any(|eye| eye.x < 0.0)
+    );
+}
+
+#[test]
+fn where_there_is_no_room_the_reasons_are_said() {
+    let renderer = renderer();
+    let scene = room(true);
+    let uploaded = renderer.upload(&scene).unwrap();
+    let refused = |poses: FreePoses<'_>| poses.find(&renderer, &uploaded, 3).unwrap_err().to_string();
+    let poses = || FreePoses::new(&scene, camera(), 0).unwrap();
+    let near = refused(poses().clearance(6.0));
+    assert!(near.contains("no free place for item 3 among 2000: 2000 too near a surface"), "{near}");
+    let aside = refused(poses().disparity(1e-3));
+    assert!(aside.contains("with too large disparities") && !aside.contains(" 0 with too large"), "{aside}");
+    assert!(FreePoses::new(&Scene::new(), camera(), 0).unwrap_err().to_string().contains("nothing of a size"));
+}

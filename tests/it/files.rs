@@ -1,0 +1,207 @@
+//! Files that ask for much: more memory than they are worth, or a wait without end.
+#![cfg(target_os = "linux")]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+use stereotrace::{Error, Limits, Scene};
+
+/// A folder of one test, gone when the test is over. Tests of this file run one at a time, since they measure memory.
+struct Folder(PathBuf, #[expect(dead_code, reason = "held, not read")] MutexGuard<'static, ()>);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        static ALONE: Mutex<()> = Mutex::new(());
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let path = std::env::temp_dir().join(format!("stereotrace_files_{}_{test}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path, alone)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        fs::write(self.file(name), content).unwrap();
+        self.file(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// By how many MiB the process grew at most while `work` ran.
+fn peak_growth(work: impl FnOnce()) -> u64 {
+    let status = |field: &str| -> u64 {
+        let status = fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find(|line| line.starts_with(field)).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    fs::write("/proc/self/clear_refs", "5").unwrap(); // the peak becomes what is in use
+    let before = status("VmRSS:");
+    work();
+    (status("VmHWM:") - before) / 1024
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
+
+#[test]
+fn a_long_name_over_many_changes_of_normals_takes_no_memory_of_its_own() {
+    let folder = Folder::new("sections");
+    let faces = "f 1 2 3\nf 1//1 2//1 3//1\n".repeat(4000);
+    let obj = folder.write("scene.obj", format!("o {}\n{TRIANGLE}{faces}", "n".repeat(100_000)));
+    let mib = peak_growth(|| assert_eq!(Scene::from_obj(obj).unwrap().primitive_count(), 8000));
+    // Measured 6 MiB; 769 MiB where each section has the name.
+    assert!(mib < 40, "{mib} MiB for a file of 204 kB");
+}
+
+#[test]
+fn a_library_that_is_named_often_is_read_once() {
+    let folder = Folder::new("libraries");
+    let materials: String = (0..10_000).map(|index| format!("newmtl m{index}\nKd 0.5 0.5 0.5\n")).collect();
+    let mtl = folder.write("m.mtl", materials);
+    std::os::unix::fs::symlink(mtl, folder.file("link.mtl")).unwrap();
+    let names = "mtllib m.mtl\nmtllib link.mtl\nmtllib ./m.mtl m.mtl\n".repeat(50);
+    let obj = folder.write("scene.obj", format!("{names}{TRIANGLE}usemtl m7\nf 1 2 3\n"));
+    let mib = peak_growth(|| {
+        let scene = Scene::from_obj(&obj).unwrap();
+        assert_eq!((scene.materials().len(), scene.triangles()[0].material.0), (10_001, 8));
+    });
+    // Measured 3 MiB; 810 MiB where each mention is read.
+    assert!(mib < 40, "{mib} MiB");
+}
+
+/// The message of the error, which must name the file and come at once.
+fn refused<T>(path: &Path, result: Result<T, Error>) -> String {
+    let Err(error) = result else { panic!("{}: not refused", path.display()) };
+    assert!(matches!(error, Error::Io { .. } | Error::TooLarge { .. } | Error::Parse { .. }), "{error:?}");
+    let message = error.to_string();
+    assert!(message.starts_with(path.to_str().unwrap()), "{message}");
+    message
+}
+
+fn pipe(folder: &Folder) -> PathBuf {
+    let pipe = folder.file("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    pipe
+}
+
+#[test]
+fn what_is_no_regular_file_is_refused_and_not_waited_for() {
+    let folder = Folder::new("regular");
+    for path in [&pipe(&folder), Path::new("/dev/zero"), Path::new("/dev/tty")] {
+        let message = refused(path, Scene::from_obj(path));
+        assert!(message.ends_with("it is a pipe, a socket or a device; only regular files are read"), "{message}");
+    }
+    assert!(refused(&folder.0, Scene::from_obj(&folder.0)).contains("it is a folder"));
+    // A regular file by its type, which has no size and whose lines come when the kernel has some.
+    let kernel = Path::new("/proc/kmsg");
+    assert!(Scene::from_obj(kernel).is_err());
+    let obj = folder.write("scene.obj", format!("mtllib pipe\nmtllib /dev/zero\n{TRIANGLE}f 1 2 3\n"));
+    assert_eq!(Scene::from_obj(obj).unwrap().materials().len(), 1);
+}
+
+#[test]
+fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
+    let folder = Folder::new("limit");
+    let text = format!("mtllib a.mtl b.mtl\n{TRIANGLE}f 1 2 3\n");
+    let obj = folder.write("scene.obj", &text);
+    let limit = text.len() as u64;
+    let message = refused(&obj, Scene::from_obj_within(&obj, &Limits::default().file_bytes(limit - 1)));
+    assert!(message.contains(&format!("the file has {limit} bytes, over the limit of {}", limit - 1)), "{message}");
+    assert!(message.ends_with("raise it by Limits, if it is right"), "{message}");
+    let limits = Limits::default().file_bytes(limit - 1).option_names("--max-file", "--max-sky");
+    let message = refused(&obj, Scene::from_obj_within(&obj, &limits));
+    assert!(message.ends_with("raise it by --max-file, if it is right"), "{message}");
+    // MTL files have the limit together.
+    let material = |name: &str| format!("newmtl {name}\n{}\n", "#".repeat(40));
+    folder.write("a.mtl", material("a"));
+    folder.write("b.mtl", material("b"));
+    for (limit, materials) in [(limit, 2), (2 * limit, 3)] {
+        let scene = Scene::from_obj_within(&obj, &Limits::default().file_bytes(limit)).unwrap();
+        assert_eq!(scene.materials().len(), materials, "{limit}");
+    }
+    // A hole of a terabyte takes no disk.
+    fs::File::options().write(true).open(&obj).unwrap().set_len(1 << 40).unwrap();
+    assert!(refused(&obj, Scene::from_obj(&obj)).contains("over the limit of 1073741824"));
+}
+
+/// An empty picture in a file of few bytes.
+#[cfg(feature = "sky")]
+fn picture(folder: &Folder, width: u32, height: u32) -> PathBuf {
+    let path = folder.file("sky.png");
+    image::GrayImage::new(width, height).save(&path).unwrap();
+    path
+}
+
+#[cfg(feature = "sky")]
+#[test]
+fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
+    use stereotrace::SkyMap;
+
+    let folder = Folder::new("sky");
+    let path = picture(&folder, 4096, 2048);
+    let mib = peak_growth(|| assert_eq!(SkyMap::open(&path).unwrap().size(), [4096, 2048]));
+    // Measured 96 MiB, the colours' own 12 bytes a pixel; 36 took 288.
+    assert!(mib < 128, "{mib} MiB for 8 million pixels");
+    let path = picture(&folder, 8192, 4096);
+    let mib = peak_growth(|| {
+        let message = refused(&path, SkyMap::open(&path));
+        assert!(message.contains("8192x4096 pixels, 33554432 in all, over the limit of 8388608"), "{message}");
+    });
+    assert!(mib < 8, "{mib} MiB for what is refused");
+    let message =
+        refused(&path, SkyMap::open_within(&path, &Limits::default().option_names("--max-file", "--max-sky")));
+    assert!(message.ends_with("raise it by --max-sky, up to what the adapter holds"), "{message}");
+    let pipe = pipe(&folder);
+    assert!(refused(&pipe, SkyMap::open(&pipe)).contains("only regular files"));
+    let message = refused(&path, SkyMap::open_within(&path, &Limits::default().file_bytes(100)));
+    assert!(message.contains("over the limit of 100"), "{message}");
+}
+
+#[test]
+fn a_sky_s_upload_takes_at_most_24_bytes_a_pixel_with_what_it_takes_on_a_software_adapter() {
+    use stereotrace::{Gpu, Renderer, Sky, SkyMap, glam::Vec3};
+
+    let _alone = Folder::new("upload");
+    let gpu = Gpu::open(std::env::var("STEREOTRACE_ADAPTER").unwrap_or("software".into())).unwrap();
+    let renderer = Renderer::new(gpu);
+    let mut scene = Scene::new();
+    renderer.upload(&scene).unwrap();
+    scene.sky = Sky::Map(SkyMap::new(4096, 2047, vec![Vec3::ONE; 4096 * 2047]).unwrap());
+    let mib = peak_growth(|| drop(renderer.upload(&scene).unwrap()));
+    // Measured 160 MiB: the 128 of the texture, and a piece of 16 twice. At once it took 255 before the texture's own.
+    assert!(mib < 192, "{mib} MiB for 8 million pixels");
+}
+
+#[cfg(feature = "json")]
+#[test]
+fn cameras_and_lights_are_read_within_limits_too() {
+    use stereotrace::StereoCamera;
+
+    let folder = Folder::new("json");
+    let pipe = pipe(&folder);
+    assert!(refused(&pipe, StereoCamera::from_json(&pipe, "a", 1, 1)).contains("only regular files"));
+    assert!(refused(&pipe, Scene::new().light_from_json(&pipe, "a")).contains("only regular files"));
+    let path = folder.write("cameras.json", "{} ");
+    let limits = Limits::default().json_bytes(2);
+    let message = refused(&path, StereoCamera::from_json_within(&path, "a", 1, 1, &limits));
+    assert!(message.contains("the file has 3 bytes, over the limit of 2"), "{message}");
+    let message = refused(&path, Scene::new().light_from_json_within(&path, "a", &limits));
+    assert!(message.contains("over the limit of 2"), "{message}");
+    folder.write("cameras.json", b"\xff\xfe{\0}\0");
+    let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
+    assert!(message.ends_with("it is UTF-16 text, by its byte order mark; save it as UTF-8"), "{message}");
+    // A name of the file in an error steers no terminal.
+    folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
+    let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
+    assert!(message.ends_with(r"which has: \u{1b}[2J"), "{message}");
+}

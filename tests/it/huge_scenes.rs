@@ -1,0 +1,283 @@
+//! Fine detail in huge scenes, and primitives that no box can tell apart.
+
+use crate::common;
+use crate::truth;
+
+use std::time::{Duration, Instant};
+
+use common::{gpu, random::Random};
+use stereotrace::{
+    Boxes, Fetch, MISS, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
+    StereoPair, Traversal,
+    cpu::{Eye, Frame},
+    glam::Vec3,
+};
+use truth::Truth;
+
+/// A huge ground may cost a ray so many tests more than one that ends beside the picture. Measured: 1.7, its own two triangles; with boxes
+/// widened alike it was thousands.
+const MORE_TESTS: f64 = 2.0;
+/// `bracket` may test so many times as much: measured 3.2. The ground's depth reaches farther than the small one's, and of the rays that ask
+/// narrow shadows anew each meets the ground's two triangles.
+const MORE_TESTS_BY_BRACKET: f64 = 3.8;
+/// Building takes less than a second; quadratic building took twenty for a sixth of the copies.
+const BUILD: Duration = Duration::from_secs(5);
+
+fn quad(half_side: f32, height: f32) -> Mesh {
+    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
+    Mesh::new(
+        corners.map(|(x, z)| half_side * Vec3::new(x, 0.0, z) + height * Vec3::Y).to_vec(),
+        vec![[0, 1, 2], [0, 2, 3]],
+    )
+}
+
+/// What pebbles are made of.
+#[derive(Clone, Copy, Debug)]
+enum Pebble {
+    Octahedra,
+    Spheres,
+}
+
+/// Pebbles of 2 mm, a thousand of them within half a metre, on a ground of any size; in metres.
+fn pebbles(kind: Pebble, half_side: f32) -> Scene {
+    let mut scene = Scene::new();
+    scene.add_mesh(&quad(half_side, 0.0)).unwrap();
+    let mut random = Random::new(9);
+    let mut positions = Vec::new();
+    for _ in 0..1500 {
+        let center = Vec3::new(random.between(-0.25, 0.25), 0.0007, random.between(-0.25, 0.25));
+        let radius = random.between(0.0006, 0.001);
+        match kind {
+            Pebble::Spheres => scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap(),
+            Pebble::Octahedra => {
+                positions.extend(
+                    [Vec3::X, Vec3::Y, Vec3::Z]
+                        .into_iter()
+                        .flat_map(|axis| [axis, -axis].map(|end| center + radius * end)),
+                );
+            }
+        }
+    }
+    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let count = positions.len() as u32 / 6;
+    let triangles = (0..count).flat_map(|index| faces.map(|face| face.map(|corner| 6 * index + corner)));
+    scene.add_mesh(&Mesh::new(positions, triangles.collect())).unwrap();
+    let camera = looking_at_pebbles();
+    scene.place_lights(2, &camera).unwrap();
+    scene
+}
+
+fn looking_at_pebbles() -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.02, 0.3, 0.25), Vec3::ZERO).size(64, 64).vertical_fov_degrees(35.0)
+}
+
+fn renderer(boxes: Boxes) -> Renderer {
+    let gpu = gpu();
+    let traversal = Traversal::of(&gpu).fetch(Fetch::Texture).boxes(boxes).rays(RaysPerLane::Four);
+    Renderer::with_traversal(gpu, traversal)
+}
+
+fn counted(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, method: Method) -> StereoPair {
+    let uploaded = renderer.upload(scene).unwrap();
+    renderer.render(&uploaded, camera, &Options::new(method).count(true)).unwrap()
+}
+
+/// Pixels that do not show what double precision sees along their rays, but for those within a hundredth of a pixel of
+/// an edge: there f32 may see either side.
+fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
+    let truth = Truth::new(scene);
+    let frame = Frame::new(&pair.pose);
+    let [width, height] = frame.size();
+    let origin = frame.eye(Eye::Left);
+    let wrong = |&index: &usize| {
+        let (column, row) = (index % width, index / width);
+        let direction = frame.direction(Eye::Left, column, row);
+        let hit = |direction| truth.closest(origin.as_dvec3(), direction);
+        let (t, primitive) = hit(direction.as_dvec3());
+        let same = pair.left.primitive[index] == primitive;
+        // At its depth the other half of the ground's quad is as good: the line between them is a far corner's rounding off.
+        let close = (f64::from(pair.left.depth[index]) - t).abs() < 1e-5 * t;
+        if close || (same && primitive == MISS) {
+            return false;
+        }
+        let pixel = (frame.direction(Eye::Left, column + 1, row) - direction).as_dvec3();
+        let down = (frame.direction(Eye::Left, column, row + 1) - direction).as_dvec3();
+        let around = [pixel, -pixel, down, -down].map(|aside| hit(direction.as_dvec3() + 0.01 * aside).1);
+        same || around.iter().all(|&hit| hit == primitive)
+    };
+    (0..width * height).filter(wrong).count()
+}
+
+fn tests_per_ray(pair: &StereoPair) -> [f64; 2] {
+    [&pair.statistics.left, &pair.statistics.right].map(|work| work.primitive_tests as f64 / work.rays.total() as f64)
+}
+
+#[test]
+fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
+    let camera = looking_at_pebbles();
+    let mut renderer = renderer(Boxes::F32);
+    let mut red = Vec::new();
+    for kind in [Pebble::Octahedra, Pebble::Spheres] {
+        // Both fill the picture, so that rays are the same.
+        let small = pebbles(kind, 1.0);
+        for (name, method) in [("naive", Method::Naive), ("bracket", Method::BRACKET)] {
+            let pair = counted(&mut renderer, &small, &camera, method);
+            let [left, right] = tests_per_ray(&pair);
+            assert_eq!(wrong_hits(&small, &pair), 0, "{kind:?} on ±1 by {name}");
+            for half_side in [100.0, 1e4, 1e5, 1e6] {
+                let huge = pebbles(kind, half_side);
+                let uploaded = renderer.upload(&huge).unwrap();
+                let pair = match renderer.render(&uploaded, &camera, &Options::new(method).count(true)) {
+                    Ok(pair) => pair,
+                    Err(error) => {
+                        println!("{kind:?} on ±{half_side} by {name}: {error}");
+                        red.push(format!("{kind:?} on ±{half_side} by {name}: {error}"));
+                        continue;
+                    }
+                };
+                let [huge_left, huge_right] = tests_per_ray(&pair);
+                let ratios = [huge_left / left, huge_right / right];
+                let wrong = wrong_hits(&huge, &pair);
+                let line = format!(
+                    "{kind:?} on ±{half_side} by {name}: {huge_left:.1} tests a ray on the left, {huge_right:.1} on the \
+                     right, {:.2} and {:.2} times those on ±1; {wrong} of 4096 hits wrong",
+                    ratios[0], ratios[1]
+                );
+                println!("{line}");
+                let few_on_the_right = match method {
+                    Method::Naive => huge_right <= right + MORE_TESTS,
+                    _ => ratios[1] <= MORE_TESTS_BY_BRACKET,
+                };
+                if huge_left > left + MORE_TESTS || !few_on_the_right || wrong > 0 {
+                    red.push(line);
+                }
+            }
+        }
+    }
+    assert!(red.is_empty(), "{} of 16 are wrong:\n{}", red.len(), red.join("\n"));
+}
+
+/// Builds and renders a scene, and says what went wrong: every pixel must be as `expected` says.
+fn fault(name: &str, scene: &Scene, camera: &StereoCamera, expected: impl Fn(&StereoPair) -> bool) -> Option<String> {
+    let mut renderer = renderer(Boxes::F32);
+    let started = Instant::now();
+    let uploaded = match renderer.upload(scene) {
+        Ok(uploaded) => uploaded,
+        Err(error) => return Some(format!("{name}: refused after {:.1?}: {error}", started.elapsed())),
+    };
+    let built = started.elapsed();
+    let mut faults = Vec::new();
+    if built > BUILD {
+        faults.push(format!("built in {built:.1?}"));
+    }
+    for method in [Method::Naive, Method::BRACKET] {
+        let started = Instant::now();
+        match renderer.render(&uploaded, camera, &Options::new(method)) {
+            Ok(pair) if expected(&pair) => {}
+            Ok(_) => faults.push(format!("{method} sees other primitives")),
+            Err(error) => faults.push(format!("{method}: {error}")),
+        }
+        println!("{name}: built in {built:.1?}, {method} in {:.1?}", started.elapsed());
+    }
+    (!faults.is_empty()).then(|| format!("{name}: {}", faults.join("; ")))
+}
+
+fn copies(count: u32, scale: f32) -> Mesh {
+    let corners = [Vec3::new(-0.1, -0.1, 0.0), Vec3::new(0.1, -0.1, 0.0), Vec3::new(0.0, 0.1, 0.0)];
+    Mesh::new(corners.map(|corner| corner * scale).to_vec(), vec![[0, 1, 2]; count as usize])
+}
+
+/// From so far that the copies fill some hundred pixels of 64 x 64.
+fn camera() -> StereoCamera {
+    StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(64, 64)
+}
+
+/// What two eyes see: the primitives in order, the misses left out.
+fn seen(pair: &StereoPair) -> Vec<u32> {
+    let mut seen: Vec<_> = [&pair.left, &pair.right].iter().flat_map(|view| view.primitive.clone()).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    seen.retain(|&id| id != MISS);
+    seen
+}
+
+/// From few primitives to many, and no further than the first fault: what grows with their square takes minutes.
+fn assert_none<F: FnOnce() -> Option<String>>(searches: impl IntoIterator<Item = F>) {
+    let fault = searches.into_iter().find_map(|search| search());
+    assert!(fault.is_none(), "{}", fault.unwrap_or_default());
+}
+
+#[test]
+fn copies_of_one_triangle_build_and_render_and_the_first_is_seen() {
+    assert_none([200, 3000, 100_000].map(|count| {
+        move || {
+            let mut scene = Scene::new();
+            scene.add_mesh(&copies(count, 1.0)).unwrap();
+            fault(&format!("{count} copies"), &scene, &camera(), |pair| seen(pair) == [0])
+        }
+    }));
+}
+
+/// Copies in a corner of a scene whose other triangles are none, so that both kinds of splits are needed.
+#[test]
+fn copies_beside_other_triangles_build_and_render() {
+    assert_none([200, 1000, 20_000].map(|count| {
+        move || {
+            let mut random = Random::new(2);
+            let mut scene = Scene::new();
+            scene.add_mesh(&copies(count, 1.0)).unwrap();
+            let positions: Vec<Vec3> = (0..30_000).map(|_| random.point(0.4) - 0.6 * Vec3::Z).collect();
+            let triangles = (0..10_000).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
+            scene.add_mesh(&Mesh::new(positions, triangles)).unwrap();
+            fault(&format!("{count} copies beside others"), &scene, &camera(), |pair| {
+                let seen = seen(pair);
+                seen.first() == Some(&0) && seen.get(1).is_some_and(|&second| second >= count)
+            })
+        }
+    }));
+}
+
+/// About one centre, and about centres on a line so that all touch one point from one side.
+#[test]
+fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
+    let cases = [200, 2000, 200_000].into_iter().flat_map(|count: u32| [(count, 0.0), (count, 1.0)]);
+    assert_none(cases.map(|(count, aside)| {
+        move || {
+            let mut scene = Scene::new();
+            for index in 0..count {
+                let radius = 0.02 + 0.08 * index as f32 / count as f32;
+                let center = aside * radius * Vec3::X;
+                scene.add_sphere(Sphere::new(center, radius, MaterialId(0))).unwrap();
+            }
+            let name = if aside == 0.0 { "concentric" } else { "tangent" };
+            // Where spheres touch, rounding may let another one be seen.
+            fault(&format!("{count} {name} spheres"), &scene, &camera(), |pair| {
+                let seen = seen(pair);
+                seen.contains(&(count - 1)) && (aside > 0.0 || seen.len() == 1)
+            })
+        }
+    }));
+}
+
+/// Products of so small coordinates are 0 in f32. They are far too small to be seen; what stands beside them is as ever.
+#[test]
+fn scenes_of_a_scale_of_1e_30_build_and_render() {
+    let mesh_of = |count: u32, alike: bool| {
+        let mut random = Random::new(4);
+        let positions: Vec<Vec3> = (0..3 * count).map(|_| random.point(1e-30)).collect();
+        let different =
+            Mesh::new(positions, (0..count).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect());
+        if alike { copies(count, 1e-30) } else { different }
+    };
+    let cases = [200, 3000, 100_000].into_iter().flat_map(|count| [(count, true), (count, false)]);
+    assert_none(cases.map(|(count, alike)| {
+        move || {
+            let name = format!("{count} {} triangles at 1e-30", if alike { "equal" } else { "different" });
+            let mut scene = Scene::new();
+            scene.add_mesh(&mesh_of(count, alike)).unwrap();
+            let center = Vec3::new(0.2, 0.0, 0.0);
+            scene.add_sphere(Sphere::new(center, 0.1, MaterialId(0))).unwrap();
+            fault(&name, &scene, &camera(), |pair| seen(pair).contains(&count))
+        }
+    }));
+}

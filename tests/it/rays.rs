@@ -1,0 +1,230 @@
+//! Lists of rays of every kind, through every variant of the traversal, against searches that share no code with it.
+
+use crate::common;
+
+use common::{RandomScene, ball, gpu, is_exact, random::Random, renderer, renderer_by};
+use stereotrace::{
+    Error, FAR, MISS, Mesh, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
+    cpu::{Eye, Frame, intersect::closest_hit},
+    glam::{Quat, Vec3},
+};
+
+/// A list of rays of one kind.
+struct List {
+    kind: &'static str,
+    rays: Vec<Ray>,
+}
+
+/// Every kind of ray that the methods trace, of a picture whose width is no multiple of a block.
+fn lists(scene: &Scene, camera: &StereoCamera, light: Vec3, far: f32, random: &mut Random) -> Vec<List> {
+    let pose = camera.pose().unwrap();
+    let frame = Frame::new(&pose);
+    let [width, height] = frame.size();
+    let (left, right) = (frame.eye(Eye::Left), frame.eye(Eye::Right));
+    let pixels: Vec<_> = (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).collect();
+    let through = |eye| pixels.iter().map(move |&(column, row)| frame.direction(eye, column, row));
+    let depth: Vec<f32> =
+        through(Eye::Left).map(|direction| closest_hit(scene, left, direction, 0.0, FAR).0.min(far)).collect();
+    let points: Vec<Vec3> =
+        through(Eye::Left).zip(&depth).map(|(direction, depth)| left + direction * *depth).collect();
+    let towards = |from: Vec3, t_max: f32| {
+        let ray = move |point: &Vec3| Ray::new(from, *point - from).t_max(t_max);
+        points.iter().map(ray).collect()
+    };
+    let interval = |(direction, depth): (Vec3, &f32)| Ray::new(right, direction).t_min(0.9 * depth).t_max(1.2 * depth);
+    let primary: Vec<Ray> = through(Eye::Left).map(|direction| Ray::new(left, direction)).collect();
+    let scattered = primary.iter().copied().filter(|_| random.unit() < 0.1).collect();
+    let inside = 0.5 * (light + points[points.len() / 2]);
+    let everywhere = (0..501).map(|_| Ray::new(inside, random.point(1.0))).collect();
+    // Where a lane has four rays, some of these lanes have one origin and some have several.
+    let bounced = points.iter().enumerate().map(|(index, point)| {
+        let origin = if index % 16 < 4 { light } else { *point };
+        Ray::new(origin, random.point(0.05 * far)).t_min(1e-3)
+    });
+    let bounced: Vec<Ray> = bounced.collect();
+    vec![
+        List { kind: "primary", rays: primary },
+        List { kind: "shadow", rays: towards(light, 0.9999) },
+        List { kind: "length-limited", rays: towards(right, 0.999) },
+        List { kind: "interval", rays: through(Eye::Right).zip(&depth).map(interval).collect() },
+        List { kind: "scattered", rays: scattered },
+        List { kind: "from inside, everywhere", rays: everywhere },
+        List { kind: "bounced", rays: bounced },
+    ]
+}
+
+#[test]
+fn every_variant_hits_what_a_search_through_all_primitives_hits() {
+    let mut random = Random::new(77);
+    let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e4)];
+    for ((scale, offset), ellipsoids) in places.into_iter().flat_map(|place| [0, 20].map(|count| (place, count))) {
+        let place = |v: Vec3| v * scale + Vec3::splat(offset);
+        let (triangles, seed) = if ellipsoids > 0 { (60, 2) } else { (150, 1) };
+        let scene = RandomScene { scale, offset, ellipsoids, triangles, seed, ..RandomScene::default() }.build();
+        let camera = StereoCamera::look_at(place(Vec3::new(0.3, 0.4, 3.0)), place(Vec3::ZERO))
+            .size(27, 19)
+            .interaxial_pixels(3.0);
+        let light = place(Vec3::new(-0.4, 1.8, 0.7));
+        let lists = lists(&scene, &camera, light, 20.0 * scale, &mut random);
+        let expected: Vec<Vec<(f32, u32)>> = lists
+            .iter()
+            .map(|list| {
+                let search =
+                    |ray: &Ray| closest_hit(&scene, ray.origin.as_vec3(), ray.direction, ray.t_min, ray.t_max.min(FAR));
+                let hit = |(t, primitive)| (if primitive == MISS { f32::INFINITY } else { t }, primitive);
+                list.rays.iter().map(search).map(hit).collect()
+            })
+            .collect();
+        for &traversal in Traversal::ALL {
+            let renderer = renderer_by(traversal);
+            let exact = is_exact(&renderer);
+            let uploaded = renderer.upload(&scene).unwrap();
+            for (list, expected) in lists.iter().zip(&expected) {
+                let what = format!(
+                    "{} rays, {traversal:?}, scale {scale}, offset {offset}, {ellipsoids} ellipsoids",
+                    list.kind
+                );
+                let closest = renderer.closest_hits(&uploaded, &list.rays).unwrap().hits;
+                let any = renderer.any_hits(&uploaded, &list.rays).unwrap().hits;
+                assert!(expected.iter().any(|hit| hit.1 != MISS), "{what}: nothing is hit");
+                assert!(expected.iter().any(|hit| hit.1 == MISS), "{what}: everything is hit");
+                let same = |(found, expected): &(&RayHit, &(f32, u32))| (found.t, found.primitive) == **expected;
+                let differing = closest.iter().zip(expected).filter(|pair| !same(pair)).count();
+                let wrong = any.iter().zip(expected).filter(|(any, hit)| **any != (hit.1 != MISS)).count();
+                // Elsewhere t is rounded otherwise, and so is what happens at an edge.
+                let allowed = if exact { 0 } else { list.rays.len() / 50 };
+                assert!(wrong <= allowed, "{what}: {wrong} of {} are occluded otherwise", any.len());
+                if exact {
+                    assert_eq!(differing, 0, "{what}: of {} hits", closest.len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_of_every_kind_lose_no_hit_on_tiny_huge_flat_and_far_off_scenes() {
+    // The grid's cells are many triangles wide where a second ball stands far off.
+    for (scale, offset, far_off, away) in [
+        (1e-4, 0.0, 0.0, 1.0),
+        (1e5, 0.0, 0.0, 1.0),
+        (1.0, 3000.0, 0.0, 1.0),
+        (1.0, 0.0, 1e5, 1.0),
+        (1.0, -50.0, 1e3, 1.0),
+        (1.0, 0.0, 0.0, 500.0),
+    ] {
+        let center = Vec3::splat(offset);
+        let mut scene = Scene::new();
+        scene.add_mesh(&ball(center, scale, 24)).unwrap();
+        if far_off > 0.0 {
+            scene.add_mesh(&ball(center + Vec3::new(far_off, 0.0, -far_off), scale, 4)).unwrap();
+        }
+        // A sheet without thickness behind the ball, so that its boxes have none either.
+        let corner =
+            |i: u32| center + Vec3::new((i % 21) as f32 * 0.3 - 3.0, (i / 21) as f32 * 0.3 - 3.0, -2.0) * scale;
+        let quads = (0..400).map(|i| i / 20 * 21 + i % 20);
+        let sheet = quads.flat_map(|i| [[i, i + 1, i + 22], [i, i + 22, i + 21]]).collect();
+        scene.add_mesh(&Mesh::new((0..441).map(corner).collect(), sheet)).unwrap();
+        let eye = center + Vec3::new(0.2, 0.1, 5.0) * scale * away;
+        // Through middles, corners and edges: at a corner a ray touches the very corner of a box.
+        let targets = scene.triangles().iter().flat_map(|triangle| {
+            let [a, b, c] = triangle.corners;
+            [(a + b + c) / 3.0, a, b, 0.5 * (a + b), 0.5 * (b + c)]
+        });
+        let rays: Vec<Ray> = targets.map(|target| Ray::new(eye, target - eye)).collect();
+        let expected: Vec<u32> = rays.iter().map(|ray| closest_hit(&scene, eye, ray.direction, 0.0, FAR).1).collect();
+        for &traversal in Traversal::ALL {
+            let renderer = renderer_by(traversal);
+            let uploaded = renderer.upload(&scene).unwrap();
+            let found = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
+            let lost = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive == MISS && **id != MISS).count();
+            assert_eq!(lost, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
+            if is_exact(&renderer) {
+                let differing = found.iter().zip(&expected).filter(|(hit, id)| hit.primitive != **id).count();
+                assert_eq!(differing, 0, "{traversal:?}, scale {scale}, offset {offset}, far off {far_off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_list_equals_the_picture_and_keeps_its_order() {
+    let scene = RandomScene::default().build();
+    let camera = StereoCamera::look_at(3.0 * Vec3::Z, Vec3::ZERO).size(33, 21);
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let pair = renderer.render(&uploaded, &camera, &Options::new(Method::Naive)).unwrap();
+    let frame = Frame::new(&pair.pose);
+    let eye = frame.eye(Eye::Left);
+    let rays: Vec<Ray> = (0..33 * 21).map(|i| Ray::new(eye, frame.direction(Eye::Left, i % 33, i / 33))).collect();
+    let cast = renderer.closest_hits(&uploaded, &rays).unwrap();
+    let found: Vec<_> = cast.hits.iter().map(|hit| (hit.t, hit.primitive)).collect();
+    let seen: Vec<_> = pair.left.depth.iter().copied().zip(pair.left.primitive.iter().copied()).collect();
+    assert!(found == seen || !is_exact(&renderer));
+    assert!(renderer.closest_hits(&uploaded, &[]).unwrap().hits.is_empty());
+}
+
+#[test]
+fn rays_from_many_points_close_to_a_large_ground_meet_it_where_it_is() {
+    let tilt = Quat::from_rotation_z(0.3);
+    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
+    let corners = corners.map(|(x, z)| tilt * (1e5 * Vec3::new(x, 0.0, z))).to_vec();
+    let mut scene = Scene::new();
+    scene.add_mesh(&Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])).unwrap();
+    let renderer = renderer();
+    let uploaded = renderer.upload(&scene).unwrap();
+    let mut random = Random::new(12);
+    let mut worst = 0.0_f64;
+    for origins in [1, 64, 500] {
+        let ray = |index: usize| {
+            let place = (index * origins / 500) as f32;
+            Ray::new(tilt * Vec3::new(place, 1.5, 3.0 * place), random.point(1.0) - 2.0 * (tilt * Vec3::Y))
+        };
+        let rays: Vec<Ray> = (0..500).map(ray).collect();
+        for (ray, hit) in rays.iter().zip(renderer.closest_hits(&uploaded, &rays).unwrap().hits) {
+            let [a, b, c] = scene.triangles()[hit.primitive as usize].corners.map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a);
+            let t = normal.dot(a - ray.origin) / normal.dot(ray.direction.as_dvec3());
+            worst = worst.max((f64::from(hit.t) / t - 1.0).abs());
+        }
+    }
+    // Measured 1.2e-7; 2.3e-3 by kernels that don't look at large triangles again.
+    assert!(worst < 5e-7, "{worst:e}");
+}
+
+#[test]
+fn one_renderer_casts_for_several_threads() {
+    let scene = RandomScene::default().build();
+    let mut random = Random::new(3);
+    let rays: Vec<Ray> = (0..1000).map(|_| Ray::new(3.0 * Vec3::Z, random.point(1.0) - Vec3::Z)).collect();
+    // A new one: both threads ask for kernels that nobody has built.
+    let renderer = Renderer::new(gpu());
+    let uploaded = renderer.upload(&scene).unwrap();
+    let cast = || {
+        let closest = renderer.closest_hits(&uploaded, &rays).unwrap().hits;
+        (closest, renderer.any_hits(&uploaded, &rays).unwrap().hits)
+    };
+    let found = std::thread::scope(|scope| {
+        let threads = [scope.spawn(cast), scope.spawn(cast)];
+        threads.map(|thread| thread.join().unwrap())
+    });
+    assert!(found[0] == found[1] && found[0] == cast());
+}
+
+#[test]
+fn rays_without_direction_or_limits_are_named() {
+    let renderer = renderer();
+    let uploaded = renderer.upload(&Scene::new()).unwrap();
+    let good = Ray::new(Vec3::ZERO, Vec3::Z);
+    for (bad, word) in [
+        (Ray::new(Vec3::ZERO, Vec3::ZERO), "direction"),
+        (Ray::new(Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0)), "direction"),
+        (Ray::new(Vec3::splat(f32::INFINITY), Vec3::Z), "origin"),
+        (good.t_min(-1.0), "limits"),
+        (good.t_max(f32::NAN), "limits"),
+    ] {
+        let error = renderer.closest_hits(&uploaded, &[good, bad]).unwrap_err();
+        let message = error.to_string();
+        assert!(matches!(error, Error::Ray { index: 1, .. }) && message.contains(word), "{message}");
+    }
+}

@@ -1,0 +1,169 @@
+//! Rows as they are done, and views that stay on the device: what whole pairs show.
+
+use crate::common;
+
+use common::{gpu, random_stage, renderer};
+use stereotrace::{
+    EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, StereoCamera, View, Visibility,
+    glam::Vec3, wgpu,
+};
+
+/// Two bands of 64 rows, and 30 rows more.
+fn camera() -> StereoCamera {
+    StereoCamera::look_at(Vec3::new(0.0, 0.5, 5.0), Vec3::ZERO)
+        .screen_distance(5.0)
+        .size(4096, 158)
+        .interaxial_pixels(60.0)
+}
+
+#[test]
+fn rows_come_from_the_top_down_and_make_the_whole_views() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let rig = Rig::at(camera(), vec![-0.5, 0.5, 0.1]).traced(vec![0]);
+    for method in [Method::Auto, Method::BRACKET, Method::VERIFIED, Method::ATOMIC, "buffer-edges".parse().unwrap()] {
+        let options = Options::new(method).linear(true).cost_map(true);
+        let whole = renderer.render_views(&uploaded, &rig, &options).unwrap();
+        let mut bands: Vec<Rows> = Vec::new();
+        let rest = renderer.render_rows(&uploaded, &rig, &options, &mut |rows| {
+            bands.push(rows);
+            Ok(())
+        });
+        let rest = rest.unwrap();
+        let firsts: Vec<u32> = bands.iter().map(|rows| rows.first).collect();
+        assert_eq!(firsts, [0, 64, 128], "{method}");
+        for (index, view) in whole.views.iter().enumerate() {
+            let of = |rows: &dyn Fn(&View) -> Vec<[u8; 4]>| -> Vec<_> {
+                bands.iter().flat_map(|band| rows(&band.views[index].view)).collect()
+            };
+            assert!(of(&|rows| rows.rgba8.clone()) == view.view.rgba8, "{method} {index}");
+            let words = |values: &[f32]| values.iter().map(|value| value.to_le_bytes()).collect::<Vec<_>>();
+            assert!(of(&|rows| words(&rows.depth)) == words(&view.view.depth), "{method} {index}");
+            let source: Vec<_> = bands.iter().flat_map(|band| band.views[index].source.clone()).collect();
+            assert!(source == view.source, "{method} {index}");
+            assert_eq!((rest.views[index].work, rest.views[index].view.height), (view.work, 0), "{method} {index}");
+        }
+    }
+}
+
+#[test]
+fn what_a_sink_returns_ends_the_frame_and_the_next_one_is_whole() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let options = Options::new(Method::BRACKET);
+    let expected = renderer.render(&uploaded, &camera(), &options).unwrap();
+    let mut calls = 0;
+    let stopped = renderer.render_rows(&uploaded, &Rig::pair(camera()), &options, &mut |_| {
+        calls += 1;
+        Err(Error::Cancelled)
+    });
+    assert!(matches!(stopped, Err(Error::Cancelled)) && calls == 1, "{stopped:?} {calls}");
+    let again = renderer.render(&uploaded, &camera(), &options).unwrap();
+    assert!(again.right == expected.right && again.left == expected.left);
+}
+
+#[test]
+fn one_eye_is_a_rig_too() {
+    let mut renderer = renderer();
+    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let camera = camera().size(61, 40);
+    let mono = renderer.render_views(&uploaded, &Rig::row(camera, 1), &Options::default()).unwrap();
+    assert_eq!(mono.views.len(), 1);
+    let centred = camera.interaxial(0.0);
+    let pair = renderer.render(&uploaded, &centred, &Options::new(Method::Naive)).unwrap();
+    assert!(mono.views[0].view == pair.left);
+    assert_eq!(mono.views[0].method, Method::Naive);
+}
+
+/// The texels of a texture of four bytes each.
+fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<[u8; 4]> {
+    let (width, height) = (texture.width(), texture.height());
+    let row = (4 * width).next_multiple_of(256);
+    let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    gpu.queue().submit([encoder.finish()]);
+    let bytes = read(gpu, &buffer);
+    let rows = bytes.chunks_exact(row as usize);
+    rows.flat_map(|row| row[..4 * width as usize].as_chunks::<4>().0.to_vec()).collect()
+}
+
+fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u8> {
+    buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    buffer.get_mapped_range(..).unwrap().to_vec()
+}
+
+fn assert_shows(gpu: &Gpu, encoded: &EncodedView, expected: &View, what: &str) {
+    assert!(texels(gpu, &encoded.color) == expected.rgba8, "{what}");
+    let far = |z: f32| if z == f32::INFINITY { 3.4e38 } else { z };
+    let depth: Vec<_> = expected.depth.iter().map(|&z| far(z).to_le_bytes()).collect();
+    assert!(encoded.depth.as_ref().is_none_or(|texture| texels(gpu, texture) == depth), "{what}");
+}
+
+#[test]
+fn encoded_views_are_those_that_are_read_back() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let mut scene = random_stage(4);
+    let by_points = renderer.upload(&scene).unwrap();
+    scene.lights.push(Light::sphere(Vec3::new(1.0, 4.0, 3.0), 0.3, Vec3::splat(0.3)));
+    let softly = renderer.upload(&scene).unwrap();
+    let rig = Rig::pair(camera());
+    let methods = [Method::Auto, Method::Naive, Method::Ideal, Method::VERIFIED, "atomic-edges".parse().unwrap()];
+    for (uploaded, method) in methods.map(|method| (&by_points, method)).into_iter().chain([(&softly, Method::BRACKET)])
+    {
+        let drawn = (GBuffer::Depth, Visibility::TBuffer);
+        for (g_buffer, way) in [(GBuffer::Depth, Visibility::Rays), (GBuffer::None, Visibility::Rays), drawn] {
+            let options = Options::new(method).g_buffer(g_buffer).shadow_rays(20).visibility(way);
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let encoded = renderer.encode(uploaded, &rig, &options, &mut encoder).unwrap();
+            let (by_bands, commands) = renderer.encode_bands(uploaded, &rig, &options).unwrap();
+            assert_eq!(commands.len(), 3, "{method}");
+            // Another frame in between, of another size: what was encoded keeps what it needs.
+            let other = camera().size(50, 41);
+            renderer.render(uploaded, &other, &Options::new(Method::BRACKET)).unwrap();
+            gpu.queue().submit([encoder.finish()]);
+            gpu.queue().submit(commands);
+            let pair = renderer.render(uploaded, &camera(), &options.clone().g_buffer(GBuffer::Depth)).unwrap();
+            for encoded in [encoded, by_bands] {
+                assert_eq!(encoded.views[0].depth.is_some(), g_buffer == GBuffer::Depth);
+                assert_shows(&gpu, &encoded.views[0], &pair.left, &format!("{method} left"));
+                assert_shows(&gpu, &encoded.views[1], &pair.right, &format!("{method} right"));
+                assert_eq!(read(&gpu, &encoded.unfinished), [0; 4], "{method}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_encoded_is_refused_by_name() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let uploaded = renderer.upload(&random_stage(4)).unwrap();
+    let mut refused = |camera: StereoCamera, options: Options| {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        renderer.encode(&uploaded, &Rig::pair(camera), &options, &mut encoder).unwrap_err().to_string()
+    };
+    let small = camera().size(64, 48);
+    for method in ["buffer", "buffer-8", "adelson-hodges"] {
+        let message = refused(small, Options::new(method.parse().unwrap()));
+        assert!(
+            message.starts_with(&format!("{method} can't be encoded ahead: a part of it is the host's")),
+            "{message}"
+        );
+    }
+    let naive = Options::new(Method::Naive);
+    assert!(refused(small, naive.clone().linear(true)).starts_with("linear colour can't be"));
+    assert!(refused(small, naive.clone().cost_map(true)).starts_with("a map of costs can't be"));
+    let side = gpu.device().limits().max_texture_dimension_2d;
+    let message = refused(camera().size(8, side + 1), naive);
+    assert!(message.contains("max_texture_dimension_2d") && message.contains("render_rows"), "{message}");
+}

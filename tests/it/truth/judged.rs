@@ -1,0 +1,63 @@
+//! What views have of the truth.
+
+use stereotrace::{
+    Method, Options, Renderer, Scene, StereoCamera, View,
+    cpu::{Eye, Frame},
+    glam::DVec3,
+};
+
+use super::{Seen, Truth};
+
+/// What a view has of the truth: pixels in which another primitive is seen, and of the others the largest error of a depth, relative to it
+/// and to the slope at which the ray meets the surface, and of a linear colour.
+#[derive(Debug, Default)]
+pub(crate) struct Judged {
+    pub others: usize,
+    pub depth: f64,
+    pub depth_by_slope: f64,
+    /// Of pixels that a step of a fiftieth of a pixel takes into no other light, where the slope is not the least.
+    pub color: f64,
+    pub seen: usize,
+}
+
+fn judge(view: &View, truth: &[Seen], beside: &[Vec<Seen>], least_slope: f64) -> Judged {
+    let mut judged = Judged::default();
+    for (index, seen) in truth.iter().enumerate() {
+        if view.primitive[index] != seen.primitive {
+            judged.others += 1;
+        } else if seen.t.is_finite() {
+            judged.seen += 1;
+            let error = (f64::from(view.depth[index]) / seen.t - 1.0).abs();
+            judged.depth = judged.depth.max(error);
+            judged.depth_by_slope = judged.depth_by_slope.max(error * seen.slope);
+            let found = DVec3::from_array([0, 1, 2].map(|c| f64::from(view.linear[index][c])));
+            let smooth = |other: &Vec<Seen>| {
+                other[index].primitive == seen.primitive && other[index].linear.distance(seen.linear) < 1e-3
+            };
+            if seen.slope > least_slope && beside.iter().all(smooth) {
+                judged.color = judged.color.max((found - seen.linear).abs().max_element());
+            }
+        }
+    }
+    judged
+}
+
+/// Both views of a scene by `Naive`, judged; colours where rays meet surfaces at more than this slope.
+pub(crate) fn judged(renderer: &mut Renderer, scene: &Scene, camera: &StereoCamera, least_slope: f64) -> [Judged; 2] {
+    let uploaded = renderer.upload(scene).unwrap();
+    let pair = renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap();
+    let frame = Frame::new(&pair.pose);
+    let truth = Truth::new(scene);
+    let [width, height] = frame.size();
+    [(Eye::Left, &pair.left), (Eye::Right, &pair.right)].map(|(eye, view)| {
+        let around = [(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)].map(|(x, y)| {
+            let direction = |index: usize| {
+                let at = frame.direction(eye, index % width, index / width);
+                let [right, down] = [frame.direction(eye, 1, 0), frame.direction(eye, 0, 1)];
+                at + x * (right - frame.direction(eye, 0, 0)) + y * (down - frame.direction(eye, 0, 0))
+            };
+            (0..width * height).map(|index| truth.see(frame.eye(eye), direction(index))).collect::<Vec<_>>()
+        });
+        judge(view, &truth.view(&frame, eye), &around, least_slope)
+    })
+}
