@@ -39,9 +39,15 @@ enum Softness {
     SkyMap,
 }
 
-const ALL: [(&str, Softness); 2] = [
+const ALL: [(&str, Softness); 8] = [
     ("2 lights, radius 0.0005", Softness::Lights(0.0005)),
     ("2 lights, radius 0.002", Softness::Lights(0.002)),
+    ("2 lights, radius 0.005", Softness::Lights(0.005)),
+    ("2 lights, radius 0.01", Softness::Lights(0.01)),
+    ("2 lights, radius 0.05", Softness::Lights(0.05)),
+    ("occlusion to 0.1, 2 points", Softness::Occlusion(0.1)),
+    ("sky of a gradient, 2 points", Softness::SkyGradient),
+    ("sky with a sun, 2 points", Softness::SkyMap),
 ];
 
 /// Columns of a sky that is a picture.
