@@ -14,23 +14,62 @@ use std::{
     io::Write,
     ops::{Deref, DerefMut},
     panic::Location,
-    sync::{LazyLock, Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use stereotrace::{Gpu, Mesh, Method, Options, Renderer, Scene, StereoCamera, StereoPair, Traversal, glam::Vec3, wgpu};
 
 pub(crate) use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_stage};
 
-/// The device that tests share, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a
-/// failure with a remedy, not a skip.
+/// The device of this test, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a failure with a
+/// remedy, not a skip. There are as many devices as tests run at a time, since a software driver compiles all kernels of a device
+/// in one thread.
 pub(crate) fn gpu() -> Gpu {
-    static GPU: LazyLock<Gpu> = LazyLock::new(|| {
-        let gpu = own_gpu();
-        // Not through eprintln: the test harness would keep it to itself.
-        let _ = writeln!(std::io::stderr(), "adapter: {}, driver {}", gpu.adapter_name(), gpu.driver());
-        gpu
-    });
-    GPU.clone()
+    static DEVICES: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
+    let mut devices = lock(&DEVICES);
+    SEAT.with(|seat| {
+        while devices.len() <= seat.0 {
+            let gpu = own_gpu();
+            // Not through eprintln: the test harness would keep it to itself.
+            let _ = writeln!(std::io::stderr(), "adapter: {}, driver {}", gpu.adapter_name(), gpu.driver());
+            devices.push(gpu);
+        }
+        devices[seat.0].clone()
+    })
+}
+
+thread_local! {
+    /// That of this thread, which is a test's.
+    static SEAT: Seat = Seat::take();
+}
+
+/// Numbers from 0 that no other thread has.
+static TAKEN: Mutex<Vec<bool>> = Mutex::new(Vec::new());
+
+/// The number of a device, free again when its thread ends.
+struct Seat(usize);
+
+impl Seat {
+    fn take() -> Self {
+        let mut taken = lock(&TAKEN);
+        if let Some(place) = taken.iter().position(|taken| !taken) {
+            taken[place] = true;
+            return Self(place);
+        }
+        taken.push(true);
+        Self(taken.len() - 1)
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        lock(&TAKEN)[self.0] = false;
+    }
+}
+
+/// What a failed test held is whole.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A device of a test's own on the same adapter.
@@ -59,7 +98,7 @@ pub(crate) fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
     Gpu::from_device(device, queue).unwrap()
 }
 
-/// A renderer on the shared device, lent to a test. Tests of a file share renderers, so that pipelines are built once; those of
+/// A renderer on this test's device, lent to it. Tests of a file share renderers, so that pipelines are built once; those of
 /// other files are dropped, since thousands of pipelines take gigabytes.
 #[track_caller]
 pub(crate) fn renderer() -> Lent {
@@ -69,18 +108,18 @@ pub(crate) fn renderer() -> Lent {
 /// The same with a traversal of the caller's choice.
 #[track_caller]
 pub(crate) fn renderer_by(traversal: Traversal) -> Lent {
-    let key = (Location::caller().file(), traversal);
+    let key = (Location::caller().file(), traversal, SEAT.with(|seat| seat.0));
     let found = {
-        let mut free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
-        free.retain(|((file, _), _)| *file == key.0);
+        let mut free = lock(&FREE);
+        free.retain(|((file, ..), _)| *file == key.0);
         let place = free.iter().position(|(other, _)| *other == key);
         place.map(|place| free.swap_remove(place).1)
     };
     Lent { key, renderer: Some(found.unwrap_or_else(|| Renderer::with_traversal(gpu(), traversal))) }
 }
 
-/// The file that a renderer was lent to, and its traversal.
-type Key = (&'static str, Traversal);
+/// The file that a renderer was lent to, its traversal, and its device's number.
+type Key = (&'static str, Traversal, usize);
 
 static FREE: Mutex<Vec<(Key, Renderer)>> = Mutex::new(Vec::new());
 
@@ -108,7 +147,7 @@ impl Drop for Lent {
     /// What a failed test leaves is dropped.
     fn drop(&mut self) {
         if let (Some(renderer), false) = (self.renderer.take(), std::thread::panicking()) {
-            FREE.lock().unwrap_or_else(PoisonError::into_inner).push((self.key, renderer));
+            lock(&FREE).push((self.key, renderer));
         }
     }
 }
