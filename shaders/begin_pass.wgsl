@@ -1,4 +1,5 @@
-// Before each pass of a T-buffer: says which one it is, and how many workgroups draw what project_primitives listed. The host emptied the lists before that.
+// Before each pass of a T-buffer: says which one it is, and how many workgroups draw what project_primitives listed.
+// The host emptied the lists before that.
 //
 // launch  one thread
 // updates drawing

@@ -1,7 +1,7 @@
-// Pass 2 of 3 of `bracket`: how deep each tile of the target's pixels must be searched: as deep as any sample of the source that lands in
-// it. A ray of the target passes between two neighbours, so each sample's depth counts from where the one before landed to a pixel
-// behind it; where a gap opens between them, its two sides say how deep. Samples that hit nothing land too: their tiles have no
-// bound.
+// Pass 2 of 3 of `bracket`: how deep each tile of the target's pixels must be searched: as deep as any sample of the
+// source that lands in it. A ray of the target passes between two neighbours, so each sample's depth counts from where
+// the one before landed to a pixel behind it; where a gap opens between them, its two sides say how deep. Samples that
+// hit nothing land too: their tiles have no bound.
 //
 // launch  one thread per run of TILE pixels of a row of the source, in the order of a sweep
 // reads   source    [height * width]

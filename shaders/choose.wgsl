@@ -1,4 +1,5 @@
-// `Auto`, between two steps of `bracket`: whether a band of the target's view costs less by it than traced, as src/auto.rs has it.
+// `Auto`, between two steps of `bracket`: whether a band of the target's view costs less by it than traced, as
+// src/auto.rs has it.
 //
 // launch  one workgroup
 // reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS and OWN_SHADOW_RAYS

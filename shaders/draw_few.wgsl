@@ -1,4 +1,5 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover few pixels, each over all of these. One kernel serves both passes, so that a t of the second is that of the first.
+// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover few pixels, each over all of these.
+// One kernel serves both passes, so that a t of the second is that of the first.
 //
 // launch  one thread per FEW_EACH entries of the few, dispatched indirectly
 // reads   drawing
@@ -32,7 +33,8 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
             let corner = vec2u(over.xy);
             let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
             loop {
-                // What touches a shadow-buffer's texels covers the middle of none, often; and by other rounding than before it may be nothing.
+                // What touches a shadow-buffer's texels covers the middle of none, often; and by other rounding than
+                // before it may be nothing.
                 if any(block >= blocks) { break; }
                 pixels = pixels_from(corner + block * BLOCK);
                 later = draw(primitive, slot, pixels, over.zw);

@@ -1,4 +1,5 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: parts of primitives that cover many tiles. The threads of a group take one tile after the other in turn.
+// T-buffer, both passes, and the marks of a shadow-buffer: parts of primitives that cover many tiles. The threads of a
+// group take one tile after the other in turn.
 //
 // launch  GROUP threads per part, dispatched indirectly
 // reads   drawing

@@ -1,4 +1,5 @@
-// Pass 2 of 3 of `Buffer`, second half: search the slots of each of the target's pixels for the largest key, the nearest.
+// Pass 2 of 3 of `Buffer`, second half: search the slots of each of the target's pixels for the largest key, the
+// nearest.
 //
 // launch  one thread per pixel of the target in a band of rows
 // reads   slots  [rows * width * depth]  keys of samples, or EMPTY

@@ -1,9 +1,10 @@
-// Pass 2 of 3 of `bracket` where shadow bits are taken over, second part: lights whose shadows are so narrow somewhere that two samples beside
-// a point don't tell what lies between them (docs/BRACKET.md).
+// Pass 2 of 3 of `bracket` where shadow bits are taken over, second part: lights whose shadows are so narrow somewhere
+// that two samples beside a point don't tell what lies between them (docs/BRACKET.md).
 //
-// A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It lies in a shadow, or in a
-// strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
-// tiles around the place where the sample lands, if it is on a flat surface: others are in narrow shadows of their own.
+// A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It
+// lies in a shadow, or in a strip of light, about as narrow as samples are apart; in other rows the samples may miss
+// that strip. So no bit of that light is taken over in the tiles around the place where the sample lands, if it is on a
+// flat surface: others are in narrow shadows of their own.
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
@@ -12,8 +13,8 @@
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
 
-// How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two samples on both sides; around
-// one on a surface that is flat for one.
+// How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two
+// samples on both sides; around one on a surface that is flat for one.
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
 // A surface is flat if a sample is off the line between its two neighbours by less than this share of their distance.
@@ -99,7 +100,8 @@ fn unlike(a: SourceSample, b: SourceSample) -> u32 {
     return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
 }
 
-// Whether three samples, so many pixels from one to the next, show a flat surface: reciprocals of depth lie on a line there.
+// Whether three samples, so many pixels from one to the next, show a flat surface: reciprocals of depth lie on a line
+// there.
 fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
     let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
     return a.component == b.component && c.component == b.component && off < FLAT * apart * length(frame.step_x);
@@ -118,8 +120,8 @@ fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
     }
 }
 
-// A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of half and more between samples that
-// see nothing of it.
+// A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of
+// half and more between samples that see nothing of it.
 fn busy_shares(s: Samples, lit: bool) -> u32 {
     let beside = select(ALL_OPEN, 0u, lit);
     var busy = 0u;

@@ -1,5 +1,5 @@
-// Verification `edges` (thesis, 6.2): pixels of the target whose sample lies at an edge of the source's view are marked BAD, for
-// resolve_right to list; all others are trusted.
+// Verification `edges` (thesis, 6.2): pixels of the target whose sample lies at an edge of the source's view are marked
+// BAD, for resolve_right to list; all others are trusted.
 //
 // launch  one thread per pixel of the target in the rows at work
 // reads   source  [height * width]

@@ -1,5 +1,7 @@
-// T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work (of a shadow-buffer that is marked, any part of a texel) are listed (shared/t_buffer.wgsl): those that cover few pixels,
-// those that cover a few tiles, and the others in parts. So the vectors of a software adapter that draw them are full, and both passes draw what was projected once.
+// T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work (of a shadow-buffer
+// that is marked, any part of a texel) are listed (shared/t_buffer.wgsl): those that cover few pixels, those that cover
+// a few tiles, and the others in parts. So the vectors of a software adapter that draw them are full, and both passes
+// draw what was projected once.
 //
 // launch  one thread per primitive of the tree
 // adds    counters   [height * COUNTERS]
@@ -39,7 +41,8 @@ fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     count_view(counted_row(), 0u, 1u, 0u);
 }
 
-// Lists a primitive that covers so many tiles in parts, or as one where there is no room for more: no thread draws a whole ground.
+// Lists a primitive that covers so many tiles in parts, or as one where there is no room for more: no thread draws a
+// whole ground.
 fn list_parts(slot: u32, tiles: u32) {
     var parts = clamp((tiles + PART_TILES - 1u) / PART_TILES, 1u, MOST_PARTS);
     if parts > 1u && atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }

@@ -1,6 +1,7 @@
-// What each pixel of a view hits, as trace_hits leaves it, from a T-buffer and from the planes, which no box holds and which are not drawn: their
-// projections have no end, and each ray asks them here, as closest_hit does before it goes through the tree. A pixel that has a t and no
-// primitive is listed to be traced: two kernels of one text may round apart on some adapter.
+// What each pixel of a view hits, as trace_hits leaves it, from a T-buffer and from the planes, which no box holds and
+// which are not drawn: their projections have no end, and each ray asks them here, as closest_hit does before it goes
+// through the tree. A pixel that has a t and no primitive is listed to be traced: two kernels of one text may round
+// apart on some adapter.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // reads   t_buffer  [height * width * 2]

@@ -22,7 +22,8 @@ fn reproject(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
-    // Among the samples that land on one column, the one that comes last in the sweep is the nearest surface (DESIGN, section 2;
-    // thesis, 3.1.2.2): its key is the depth key, and max commutes, so the order of the threads does not matter.
+    // Among the samples that land on one column, the one that comes last in the sweep is the nearest surface (DESIGN,
+    // section 2; thesis, 3.1.2.2): its key is the depth key, and max commutes, so the order of the threads does not
+    // matter.
     atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x));
 }

@@ -1,6 +1,6 @@
-// Pass 2 of 3 of `EsIsler`: each row from its far side to its near one as Adelson & Hodges 1993 do it, a thread a row (DESIGN, section 4):
-// to a target on the right, from left to right. A later sample overwrites: it is nearer. The columns that a gap opens between two
-// neighbours nobody saw: they are cleared.
+// Pass 2 of 3 of `EsIsler`: each row from its far side to its near one as Adelson & Hodges 1993 do it, a thread a row
+// (DESIGN, section 4): to a target on the right, from left to right. A later sample overwrites: it is nearer. The
+// columns that a gap opens between two neighbours nobody saw: they are cleared.
 //
 // launch  one thread per row of the rows at work
 // reads   source  [height * width]
@@ -18,7 +18,8 @@ fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
     let end = first + i32(frame.image_size.x);
     // The pixel that the sample before landed on.
     var before = landed_on(0u, first);
-    // Pixel indices, not columns: a loop whose end is a uniform is compiled anew for each width by Mesa's software driver.
+    // Pixel indices, not columns: a loop whose end is a uniform is compiled anew for each width by Mesa's software
+    // driver.
     for (var at = first; at < end; at += 1) {
         let column = in_sweep(u32(at - first));
         let here = landed_on(column, first);

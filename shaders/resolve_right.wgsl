@@ -1,10 +1,11 @@
-// Pass 3 of 3, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then traces. A list
-// keeps the few traced pixels of neighbouring threads together: traced here, they would hold up whole subgroups of reused
-// ones. Of a good pixel nothing is copied yet: take_over.wgsl follows its key.
+// Pass 3 of 3, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then
+// traces. A list keeps the few traced pixels of neighbouring threads together: traced here, they would hold up whole
+// subgroups of reused ones. Of a good pixel nothing is copied yet: take_over.wgsl follows its key.
 //
 // launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
 // reads   source    [height * width]    a point's depth is the same for both eyes
-// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by mark_edges); of what is listed depth
+// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by
+// mark_edges); of what is listed depth
 // adds    counters  [height * COUNTERS]
 // appends lists
 

@@ -1,6 +1,7 @@
-// Pass 3 of 3 of `bracket`, second part: the target's own rays against the primitives that search_tiles found for them, by the
-// function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The bounds need not be
-// right: they set the cost only.) A list is left of pixels whose hit lies deeper or who have no bound.
+// Pass 3 of 3 of `bracket`, second part: the target's own rays against the primitives that search_tiles found for them,
+// by the function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The
+// bounds need not be right: they set the cost only.) A list is left of pixels whose hit lies deeper or who have no
+// bound.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   lists        [tiles of the rows at work, TILE_WORDS] behind the lists

@@ -1,5 +1,6 @@
-// The same as search_tiles.wgsl where a pixel has several samples: one query for 16x16 of them, four tiles, since neighbouring samples
-// mostly see the same primitives. Each is projected once; what may cover a sample of a tile is then narrowed to that tile's blocks.
+// The same as search_tiles.wgsl where a pixel has several samples: one query for 16x16 of them, four tiles, since
+// neighbouring samples mostly see the same primitives. Each is projected once; what may cover a sample of a tile is
+// then narrowed to that tile's blocks.
 //
 // launch  one thread per four tiles
 // reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
@@ -14,7 +15,8 @@
 
 const QUADRANTS: u32 = 4u;
 
-// Four tiles that ask for more than this together are given up. What is listed counts as an eighth: it takes a round a block.
+// Four tiles that ask for more than this together are given up. What is listed counts as an eighth: it takes a round a
+// block.
 const MOST_STEPS: u32 = 4096u;
 
 // Boxes and primitives looked at.
@@ -90,8 +92,8 @@ fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool)
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
 }
 
-// First and last column and row of the samples, from the corner, that a projection with these bounds may cover; none if a first is past its
-// last. Samples are jittered along their rows only.
+// First and last column and row of the samples, from the corner, that a projection with these bounds may cover; none if
+// a first is past its last. Samples are jittered along their rows only.
 fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
     let margin = vec2f(frame.wider, frame.wider - jitter_reach());
     let corner = vec2f(tile.corner) + 0.5;

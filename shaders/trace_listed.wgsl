@@ -1,5 +1,5 @@
-// Pass 3 of 3, behind resolve_right or resolve_tiles: trace the target's pixels that these listed, from the depth on up to which nothing is.
-// shade_listed or shade_tiles shades what is hit.
+// Pass 3 of 3, behind resolve_right or resolve_tiles: trace the target's pixels that these listed, from the depth on up
+// to which nothing is. shade_listed or shade_tiles shades what is hit.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists        TO_TRACE

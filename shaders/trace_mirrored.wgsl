@@ -1,5 +1,5 @@
-// Pixels that show mirrors, glass or veils: shaded from their first hits, which stand in the view, and from what is seen along the
-// rays that these send on. Each eye's rays are its own.
+// Pixels that show mirrors, glass or veils: shaded from their first hits, which stand in the view, and from what is
+// seen along the rays that these send on. Each eye's rays are its own.
 //
 // launch  one thread per entry of the list, dispatched indirectly
 // reads   lists      TO_TRACE
@@ -20,7 +20,8 @@ struct Pending {
     depth: u32,         // surfaces that it comes from
 }
 
-// A ray sends two on at most, of which one is followed at once: so no more wait than surfaces are met one behind the other, and one.
+// A ray sends two on at most, of which one is followed at once: so no more wait than surfaces are met one behind the
+// other, and one.
 const MOST_PENDING: u32 = 9u;
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> waiting: u32;
@@ -85,7 +86,8 @@ fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
     return 0.5 * (across * across + along_plane * along_plane);
 }
 
-// Where a ray begins that leaves a hit point: off the surface, on the side it goes to, by what shadow rays end before it.
+// Where a ray begins that leaves a hit point: off the surface, on the side it goes to, by what shadow rays end before
+// it.
 fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
     let point = of_ray3(surfaces.point, 0u);
     let offset = off_surface(point, origin, of_ray(surfaces.reach, 0u));
@@ -101,7 +103,8 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     // The first ray's direction is as long as depths want it, all others are unit.
     var ray = Pending(frame.target_eye, of_ray3(primary, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
-    // What another view's sample hit is met anew by this pixel's own ray, where it is: else what is sent on would begin beside it.
+    // What another view's sample hit is met anew by this pixel's own ray, where it is: else what is sent on would begin
+    // beside it.
     let own = Rays(ray.origin, primary);
     if COUNT { primitives_tested += 1u; }
     let met = met_at(hits.slot, own);

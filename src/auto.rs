@@ -1,4 +1,5 @@
-//! Which way to the right view costs less: what `Method::Auto` asks once a band of the left view is there (shaders/choose.wgsl).
+//! Which way to the right view costs less: what `Method::Auto` asks once a band of the left view is there
+//! (shaders/choose.wgsl).
 
 use std::fmt;
 
@@ -8,7 +9,8 @@ use crate::{Gpu, Method, Pose, wgpu};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Choice {
-    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. It is chosen for each band of rows.
+    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. It is chosen for each
+    /// band of rows.
     pub method: Method,
     /// The share that was made by bracket, 0 to 1.
     pub by_bracket: f32,
@@ -40,7 +42,8 @@ impl fmt::Display for Choice {
     }
 }
 
-/// What passes cost on an adapter, in primary rays of whole pictures, and how much of what is asked of lights a view must ask anew.
+/// What passes cost on an adapter, in primary rays of whole pictures, and how much of what is asked of lights a view
+/// must ask anew.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CostModel {
     /// A pixel's share of bounding, searching and resolving tiles.
@@ -49,7 +52,8 @@ pub(crate) struct CostModel {
     pub(crate) shadow: f32,
     /// A ray of a list, relative to that.
     pub(crate) listed: f32,
-    /// Those that are asked anew though their points are in no gap, as they cost, relative to all: the mean of `listed` times a share.
+    /// Those that are asked anew though their points are in no gap, as they cost, relative to all: the mean of
+    /// `listed` times a share.
     pub(crate) disagreed: f32,
 }
 
@@ -77,13 +81,14 @@ pub(crate) struct Seen {
 impl CostModel {
     /// Share of points' shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls.
     const DISAGREED: f32 = 0.05;
-    /// The same of rays to lights that are not points, where shares are taken over and where they are not: from the counts of studies/notes/bracket.md.
+    /// The same of rays to lights that are not points, where shares are taken over and where they are not: from the
+    /// counts of studies/notes/bracket.md.
     const DISAGREED_SOFT: [f32; 2] = [0.74, 0.1];
     /// A ray of a list to such a light, which neighbours ask in the same order, relative to a whole picture's.
     const LISTED_SOFT: f32 = 1.5;
 
-    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). GPU: from counted nodes and
-    /// primitive tests, not measured.
+    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md).
+    /// GPU: from counted nodes and primitive tests, not measured.
     pub(crate) fn of(gpu: &Gpu, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let (search, shadow, listed) = if is_cpu { (1.0, 0.9, 3.0) } else { (0.35, 0.8, 1.5) };

@@ -1,5 +1,5 @@
-//! The blocking forms: each runs its async form to the end on the calling thread. They are the feature `blocking`, and not there on
-//! wasm32, where to block is to keep the browser from what is waited for.
+//! The blocking forms: each runs its async form to the end on the calling thread. They are the feature `blocking`, and
+//! not there on wasm32, where to block is to keep the browser from what is waited for.
 
 use std::ops::ControlFlow;
 
@@ -151,7 +151,8 @@ impl Renderer {
         block_on(self.render_views_async(scene, rig, options, progress))
     }
 
-    /// Renders the views of a rig and hands their rows on as they are done, blocking: see [`Renderer::render_rows_async`].
+    /// Renders the views of a rig and hands their rows on as they are done, blocking: see
+    /// [`Renderer::render_rows_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Options, Renderer, Rig};
@@ -246,7 +247,8 @@ impl Renderer {
         block_on(self.occlusions_async(scene, pair))
     }
 
-    /// What stereo vision asks of ground truth, of both views of a pair, blocking: see [`Renderer::ground_truth_async`].
+    /// What stereo vision asks of ground truth, of both views of a pair, blocking: see
+    /// [`Renderer::ground_truth_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Method, Options, Renderer, output::Batch};

@@ -29,10 +29,11 @@ pub enum BvhBuild {
     Balanced,
     /// The best tree there is: for a scene that many pictures are made of.
     Best,
-    /// No tree, but a list, as the classical ray tracer has it: a baseline to measure against, for at most [`BvhBuild::MAX_FLAT`] primitives. A
-    /// closest-hit ray is tested against every primitive, in the scene's order, exact copies too; a shadow ray until one is met. The
-    /// picture is that of a tree, bit for bit where f32 is not contracted. Besides, a ray visits a pair of boxes that hold everything for each
-    /// eight primitives; a single primitive is tested twice, and from over 1.2e8 units off the world's origin a ray that leads away from it
+    /// No tree, but a list, as the classical ray tracer has it: a baseline to measure against, for at most
+    /// [`BvhBuild::MAX_FLAT`] primitives. A closest-hit ray is tested against every primitive, in the scene's
+    /// order, exact copies too; a shadow ray until one is met. The picture is that of a tree, bit for bit where f32
+    /// is not contracted. Besides, a ray visits a pair of boxes that hold everything for each eight primitives; a
+    /// single primitive is tested twice, and from over 1.2e8 units off the world's origin a ray that leads away from it
     /// is tested against none.
     Flat,
 }
@@ -41,8 +42,8 @@ impl BvhBuild {
     /// All that build a tree, from the quickest to the slowest.
     pub const ALL: &'static [Self] = &[Self::Fast, Self::Balanced, Self::Best];
 
-    /// The most primitives that [`BvhBuild::Flat`] takes. With five lights a ray and its shadow rays then still go through their lists in the
-    /// 65,535 rounds that Mesa's software driver grants a thread.
+    /// The most primitives that [`BvhBuild::Flat`] takes. With five lights a ray and its shadow rays then still go
+    /// through their lists in the 65,535 rounds that Mesa's software driver grants a thread.
     pub const MAX_FLAT: usize = 8192;
 
     /// obvhs's preset, where a tree is built. Leaves hold up to eight primitives, which is what a link can say.
@@ -75,7 +76,8 @@ pub(crate) struct PackedBvh {
     pub(crate) nodes: Vec<Texel>,
     /// Texels of a pair: two, or four with f32 boxes.
     pub(crate) pair_texels: usize,
-    /// Three texels a primitive in leaf order, behind the planes, which are in no leaf; four if the scene has vertex normals or ellipsoids.
+    /// Three texels a primitive in leaf order, behind the planes, which are in no leaf; four if the scene has vertex
+    /// normals or ellipsoids.
     pub(crate) primitives: Vec<Texel>,
     /// Masks of what is cut out, as `cutouts::masks_of` has them.
     pub(crate) masks: Vec<Texel>,
@@ -138,8 +140,9 @@ fn is_empty(aabb: &Aabb) -> bool {
     aabb.min.x > aabb.max.x
 }
 
-/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive, with the same holes
-/// where it is cut out: of equal t the smaller id wins, so no ray sees them. (A list, [`BvhBuild::Flat`], keeps copies.)
+/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive,
+/// with the same holes where it is cut out: of equal t the smaller id wins, so no ray sees them. (A list,
+/// [`BvhBuild::Flat`], keeps copies.)
 ///
 /// # Errors
 /// [`Error::Scene`] if there are more primitives than links can name, or than [`BvhBuild::Flat`] takes.

@@ -130,8 +130,8 @@ pub struct Pose {
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
     /// How the eyes are turned. Of a pair that is toed in, the axes here are those of the midpoint between the eyes
-    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera that
-    /// has its numbers.
+    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera
+    /// that has its numbers.
     pub convergence: Convergence,
     /// How far away what the camera looks at is, world units: the screen's distance; where that is infinite the
     /// target's. Rules that need a length to go by take this one.

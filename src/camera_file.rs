@@ -17,11 +17,11 @@ impl StereoCamera {
     /// In their place there may be
     ///
     /// - for `vfov_deg`: `fx`, `fy` (else `fx` again), `cy`, and `cx` or `cx0` and `cx1`, as [`Intrinsics`] has them,
-    ///   with **pixel centres at halves**; of a picture of `width` x `height`, where the entry has these, and scaled from
-    ///   there to the size that is asked for. With `cx0` and `cx1` there is no `screen_distance`; with `cx` alone, where
-    ///   there is none the cameras are parallel;
-    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x to
-    ///   the right, y down and z ahead;
+    ///   with **pixel centres at halves**; of a picture of `width` x `height`, where the entry has these, and scaled
+    ///   from there to the size that is asked for. With `cx0` and `cx1` there is no `screen_distance`; with `cx` alone,
+    ///   where there is none the cameras are parallel;
+    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x
+    ///   to the right, y down and z ahead;
     /// - for `eye_separation`: `baseline`, which is the same.
     ///
     /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
@@ -34,9 +34,9 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line or the camera and its field, if it is UTF-16 or no JSON, has no such camera, or the camera is
-    /// invalid; [`Error::Camera`] for a size of zero.
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than
+    /// [`Limits`] says; [`Error::Parse`], naming the line or the camera and its field, if it is UTF-16 or no JSON,
+    /// has no such camera, or the camera is invalid; [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         Self::from_json_within(path, name, width, height, &Limits::default())
     }
@@ -59,11 +59,13 @@ impl StereoCamera {
 }
 
 impl CameraPath {
-    /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`], each with the number of its
-    /// `frame`, a key frame. Where none has one, each camera is a frame. The pictures are `width` x `height` pixels.
+    /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`], each with the
+    /// number of its `frame`, a key frame. Where none has one, each camera is a frame. The pictures are `width` x
+    /// `height` pixels.
     ///
     /// # Errors
-    /// As [`StereoCamera::from_json`], naming the camera by its place in the list, from 0; and those of [`CameraPath::new`].
+    /// As [`StereoCamera::from_json`], naming the camera by its place in the list, from 0; and those of
+    /// [`CameraPath::new`].
     pub fn from_json_within(path: impl AsRef<Path>, width: u32, height: u32, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let list: Vec<Value> = read(path, limits, "list of cameras")?;
@@ -112,9 +114,10 @@ fn camera(
 }
 
 impl Scene {
-    /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
-    /// is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and `intensity` (three numbers
-    /// each, the latter at least 0) and, for balls, `radius` (above 0). What the entry has not stays as it is. Returns whether the entry has lights.
+    /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]):
+    /// `ambient` is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and
+    /// `intensity` (three numbers each, the latter at least 0) and, for balls, `radius` (above 0). What the entry
+    /// has not stays as it is. Returns whether the entry has lights.
     ///
     /// # Errors
     /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. Then nothing changes.

@@ -29,7 +29,8 @@ pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps",
 
 /// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
 pub(crate) const BATCH: usize = 1 << 20;
-/// Of so many origins of a batch it is asked whether they are close to large primitives; of more it is taken for granted.
+/// Of so many origins of a batch it is asked whether they are close to large primitives; of more it is taken for
+/// granted.
 const MANY_ORIGINS: usize = 64;
 
 /// A ray of the caller's own: the points `origin + t * direction` with t between its limits.
@@ -90,7 +91,8 @@ pub struct RayHit {
 pub struct Cast<T> {
     /// One a ray.
     pub hits: Vec<T>,
-    /// Time of the tracing alone; `None` where the adapter has no timestamps, or tracing took more steps than can be timed.
+    /// Time of the tracing alone; `None` where the adapter has no timestamps, or tracing took more steps than can be
+    /// timed.
     pub time: Option<Duration>,
 }
 

@@ -1,5 +1,5 @@
-//! Masks of what is cut out, as `shaders/shared/cutouts.wgsl` reads them: a bit for each pixel of a texture. They stand behind a scene's
-//! nodes and primitives, since kernels that only look for hits read nothing else.
+//! Masks of what is cut out, as `shaders/shared/cutouts.wgsl` reads them: a bit for each pixel of a texture. They stand
+//! behind a scene's nodes and primitives, since kernels that only look for hits read nothing else.
 
 use std::collections::HashMap;
 

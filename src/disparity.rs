@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::{Convergence, Pose, StereoPair, View};
 
-/// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an occluder
-/// leaves is not told where it is narrower.
+/// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an
+/// occluder leaves is not told where it is narrower.
 const NEARER_PX: f64 = 0.25;
 
 /// Whether the right eye sees what a left pixel shows.
@@ -61,15 +61,16 @@ impl Pose {
 }
 
 impl StereoPair {
-    /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i + 0.5`
-    /// stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not ([`StereoPair::occlusion`]).
+    /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i +
+    /// 0.5` stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not
+    /// ([`StereoPair::occlusion`]).
     ///
     /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`], for the eyes that were
     /// rendered ([`Pose::eye_position`]). d
     /// is above 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
     /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add [`Pose::interaxial_px`]
-    /// to get disparities of parallel cameras, which are 0 at infinity; where the screen is at infinity, these are such.
-    /// A point in the plane of the eyes has `f32::INFINITY`. Empty where depth was not kept
+    /// to get disparities of parallel cameras, which are 0 at infinity; where the screen is at infinity, these are
+    /// such. A point in the plane of the eyes has `f32::INFINITY`. Empty where depth was not kept
     /// ([`GBuffer::None`](crate::GBuffer)), and where eyes are toed in ([`Convergence::ToeIn`](crate::Convergence)):
     /// points then don't stay in their rows.
     ///
@@ -85,9 +86,9 @@ impl StereoPair {
         self.disparities(&self.left, -1.0)
     }
 
-    /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take pixels
-    /// over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left ones' disparities, seen up to
-    /// half a pixel aside.
+    /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take
+    /// pixels over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left
+    /// ones' disparities, seen up to half a pixel aside.
     pub fn right_disparity(&self) -> Vec<f32> {
         self.disparities(&self.right, 1.0)
     }
@@ -95,12 +96,13 @@ impl StereoPair {
     /// Whether the right eye sees what each left pixel shows, as far as the right view's depth tells. Row-major,
     /// `[height][width]`, top row first; empty where depth was not kept, and where eyes are toed in.
     ///
-    /// A point lands up to half a pixel beside the centre of the nearest right pixel. The surface seen there is taken to go on to the
-    /// landing place with the flatter of the slopes of disparity to the two neighbours, or level where they have opposite
-    /// signs: on a plane, however slanted, that is exact. The point is hidden where that surface has over 0.25
-    /// px more disparity. At silhouettes and creases, which lie somewhere between two samples, a pixel may be wrong: by rays
-    /// from the right eye to each point 0.3 to 2.9% of the pixels of the built-in scenes are (docs/DESIGN.md, section 7). Sky is a
-    /// surface at infinity. [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
+    /// A point lands up to half a pixel beside the centre of the nearest right pixel. The surface seen there is taken
+    /// to go on to the landing place with the flatter of the slopes of disparity to the two neighbours, or level
+    /// where they have opposite signs: on a plane, however slanted, that is exact. The point is hidden where that
+    /// surface has over 0.25 px more disparity. At silhouettes and creases, which lie somewhere between two
+    /// samples, a pixel may be wrong: by rays from the right eye to each point 0.3 to 2.9% of the pixels of the
+    /// built-in scenes are (docs/DESIGN.md, section 7). Sky is a surface at infinity.
+    /// [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
         if self.pose.convergence == Convergence::ToeIn {
             return Vec::new();
@@ -229,7 +231,8 @@ mod tests {
 
     #[test]
     fn a_plane_hides_nothing_of_itself_however_slanted_it_is() {
-        // d = a + b x on the left is (a + b x) / (1 - b) at x on the right. Slopes over 1 turn the plane's back to the right eye.
+        // d = a + b x on the left is (a + b x) / (1 - b) at x on the right. Slopes over 1 turn the plane's back to the
+        // right eye.
         for slope in [-9.0, -1.0, -0.3, 0.0, 0.2, 0.5, 0.9] {
             for start in [0.0, 0.13, 0.5, 0.77] {
                 // Deepest at the edge, and no deeper than the screen.

@@ -11,11 +11,12 @@ const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
     ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
 };
 
-/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
-/// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
+/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what
+/// it quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
 ///
-/// A message is whole without its [`source`](std::error::Error::source), whose words it has: print the message, not the chain.
-/// Sources are there to be asked for their kind. (Those of a device are text: in a browser they can't cross threads.)
+/// A message is whole without its [`source`](std::error::Error::source), whose words it has: print the message, not the
+/// chain. Sources are there to be asked for their kind. (Those of a device are text: in a browser they can't cross
+/// threads.)
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -164,8 +165,8 @@ pub enum Error {
         /// What a parser, a decoder or a check of the content said.
         source: Option<Source>,
     },
-    /// A file that could not be read or written: the system refused, it is no regular file, it is not among those in memory, or what
-    /// is to be written makes no file of its kind.
+    /// A file that could not be read or written: the system refused, it is no regular file, it is not among those in
+    /// memory, or what is to be written makes no file of its kind.
     #[non_exhaustive]
     #[error("{}: {source}", shown(path))]
     Io {

@@ -1,8 +1,8 @@
 //! A BVH as the one texture or storage buffer that kernels read it from (`shaders/shared/fetch.wgsl`).
 //!
-//! The root's pair comes first, then the primitives, then all other pairs, then masks of what is cut out. So the primitives begin at the same place whatever
-//! the scene's size, and kernels need neither a text of their own for it nor an addition; where the other pairs begin only
-//! the links say, which are indices of pairs from the first texel on.
+//! The root's pair comes first, then the primitives, then all other pairs, then masks of what is cut out. So the
+//! primitives begin at the same place whatever the scene's size, and kernels need neither a text of their own for it
+//! nor an addition; where the other pairs begin only the links say, which are indices of pairs from the first texel on.
 
 use crate::{
     bvh::{LEAF, PackedBvh, Texel},
@@ -43,8 +43,8 @@ impl<'a> GeometryTexels<'a> {
         texels.extend_from_slice(root);
         texels.resize(self.primitives_begin(), [0; 4]);
         match self.fetch {
-            // The first texels of the primitives of a row stand in that row, their second ones in the next, and so on, so that a
-            // primitive's texels stand in one column.
+            // The first texels of the primitives of a row stand in that row, their second ones in the next, and so on,
+            // so that a primitive's texels stand in one column.
             Fetch::Texture => {
                 for chunk in primitives.chunks(WIDTH * self.each.max(1)) {
                     for texel in 0..self.each {

@@ -20,8 +20,8 @@ pub struct GroundTruth {
     pub pose: Pose,
 }
 
-/// Ground truth of one view. All lists are row-major, `[height][width]`, top row first; all is said of the first surface that
-/// the ray through a pixel's centre meets, whatever mirrors or glass show there.
+/// Ground truth of one view. All lists are row-major, `[height][width]`, top row first; all is said of the first
+/// surface that the ray through a pixel's centre meets, whatever mirrors or glass show there.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EyeTruth {
@@ -39,8 +39,8 @@ pub struct EyeTruth {
     pub occlusion: Vec<Occlusion>,
     /// Normal of the surface itself, towards the eye: unit length, in the world's frame; zero for sky.
     pub geometric_normal: Vec<[f32; 3]>,
-    /// The normal that the surface is lit by, interpolated where a mesh has normals, on the side of the geometric one: unit
-    /// length, in the world's frame; zero for sky.
+    /// The normal that the surface is lit by, interpolated where a mesh has normals, on the side of the geometric one:
+    /// unit length, in the world's frame; zero for sky.
     pub shading_normal: Vec<[f32; 3]>,
     /// Id of the primitive, or [`MISS`].
     pub primitive: Vec<u32>,
@@ -69,8 +69,8 @@ impl EyeTruth {
 }
 
 impl Pose {
-    /// Directions of the world, such as normals, in the camera's frame: x to the picture's right, y down, z along the view
-    /// direction, as `OpenCV` has it. Both eyes' axes are the same.
+    /// Directions of the world, such as normals, in the camera's frame: x to the picture's right, y down, z along the
+    /// view direction, as `OpenCV` has it. Both eyes' axes are the same.
     pub fn in_camera(&self, directions: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let axes = [self.right, -self.up, self.forward].map(|axis| axis.as_dvec3());
         let turned = |direction: &[f32; 3]| {
@@ -82,16 +82,17 @@ impl Pose {
 }
 
 impl Renderer {
-    /// What stereo vision asks of ground truth, of both views of a pair: disparities, occlusions by a ray from the other eye to each
-    /// point, depths, distances, normals and ids. `uploaded` is `scene`, or a clone of it, as it is now, and `pair` a picture
-    /// of it by a method that meets each pixel's own surface: [`Method::Naive`], [`Method::Auto`] or a [`Method::Bracket`].
+    /// What stereo vision asks of ground truth, of both views of a pair: disparities, occlusions by a ray from the
+    /// other eye to each point, depths, distances, normals and ids. `uploaded` is `scene`, or a clone of it, as it
+    /// is now, and `pair` a picture of it by a method that meets each pixel's own surface: [`Method::Naive`],
+    /// [`Method::Auto`] or a [`Method::Bracket`].
     ///
     /// Occlusions are asked on the device; the rest is worked out in f64 on the host, at some 50 bytes a pixel and eye.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without ids ([`GBuffer::Ids`](crate::GBuffer), the default, has them) or by another method;
-    /// [`Error::Scene`] where `scene` is not what was uploaded, or the pair shows a primitive that it has not; and those of
-    /// [`Renderer::occlusions_async`].
+    /// [`Error::Options`] for a pair without ids ([`GBuffer::Ids`](crate::GBuffer), the default, has them) or by
+    /// another method; [`Error::Scene`] where `scene` is not what was uploaded, or the pair shows a primitive that
+    /// it has not; and those of [`Renderer::occlusions_async`].
     pub async fn ground_truth_async(
         &self,
         uploaded: &UploadedScene,
@@ -215,14 +216,16 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     if !triangle.is_smooth() {
         return flat;
     }
-    // Each corner's share is the volume that the ray spans with the edge before it. Rounding may leave one a little outside.
+    // Each corner's share is the volume that the ray spans with the edge before it. Rounding may leave one a little
+    // outside.
     let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
     let sign = volumes.iter().sum::<f64>().signum();
     let shares = volumes.map(|volume| (sign * volume).max(0.0));
     let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
     let sum: f64 = shares.iter().sum();
     let blend = normals.iter().zip(shares).map(|(normal, share)| *normal * (share / sum)).sum::<DVec3>();
-    // As the kernels have it: normals that cancel each other, and a triangle that is all rounding, whose blend is no number, leave its own.
+    // As the kernels have it: normals that cancel each other, and a triangle that is all rounding, whose blend is no
+    // number, leave its own.
     let is_usable = blend.length_squared() > 1e-6;
     if !is_usable {
         return flat;
@@ -231,8 +234,8 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     Surface { shading: if unit.dot(flat.geometric) < 0.0 { -unit } else { unit }, ..flat }
 }
 
-/// The normal, of any length, of a ball where a ray meets it about so far along its direction, from its centre. The meeting is worked
-/// out anew: a depth's rounding is little of the depth, but may be much of a small ball's radius.
+/// The normal, of any length, of a ball where a ray meets it about so far along its direction, from its centre. The
+/// meeting is worked out anew: a depth's rounding is little of the depth, but may be much of a small ball's radius.
 fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec3 {
     let rows = map.rows.map(|row| row.as_dvec3());
     let mapped = |vector: DVec3| DVec3::from_array(rows.map(|row| row.dot(vector)));

@@ -60,43 +60,45 @@ impl Default for Limits {
 const SKY_PIXEL_BYTES: u64 = 16;
 /// What a texture's pixel takes.
 const TEXTURE_PIXEL_BYTES: u64 = 4;
-/// Pixels that may be decoded for each that may be kept: some pictures are looked at alone, and some turn out to be broken at their end.
+/// Pixels that may be decoded for each that may be kept: some pictures are looked at alone, and some turn out to be
+/// broken at their end.
 #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
 const DECODED_PER_KEPT: u64 = 4;
 
 impl Limits {
-    /// Largest OBJ, glTF or PLY file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same
-    /// limit, and all buffers of one glTF file. 1 GiB where nothing is said.
+    /// Largest OBJ, glTF or PLY file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ
+    /// together have the same limit, and all buffers of one glTF file. 1 GiB where nothing is said.
     pub fn file_bytes(mut self, bytes: u64) -> Self {
         self.file_bytes = bytes;
         self
     }
 
-    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). There an object counts as 32 bytes at
-    /// least. 16 MiB where nothing is said.
+    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). There an
+    /// object counts as 32 bytes at least. 16 MiB where nothing is said.
     pub fn json_bytes(mut self, bytes: u64) -> Self {
         self.json_bytes = bytes;
         self
     }
 
-    /// Largest sky, width times height, each pixel taking 12 bytes here and 16 on the adapter. 8,388,608 (4096x2048) where
-    /// nothing is said: the 128 MiB that every WebGPU adapter can bind.
+    /// Largest sky, width times height, each pixel taking 12 bytes here and 16 on the adapter. 8,388,608 (4096x2048)
+    /// where nothing is said: the 128 MiB that every WebGPU adapter can bind.
     pub fn sky_pixels(mut self, pixels: u64) -> Self {
         self.sky_pixels = pixels;
         self
     }
 
-    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each takes 4 bytes. Masks that are made
-    /// of a picture, by its brightness or an alpha cut-off of its own, count like pictures. 67,108,864 (one of 8192x8192) where nothing is said: the
-    /// 256 MiB that every WebGPU adapter can hold in a buffer. Four times as many may be decoded, with those of which only a mean is kept.
+    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each
+    /// takes 4 bytes. Masks that are made of a picture, by its brightness or an alpha cut-off of its own, count
+    /// like pictures. 67,108,864 (one of 8192x8192) where nothing is said: the 256 MiB that every WebGPU adapter
+    /// can hold in a buffer. Four times as many may be decoded, with those of which only a mean is kept.
     pub fn texture_pixels(mut self, pixels: u64) -> Self {
         self.texture_pixels = pixels;
         self
     }
 
-    /// Triangles that a scene file may become. In a glTF file a mesh counts as often as nodes show it. Each takes some 80 bytes here, and 24 or 36 more
-    /// with texture coordinates or colours, and twice that while it is read; a glTF file's vertices may be three times as many. 33,554,432 where
-    /// nothing is said.
+    /// Triangles that a scene file may become. In a glTF file a mesh counts as often as nodes show it. Each takes some
+    /// 80 bytes here, and 24 or 36 more with texture coordinates or colours, and twice that while it is read; a
+    /// glTF file's vertices may be three times as many. 33,554,432 where nothing is said.
     pub fn triangles(mut self, triangles: u64) -> Self {
         self.triangles = triangles;
         self
@@ -128,7 +130,8 @@ impl Limits {
         self
     }
 
-    /// Refuses more triangles than the limit, or of something else, named by `what`, more than the limit times `factor`.
+    /// Refuses more triangles than the limit, or of something else, named by `what`, more than the limit times
+    /// `factor`.
     #[cfg(feature = "scene-files")]
     pub(crate) fn check_triangles(
         &self,

@@ -57,9 +57,9 @@ pub(crate) struct Kernel {
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound the mask of the pixels that are wanted, the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
-/// and the textures of a second source's samples and of a source's.
-/// Where shadow-buffers are bound that a kernel reads.
+/// Where in group 1 is bound the mask of the pixels that are wanted, the texture that a view is shown in, linear colour
+/// (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`), and the textures of a
+/// second source's samples and of a source's. Where shadow-buffers are bound that a kernel reads.
 pub(crate) const SHADOW_BINDING: u32 = 8;
 pub(crate) const MASK_BINDING: u32 = 9;
 pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
@@ -132,13 +132,15 @@ impl Kernel {
         names.contains(&self.name) || of_tiles.contains(&self.name)
     }
 
-    /// How it reads shadow-buffers, at `SHADOW_BINDING` of group 1: those do that would else trace shadow rays, in one dispatch.
+    /// How it reads shadow-buffers, at `SHADOW_BINDING` of group 1: those do that would else trace shadow rays, in one
+    /// dispatch.
     pub(crate) fn shadow_buffer(&self, with: &Variant) -> Option<Reading> {
         let names = ["trace_left", "shade_hits", "shade_listed", "shade_traced", "trace_mirrored"];
         with.shadow_buffer.filter(|_| names.contains(&self.name) && with.casts_from_lights())
     }
 
-    /// Whether it reads the mask of the view at work, at `MASK_BINDING` of group 1. (`bound_tiles` sees it in the source's depths.)
+    /// Whether it reads the mask of the view at work, at `MASK_BINDING` of group 1. (`bound_tiles` sees it in the
+    /// source's depths.)
     pub(crate) fn reads_mask(&self, with: &Variant) -> bool {
         with.masked && self.minds_mask() && self.touches.geometry()
     }

@@ -1,5 +1,5 @@
-//! Work in steps: kernels whose threads do a bounded part of their work in each dispatch, for rays and lights that take more
-//! rounds of a thread's loops than an adapter grants it (`shaders/shared/in_steps.wgsl`).
+//! Work in steps: kernels whose threads do a bounded part of their work in each dispatch, for rays and lights that take
+//! more rounds of a thread's loops than an adapter grants it (`shaders/shared/in_steps.wgsl`).
 
 use crate::{
     Error,
@@ -19,9 +19,9 @@ pub(crate) struct Steps {
 }
 
 impl Default for Steps {
-    /// llvmpipe counts the rounds of a vector of threads, which are at most those of its 8 or 16 threads together: as many
-    /// times these and what follows them until a traversal can stop stay below its 65,535. All together are some ten million,
-    /// a second on two cores.
+    /// llvmpipe counts the rounds of a vector of threads, which are at most those of its 8 or 16 threads together: as
+    /// many times these and what follows them until a traversal can stop stay below its 65,535. All together are
+    /// some ten million, a second on two cores.
     fn default() -> Self {
         Self { rounds: 1024, threads: 1 << 14, always: false }
     }

@@ -1,5 +1,5 @@
-//! Large primitives: where an eye or a light comes so close to one that f32 is too coarse for its size, kernels compute t twice as
-//! exactly (`shaders/shared/double_float.wgsl`). Elsewhere they don't pay for it.
+//! Large primitives: where an eye or a light comes so close to one that f32 is too coarse for its size, kernels compute
+//! t twice as exactly (`shaders/shared/double_float.wgsl`). Elsewhere they don't pay for it.
 
 use glam::{DVec3, Vec3};
 
@@ -11,7 +11,8 @@ use crate::{
 
 /// A triangle is large for a point that is nearer to its plane than its longest edge over this; `LARGE` of the kernels.
 pub(crate) const LARGE: f32 = 64.0;
-/// So many of the largest primitives are looked at. Where more are as large, hits on the others are a little less exact.
+/// So many of the largest primitives are looked at. Where more are as large, hits on the others are a little less
+/// exact.
 const MOST: usize = 1024;
 
 /// The largest primitives of a scene.
@@ -46,8 +47,8 @@ impl LargePrimitives {
     }
 }
 
-/// Whether a point's foot on a triangle's plane lies in the triangle's box, or beside it. A triangle that is seen edge-on from afar is no
-/// matter: the mean of the corners' t holds there.
+/// Whether a point's foot on a triangle's plane lies in the triangle's box, or beside it. A triangle that is seen
+/// edge-on from afar is no matter: the mean of the corners' t holds there.
 fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a).normalize_or_zero();

@@ -1,10 +1,10 @@
 //! Ray-traces a stereo pair on the GPU for little more than one eye's price, and says how exact the second eye is.
 //!
-//! The left view is traced. Each of its samples then says how deep the right view must be searched where it lands: one query of
-//! the BVH a tile of right pixels finds what their rays hit, exactly, and shadows are taken over where left samples agree
-//! ([`Method::BRACKET`], docs/BRACKET.md). The methods that it goes beyond are here too: pixels carried from eye to eye and checked by
-//! short rays (Adelson & Hodges 1993; Al-Hagri 2012). What each saves and gets wrong is measured against tracing both
-//! views, in the same run.
+//! The left view is traced. Each of its samples then says how deep the right view must be searched where it lands: one
+//! query of the BVH a tile of right pixels finds what their rays hit, exactly, and shadows are taken over where left
+//! samples agree ([`Method::BRACKET`], docs/BRACKET.md). The methods that it goes beyond are here too: pixels carried
+//! from eye to eye and checked by short rays (Adelson & Hodges 1993; Al-Hagri 2012). What each saves and gets wrong is
+//! measured against tracing both views, in the same run.
 //!
 //! ```
 //! use stereotrace::{Material, Scene, Sphere, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
@@ -26,10 +26,11 @@
 //!
 //! 1. this page: the way of the data;
 //! 2. `renderer.rs`: [`Renderer`], what it takes and what it gives;
-//! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
+//! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs
+//!    them;
 //! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
-//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and `shade_listed` are
-//!    its second half), `take_over`.
+//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and
+//!    `shade_listed` are its second half), `take_over`.
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
@@ -47,25 +48,27 @@
 //!
 //! # Adapters
 //!
-//! Any adapter that wgpu offers will do, software ones included. [`Gpu::open`] takes an [`Adapter`]; [`Gpu::new`] asks the
-//! environment variable `STEREOTRACE_ADAPTER` (`software`, or a part of a name), and `WGPU_BACKEND` (`vulkan`, `gl`, …) chooses the backend. The tests of pictures
-//! pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL (`scripts/other_drivers.sh`). A device of the caller's must
-//! have [`Gpu::required_limits`]. The library prints nothing: messages go through the `log` facade. (Mesa prints a line
-//! about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
+//! Any adapter that wgpu offers will do, software ones included. [`Gpu::open`] takes an [`Adapter`]; [`Gpu::new`] asks
+//! the environment variable `STEREOTRACE_ADAPTER` (`software`, or a part of a name), and `WGPU_BACKEND` (`vulkan`,
+//! `gl`, …) chooses the backend. The tests of pictures pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL
+//! (`scripts/other_drivers.sh`). A device of the caller's must have [`Gpu::required_limits`]. The library prints
+//! nothing: messages go through the `log` facade. (Mesa prints a line about `XDG_RUNTIME_DIR` on headless machines; it
+//! means nothing, and `NODEVICE_SELECT=1` stops it.)
 //!
 //! # Waiting
 //!
-//! Each operation that waits for the device is there twice: as an async function (`…_async`), and as one that blocks. Futures are
-//! `Send` but on wasm32. On native targets the thread that polls one is blocked while the device works, since nobody else
-//! drives it; in a browser nothing is.
+//! Each operation that waits for the device is there twice: as an async function (`…_async`), and as one that blocks.
+//! Futures are `Send` but on wasm32. On native targets the thread that polls one is blocked while the device works,
+//! since nobody else drives it; in a browser nothing is.
 //!
 //! # Features
 //!
 //! On by default, and none of them needed by the core:
 //! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
 //! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
-//!   and HDR) and `json` (read and write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and
+//!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
+//!   write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
 //!
 //! Off by default: `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights by serde), and `webgpu`,
 //! the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone

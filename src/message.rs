@@ -1,4 +1,5 @@
-//! Text of files in messages, of this library and of programs that use it: a name in a file must not steer a terminal, nor fill it.
+//! Text of files in messages, of this library and of programs that use it: a name in a file must not steer a terminal,
+//! nor fill it.
 
 use std::fmt::Display;
 

@@ -8,8 +8,8 @@ use crate::{Error, Pose};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
-    /// [`Method::BRACKET`] or [`Method::Naive`], whichever a cost model predicts to be cheaper once the left view is there; see
-    /// [`Statistics::choice`](crate::Statistics).
+    /// [`Method::BRACKET`] or [`Method::Naive`], whichever a cost model predicts to be cheaper once the left view is
+    /// there; see [`Statistics::choice`](crate::Statistics).
     #[default]
     Auto,
     /// Both views are traced: the baseline and the ground truth.
@@ -20,11 +20,11 @@ pub enum Method {
     Atomic(Check),
     /// The same with all samples in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
     Buffer(BufferDepth, Check),
-    /// A right pixel takes over the last sample of Adelson & Hodges' sweep from left to right, which also clears what no left
-    /// sample vouches for: those gaps are traced, and the rest is trusted.
+    /// A right pixel takes over the last sample of Adelson & Hodges' sweep from left to right, which also clears what
+    /// no left sample vouches for: those gaps are traced, and the rest is trusted.
     Sweep(Sweep),
-    /// The samples that land in a tile of right pixels say how deep the BVH must be searched there; what is found, the pixels'
-    /// own rays meet. Nothing is copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
+    /// The samples that land in a tile of right pixels say how deep the BVH must be searched there; what is found, the
+    /// pixels' own rays meet. Nothing is copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
     Bracket(ShadowReuse),
 }
 
@@ -34,8 +34,8 @@ pub enum Method {
 pub enum Check {
     /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
     All,
-    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are traced,
-    /// the rest is trusted (thesis, future work).
+    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are
+    /// traced, the rest is trusted (thesis, future work).
     Edges,
     /// None: what landed is trusted.
     None,
@@ -85,8 +85,8 @@ impl Method {
     pub const ES_ISLER: Self = Self::Sweep(Sweep::Scanline);
     /// Adelson & Hodges' method: the sweep on the host. The same picture as [`Method::ES_ISLER`].
     pub const ADELSON_HODGES: Self = Self::Sweep(Sweep::Sequential);
-    /// One query of the BVH a tile of right pixels, as deep as the left samples that land there; shadow bits of the two left samples
-    /// beside each point.
+    /// One query of the BVH a tile of right pixels, as deep as the left samples that land there; shadow bits of the two
+    /// left samples beside each point.
     pub const BRACKET: Self = Self::Bracket(ShadowReuse::Two);
     /// The same with shadow bits of 2x3 samples.
     pub const VERIFIED: Self = Self::Bracket(ShadowReuse::Block);
@@ -134,8 +134,8 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Error;
 
-    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` or `-edges` behind `atomic` or a `buffer` makes
-    /// it trust what it reuses, all of it or away from edges.
+    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` or `-edges` behind `atomic` or a
+    /// `buffer` makes it trust what it reuses, all of it or away from edges.
     fn from_str(name: &str) -> Result<Self, Error> {
         if let Some(method) = Self::ALL.iter().find(|method| method.to_string() == name) {
             return Ok(*method);

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use crate::{Convergence, Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
 
-/// A ray to a point that hits something with no more disparity than this besides, in pixels, has met that point: more than what depths, and directions to them, round
-/// by on surfaces that are seen edge-on. What is told so wrongly is a strip beside an edge that is no wider.
+/// A ray to a point that hits something with no more disparity than this besides, in pixels, has met that point: more
+/// than what depths, and directions to them, round by on surfaces that are seen edge-on. What is told so wrongly is a
+/// strip beside an edge that is no wider.
 const SAME_POINT_PX: f64 = 1.0 / 512.0;
 
 /// Whether the other eye sees what each pixel shows, of both views. Row-major, `[height][width]`, top row first.
@@ -19,12 +20,13 @@ pub struct Occlusions {
 }
 
 impl Renderer {
-    /// Whether the other eye sees the very point that each pixel's centre shows: by a ray from that eye to it, in place of what
-    /// [`StereoPair::occlusion`] tells from depths. Sky is seen where nothing stands before it. A pixel whose point leaves the other picture
-    /// ([`StereoPair::disparity`]) is out of frame, seen or not.
+    /// Whether the other eye sees the very point that each pixel's centre shows: by a ray from that eye to it, in place
+    /// of what [`StereoPair::occlusion`] tells from depths. Sky is seen where nothing stands before it. A pixel
+    /// whose point leaves the other picture ([`StereoPair::disparity`]) is out of frame, seen or not.
     ///
-    /// `pair` is a picture of `scene` with depths ([`GBuffer::Ids`](crate::GBuffer), the default, has them), by whatever method. Of methods that take pixels over
-    /// ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) right depths are those of points up to half a pixel aside.
+    /// `pair` is a picture of `scene` with depths ([`GBuffer::Ids`](crate::GBuffer), the default, has them), by
+    /// whatever method. Of methods that take pixels over ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like)
+    /// right depths are those of points up to half a pixel aside.
     ///
     /// # Errors
     /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for one whose eyes are toed in, and those of
@@ -76,7 +78,8 @@ pub(crate) struct Pixels {
     other_eye: DVec3,
     /// From the other eye to this one.
     aside: DVec3,
-    /// Directions whose length along the view axis is 1: through the picture's top left corner, and from a pixel to its right and lower neighbours.
+    /// Directions whose length along the view axis is 1: through the picture's top left corner, and from a pixel to
+    /// its right and lower neighbours.
     corner: DVec3,
     right: DVec3,
     down: DVec3,

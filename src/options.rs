@@ -16,8 +16,8 @@ pub struct Options {
     pub cost_map: bool,
     /// What is kept of each pixel besides its colour.
     pub g_buffer: GBuffer,
-    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to [`MAX_BOUNCES`]. What would be seen
-    /// after more is black. 5 where nothing is said.
+    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to
+    /// [`MAX_BOUNCES`]. What would be seen after more is black. 5 where nothing is said.
     pub bounces: u32,
     /// Keep linear colour too, as [`View::linear`](crate::View::linear).
     pub linear: bool,
@@ -43,9 +43,11 @@ pub struct Options {
     pub exposure: f32,
     /// What becomes of what is too bright for a picture.
     pub tone: Tone,
-    /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal noise would show.
+    /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal
+    /// noise would show.
     pub noise_by_view: bool,
-    /// Whether points ask shadow-buffers which point lights they see; `None` where nothing is said: they trace shadow rays.
+    /// Whether points ask shadow-buffers which point lights they see; `None` where nothing is said: they trace shadow
+    /// rays.
     pub shadow_buffer: Option<ShadowBuffer>,
 }
 
@@ -99,13 +101,14 @@ impl AmbientOcclusion {
 
 /// Adaptive supersampling: see [`Options::adaptive`].
 ///
-/// A cell that is divided in one view is divided in the others too, so that both eyes see an edge equally sharp. The left
-/// view so depends on the right one. Where methods infer the right view's shadows differently, their left views may
-/// differ in such cells; by [`Method::BRACKET_RAYS`](crate::Method::BRACKET_RAYS) both are those of `naive`.
+/// A cell that is divided in one view is divided in the others too, so that both eyes see an edge equally sharp. The
+/// left view so depends on the right one. Where methods infer the right view's shadows differently, their left views
+/// may differ in such cells; by [`Method::BRACKET_RAYS`](crate::Method::BRACKET_RAYS) both are those of `naive`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Adaptive {
-    /// 2 to 5: corners of pixels, and how often one is divided. A pixel that is divided as often as can be has 3, 5, 9 or 17 samples a side.
+    /// 2 to 5: corners of pixels, and how often one is divided. A pixel that is divided as often as can be has 3, 5, 9
+    /// or 17 samples a side.
     pub levels: u32,
     /// By how much the corners of a cell may differ in each channel of the 8-bit picture and not be divided, 0 to 255.
     pub tolerance: f32,
@@ -118,16 +121,17 @@ impl Adaptive {
     }
 }
 
-/// What a view made by `bracket` takes over from its source of lights that are not points and of occlusion, of which a sample knows the share
-/// of rays that arrived.
+/// What a view made by `bracket` takes over from its source of lights that are not points and of occlusion, of which a
+/// sample knows the share of rays that arrived.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Penumbra {
     /// What both samples beside a point see fully, or not at all. In a penumbra the view traces its own rays.
     Exact,
-    /// Shares too, their mean where they differ by no more than chance explains, and by no more than twice that from the next samples': in narrower penumbrae the
-    /// view traces its own rays. Of the sky or occlusion and the first lights that are not points, six together. With
-    /// [`ShadowReuse::Two`](crate::ShadowReuse) only; else as `Exact`.
+    /// Shares too, their mean where they differ by no more than chance explains, and by no more than twice that from
+    /// the next samples': in narrower penumbrae the view traces its own rays. Of the sky or occlusion and the first
+    /// lights that are not points, six together. With [`ShadowReuse::Two`](crate::ShadowReuse) only; else as
+    /// `Exact`.
     Shared {
         /// Standard deviations of the difference of two shares that still are chance, above 0.
         deviations: f32,
@@ -149,7 +153,8 @@ impl Penumbra {
     }
 }
 
-/// The most rays that a pixel asks a light that is not a point, its surroundings, or the sky; more samples a pixel ask more.
+/// The most rays that a pixel asks a light that is not a point, its surroundings, or the sky; more samples a pixel ask
+/// more.
 pub const MAX_SOFT_RAYS: u32 = 32;
 
 /// The most that [`Options::bounces`] may be.
@@ -225,15 +230,18 @@ impl Options {
         self
     }
 
-    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
-    /// cells of a square grid, at the same places in all views ([`Options::jitter`]), and are weighed by [`Options::filter`] in linear
-    /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
+    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors.
+    /// They stand in the cells of a square grid, at the same places in all views ([`Options::jitter`]), and are
+    /// weighed by [`Options::filter`] in linear light. The picture takes their number times the rays and the time,
+    /// and memory for a band of rows of them, whatever its height.
     ///
-    /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
-    /// are not filtered, and are those of one ray through the pixel's centre. Without jitter that is the middle sample of odd grids (9, 25, 49).
-    /// Jittered and even ones have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
-    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
-    /// the sample in the middle cell, or in the next one to the right and below.
+    /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays.
+    /// Depth, ids and where a pixel came from are not filtered, and are those of one ray through the pixel's
+    /// centre. Without jitter that is the middle sample of odd grids (9, 25, 49). Jittered and even ones have none
+    /// there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
+    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and
+    /// [`ShadowSource`](crate::ShadowSource) are those of the sample in the middle cell, or in the next one to the
+    /// right and below.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = samples;
         self
@@ -245,25 +253,28 @@ impl Options {
         self
     }
 
-    /// More samples only where a pixel's differ: adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and
-    /// Refraction with Multiple Rays Per Pixel"). A sample stands in each corner of a pixel, and its neighbours share it. Where the four differ, as
-    /// they would be shown, by more than the tolerance in some channel, in a view or where another view shows the same, the pixel is divided
-    /// into four with five samples more, and so on. Its colour is the mean of its parts, in linear light.
+    /// More samples only where a pixel's differ: adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges
+    /// 1993, "Reflection and Refraction with Multiple Rays Per Pixel"). A sample stands in each corner of a pixel,
+    /// and its neighbours share it. Where the four differ, as they would be shown, by more than the tolerance in
+    /// some channel, in a view or where another view shows the same, the pixel is divided into four with five
+    /// samples more, and so on. Its colour is the mean of its parts, in linear light.
     ///
-    /// It goes with one sample a pixel otherwise, with the filter `Box`, and with [`Method::Naive`], [`Method::Ideal`], [`Method::Bracket`] and
-    /// [`Method::Auto`]; what else is asked for is an error. Views that others are made from trace samples of a divided cell's corners again, a
-    /// quarter of what they trace: what others take over of them is not kept from level to level. Depth, ids and where a pixel came
-    /// from are those of one more ray through the pixel's centre; with [`GBuffer::None`] that ray is not traced, and the last two are
-    /// those of the sample in its upper left corner.
+    /// It goes with one sample a pixel otherwise, with the filter `Box`, and with [`Method::Naive`], [`Method::Ideal`],
+    /// [`Method::Bracket`] and [`Method::Auto`]; what else is asked for is an error. Views that others are made
+    /// from trace samples of a divided cell's corners again, a quarter of what they trace: what others take over of
+    /// them is not kept from level to level. Depth, ids and where a pixel came from are those of one more ray
+    /// through the pixel's centre; with [`GBuffer::None`] that ray is not traced, and the last two are those of the
+    /// sample in its upper left corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
         self
     }
 
-    /// Whether samples stand aside of the middles of their cells, as they do unless something else is asked for. Each row of samples does by
-    /// an offset of its own, the same in all views: of a pixel's n rows one by `(k + 1/2) / n - 1/2` of a cell's width for each k from 0 to
-    /// n - 1, in an order that [`Options::seed`] and the row say. So an edge that is nearly upright cuts a pixel in n² steps in place of n; level
-    /// ones keep n. One sample stands in its pixel's centre.
+    /// Whether samples stand aside of the middles of their cells, as they do unless something else is asked for. Each
+    /// row of samples does by an offset of its own, the same in all views: of a pixel's n rows one by `(k + 1/2) /
+    /// n - 1/2` of a cell's width for each k from 0 to n - 1, in an order that [`Options::seed`] and the row say.
+    /// So an edge that is nearly upright cuts a pixel in n² steps in place of n; level ones keep n. One sample
+    /// stands in its pixel's centre.
     pub fn jitter(mut self, jitter: bool) -> Self {
         self.jitter = jitter;
         self
@@ -281,14 +292,16 @@ impl Options {
         self
     }
 
-    /// Whether [`Scene::sky`](crate::Scene::sky) lights surfaces, by so many rays, 1 to [`MAX_SOFT_RAYS`]; what they meet keeps its light off. A
-    /// diffuse surface then shows `albedo / π ∫ L(ω) V(ω) cos θ dω` over all it faces: its albedo under a sky of 1 that nothing hides. What
-    /// mirrors show is lit by a quarter of the rays. Rays leave by the cosine; of a [`SkyMap`](crate::SkyMap) every other one by its brightness,
-    /// so that a sun of few pixels makes no noise.
+    /// Whether [`Scene::sky`](crate::Scene::sky) lights surfaces, by so many rays, 1 to [`MAX_SOFT_RAYS`]; what they
+    /// meet keeps its light off. A diffuse surface then shows `albedo / π ∫ L(ω) V(ω) cos θ dω` over all it faces:
+    /// its albedo under a sky of 1 that nothing hides. What mirrors show is lit by a quarter of the rays. Rays
+    /// leave by the cosine; of a [`SkyMap`](crate::SkyMap) every other one by its brightness, so that a sun of few
+    /// pixels makes no noise.
     ///
-    /// It takes the place of ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added in such a frame, whoever gave it, and there is nothing
-    /// for [`Options::occlusion`] to keep off, so frames that ask for both are errors. Highlights are the lights' alone, as without it; mirrors and
-    /// glass show the sky itself. A sky map shows its sun already: a light in its place would be a second one.
+    /// It takes the place of ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added in such a frame,
+    /// whoever gave it, and there is nothing for [`Options::occlusion`] to keep off, so frames that ask for both
+    /// are errors. Highlights are the lights' alone, as without it; mirrors and glass show the sky itself. A sky
+    /// map shows its sun already: a light in its place would be a second one.
     pub fn sky_rays(mut self, rays: impl Into<Option<u32>>) -> Self {
         self.sky_rays = rays.into();
         self
@@ -311,7 +324,8 @@ impl Options {
         self
     }
 
-    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64. [`View::linear`](crate::View::linear) stays.
+    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64.
+    /// [`View::linear`](crate::View::linear) stays.
     pub fn exposure(mut self, stops: f32) -> Self {
         self.exposure = stops;
         self

@@ -17,7 +17,8 @@ pub struct View {
     pub height: u32,
     /// The picture, sRGB-encoded, alpha 255.
     pub rgba8: Vec<[u8; 4]>,
-    /// Light as it comes, linear RGB, before [`Options::exposure`](crate::Options::exposure) and as bright as it is, alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
+    /// Light as it comes, linear RGB, before [`Options::exposure`](crate::Options::exposure) and as bright as it is,
+    /// alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
     pub linear: Vec<[f32; 4]>,
     /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` where nothing was hit.
     pub depth: Vec<f32>,
@@ -25,9 +26,9 @@ pub struct View {
     pub primitive: Vec<u32>,
     /// Id of the object it belongs to, or [`MISS`].
     pub object: Vec<u32>,
-    /// BVH nodes visited and primitives tested for this pixel, all its rays (the query of a tile, by `bracket`, counts for the tile's
-    /// first pixel; what a T-buffer projects counts for none); empty unless [`Options::cost_map`](crate::Options)
-    /// asked for it.
+    /// BVH nodes visited and primitives tested for this pixel, all its rays (the query of a tile, by `bracket`, counts
+    /// for the tile's first pixel; what a T-buffer projects counts for none); empty unless
+    /// [`Options::cost_map`](crate::Options) asked for it.
     pub cost: Vec<u32>,
 }
 
@@ -61,7 +62,8 @@ pub enum ShadowSource {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Rays {
-    /// Closest-hit rays through pixels; of a view whose first hits come from a [T-buffer](crate::Visibility::TBuffer) those that were traced after all.
+    /// Closest-hit rays through pixels; of a view whose first hits come from a [T-buffer](crate::Visibility::TBuffer)
+    /// those that were traced after all.
     pub primary: u64,
     /// Length-limited any-hit rays that check reused pixels.
     pub verification: u64,
@@ -94,8 +96,8 @@ impl std::ops::AddAssign for Rays {
 pub struct Work {
     /// Rays by kind.
     pub rays: Rays,
-    /// BVH nodes visited (a node holds the boxes of two children), and primitives that were projected for a [T-buffer](crate::Visibility::TBuffer);
-    /// 0 unless counting was asked for.
+    /// BVH nodes visited (a node holds the boxes of two children), and primitives that were projected for a
+    /// [T-buffer](crate::Visibility::TBuffer); 0 unless counting was asked for.
     pub nodes: u64,
     /// Primitives tested; 0 unless counting was asked for.
     pub primitive_tests: u64,
@@ -136,13 +138,13 @@ impl PassTimes {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`] chose,
-    /// [`Method::Naive`] [in steps](Self::in_steps).
+    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`]
+    /// chose, [`Method::Naive`] [in steps](Self::in_steps).
     pub method: Method,
     /// Why [`Method::Auto`] chose it; `None` by other methods.
     pub choice: Option<Choice>,
-    /// Whether threads left work to further dispatches: where an adapter ends their loops before that is done, a frame is rendered
-    /// again, by [`Method::Naive`] in steps. It takes longer and shows the same.
+    /// Whether threads left work to further dispatches: where an adapter ends their loops before that is done, a frame
+    /// is rendered again, by [`Method::Naive`] in steps. It takes longer and shows the same.
     pub in_steps: bool,
     /// The left view's work.
     pub left: Work,
@@ -158,18 +160,20 @@ pub struct Statistics {
     pub lost_candidates: u64,
     /// `Buffer` only: slots a right pixel.
     pub buffer_depth: u32,
-    /// Time of each pass in order; `None` where the adapter has no timestamps. Drivers may compile a kernel when it first
-    /// runs: time the second frame, not the first.
+    /// Time of each pass in order; `None` where the adapter has no timestamps. Drivers may compile a kernel when it
+    /// first runs: time the second frame, not the first.
     pub times: Option<PassTimes>,
     /// Device memory of the buffers between the passes in bytes, without the pair's own pictures.
     pub intermediate_bytes: u64,
-    /// What filling shadow-buffers cost, all zeros where none are asked ([`Options::shadow_buffer`](crate::Options::shadow_buffer)). It is in no view's
-    /// work, and its time in none of the passes'.
+    /// What filling shadow-buffers cost, all zeros where none are asked
+    /// ([`Options::shadow_buffer`](crate::Options::shadow_buffer)). It is in no view's work, and its time in none
+    /// of the passes'.
     pub shadow_buffer: ShadowBufferWork,
 }
 
 impl Statistics {
-    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`, but for those that a [T-buffer](crate::Visibility::TBuffer) found.
+    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`, but for those that a
+    /// [T-buffer](crate::Visibility::TBuffer) found.
     pub fn retraced_share(&self) -> f64 {
         let traced = self.right.rays.primary;
         traced as f64 / (traced + self.reused).max(1) as f64
@@ -244,8 +248,8 @@ impl StereoPair {
         self.source.iter().map(color).collect()
     }
 
-    /// Where `bracket` got right pixels' shadows as a picture: green = taken over from the left view, red = traced. sRGB, row-major;
-    /// empty by other methods.
+    /// Where `bracket` got right pixels' shadows as a picture: green = taken over from the left view, red = traced.
+    /// sRGB, row-major; empty by other methods.
     pub fn shadow_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &ShadowSource| match source {
             ShadowSource::Taken => [0, 128, 0, 255],

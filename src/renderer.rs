@@ -26,8 +26,8 @@ pub struct Progress {
     pub done: f32,
 }
 
-/// A callback that is told how far a frame is, and may stop it. It can go to another thread with its frame, but for wasm32,
-/// where nothing of a browser's can.
+/// A callback that is told how far a frame is, and may stop it. It can go to another thread with its frame, but for
+/// wasm32, where nothing of a browser's can.
 #[cfg(not(target_arch = "wasm32"))]
 pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a;
 
@@ -74,7 +74,8 @@ impl Renderer {
         Self::with_traversal(gpu, traversal)
     }
 
-    /// A renderer whose rays go through scenes in a given way: for measurements, or where [`Traversal::of`] chose badly.
+    /// A renderer whose rays go through scenes in a given way: for measurements, or where [`Traversal::of`] chose
+    /// badly.
     pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
         Self {
             traversal,
@@ -100,9 +101,10 @@ impl Renderer {
     /// warning says so once a renderer.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't, [`Error::Limit`] for a picture that the adapter can't bind,
-    /// [`Error::Cancelled`] if `progress` breaks, [`Error::ForeignScene`] for a scene that another
-    /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't,
+    /// [`Error::Limit`] for a picture that the adapter can't bind, [`Error::Cancelled`] if `progress` breaks,
+    /// [`Error::ForeignScene`] for a scene that another [`Gpu`] holds, [`Error::DeviceLost`] and
+    /// [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,
         scene: &UploadedScene,
@@ -176,9 +178,10 @@ impl Renderer {
         Ok(Views::of(done, views))
     }
 
-    /// Renders the views of a rig and hands their rows on as they are done, from the top down, some dozens at a time: for pictures
-    /// of any height, since neither the device nor the host then holds more than a band of rows. A pair is [`Rig::pair`].
-    /// What comes back is what whole views come with, but for the views' pictures, which have no rows.
+    /// Renders the views of a rig and hands their rows on as they are done, from the top down, some dozens at a time:
+    /// for pictures of any height, since neither the device nor the host then holds more than a band of rows. A
+    /// pair is [`Rig::pair`]. What comes back is what whole views come with, but for the views' pictures, which
+    /// have no rows.
     ///
     /// # Errors
     /// As [`Renderer::render_views_async`], and what `on_rows` returns, which ends the frame.
@@ -219,8 +222,8 @@ fn half_of(progress: &mut OnProgress<'_>, begin: f32) -> impl FnMut(Progress) ->
     move |Progress { pass, done }| progress(Progress { pass, done: begin + 0.5 * done })
 }
 
-/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`]. For more than
-/// one frame keep a [`Renderer`].
+/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`]. For
+/// more than one frame keep a [`Renderer`].
 ///
 /// # Errors
 /// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_views_async`].

@@ -9,8 +9,9 @@ use crate::{
     layout,
 };
 
-/// Where one traced view would serve so many, two do: each other view has a nearer one, and most have one on either side, so that far fewer
-/// shadow rays are left. Of 45 views of the hall the others then cost .074 of a traced one each for .126, of the dragon .049 for .059.
+/// Where one traced view would serve so many, two do: each other view has a nearer one, and most have one on either
+/// side, so that far fewer shadow rays are left. Of 45 views of the hall the others then cost .074 of a traced one each
+/// for .126, of the dragon .049 for .059.
 const FOR_TWO: usize = 24;
 
 /// Where these two stand: so far of the way between the outermost eyes from either end.
@@ -25,8 +26,8 @@ pub const MAX_VIEWS: usize = 1024;
 /// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's
 /// offset. All look through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 -
 /// d/Z)`, of either sign; parallel cameras' is `(o_a - o_b) f_px e / Z`. Some views are traced, their sources; each
-/// other view is made from the source nearest to it. Of eyes that are toed in, one at a time can be rendered: as a camera
-/// of its own, [`Pose::of_eye`], at offset 0.
+/// other view is made from the source nearest to it. Of eyes that are toed in, one at a time can be rendered: as a
+/// camera of its own, [`Pose::of_eye`], at offset 0.
 ///
 /// ```
 /// use stereotrace::{Rig, StereoCamera, glam::Vec3};
@@ -65,9 +66,9 @@ impl Rig {
         Self { camera, offsets, traced: None }
     }
 
-    /// The views that are traced, by their places among the offsets. Without it, one is for every [`Rig::REACH`] of the picture's
-    /// width that the eyes reach to both sides, and two where it would serve 24 views. By `bracket` a view with a traced one on either side
-    /// asks both which lights its points see, the nearer one first.
+    /// The views that are traced, by their places among the offsets. Without it, one is for every [`Rig::REACH`] of the
+    /// picture's width that the eyes reach to both sides, and two where it would serve 24 views. By `bracket` a
+    /// view with a traced one on either side asks both which lights its points see, the nearer one first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self
@@ -143,7 +144,8 @@ impl Rig {
         (0..self.offsets.len()).filter_map(nearest).collect()
     }
 
-    /// As few traced views as bring each other one within [`Rig::REACH`], from left to right; twice as many where each serves many views.
+    /// As few traced views as bring each other one within [`Rig::REACH`], from left to right; twice as many where each
+    /// serves many views.
     fn sources_by_rule(&self, pose: &Pose) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.offsets.len()).collect();
         order.sort_by(|&a, &b| self.offsets[a].total_cmp(&self.offsets[b]));
@@ -253,8 +255,8 @@ pub struct Views {
 }
 
 impl Views {
-    /// The cost of all views that are not traced relative to that of one traced view, by counters and a view (DESIGN, section 7).
-    /// NaN unless counting was asked for.
+    /// The cost of all views that are not traced relative to that of one traced view, by counters and a view (DESIGN,
+    /// section 7). NaN unless counting was asked for.
     pub fn other_views(&self) -> f64 {
         let sum = |traced: bool| {
             let costs = self.views.iter().enumerate().filter(|(index, view)| (view.made_from == *index) == traced);

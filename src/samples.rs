@@ -16,8 +16,9 @@ use crate::{Error, Pose, camera, rig::Eyes};
 /// Samples of a pixel stand on a grid of so many rows and columns at most.
 const MAX_SIDE: u32 = 8;
 
-/// How a pixel's samples are weighed, by their distance from its centre: by `w(x) w(y)`, x and y in pixels, the weights of a pixel divided
-/// by their sum. Colours are weighed in linear light. Samples beyond the picture's borders are not there, and the others weigh the more.
+/// How a pixel's samples are weighed, by their distance from its centre: by `w(x) w(y)`, x and y in pixels, the weights
+/// of a pixel divided by their sum. Colours are weighed in linear light. Samples beyond the picture's borders are not
+/// there, and the others weigh the more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Filter {
@@ -96,8 +97,8 @@ impl Eyes {
         self.finer(Pose { size, ..self.pose }, side)
     }
 
-    /// The same with a pixel for each sample of a lattice, so many from pixel to pixel, whose first and last ones stand on the picture's borders:
-    /// a screen that is larger by a sample.
+    /// The same with a pixel for each sample of a lattice, so many from pixel to pixel, whose first and last ones stand
+    /// on the picture's borders: a screen that is larger by a sample.
     ///
     /// # Errors
     /// As [`Eyes::with_samples`].

@@ -5,9 +5,10 @@ use crate::{Error, Options};
 /// Lights that have a shadow-buffer at most; those behind them keep their rays.
 pub const MAX_SHADOW_BUFFERS: usize = 16;
 
-/// Shadow-buffers (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer"): around each point light a table of directions
-/// that says what is nearest along each. Shaded points ask it in place of shadow rays, as its [`ShadowRule`] says. The tables depend on lights and
-/// geometry alone, so they are filled once and kept with the uploaded scene, for any number of views and frames.
+/// Shadow-buffers (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer"): around each point
+/// light a table of directions that says what is nearest along each. Shaded points ask it in place of shadow rays, as
+/// its [`ShadowRule`] says. The tables depend on lights and geometry alone, so they are filled once and kept with the
+/// uploaded scene, for any number of views and frames.
 ///
 /// ```
 /// use stereotrace::{Options, ShadowBuffer, ShadowRule};
@@ -19,8 +20,8 @@ pub const MAX_SHADOW_BUFFERS: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowBuffer {
-    /// Rows of a table, from pole to pole of the sphere around the light, 1 at least; there are twice as many columns. Eight bytes a texel, sixteen
-    /// by [`ShadowRule::Hybrid`].
+    /// Rows of a table, from pole to pole of the sphere around the light, 1 at least; there are twice as many columns.
+    /// Eight bytes a texel, sixteen by [`ShadowRule::Hybrid`].
     pub rows: u32,
     /// What a shaded point makes of the texels about its direction.
     pub rule: ShadowRule,
@@ -30,22 +31,25 @@ pub struct ShadowBuffer {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShadowRule {
-    /// The paper's: the point is lit if its direction's texel shows the point's own object, and it faces the light. Objects are spheres, ellipsoids,
-    /// planes, and what hangs together by vertices of triangles. For convex objects alone: what shadows itself is lit. Shadows' edges are off by up to
-    /// half a texel.
+    /// The paper's: the point is lit if its direction's texel shows the point's own object, and it faces the light.
+    /// Objects are spheres, ellipsoids, planes, and what hangs together by vertices of triangles. For convex
+    /// objects alone: what shadows itself is lit. Shadows' edges are off by up to half a texel.
     Object,
-    /// The point is hidden if its direction's texel is nearer to the light than the point is by more than a bias, as shadow maps have it.
+    /// The point is hidden if its direction's texel is nearer to the light than the point is by more than a bias, as
+    /// shadow maps have it.
     Depth {
-        /// In widths of a texel at the point's distance, for a surface that faces the light; it grows by the tangent of the angle to it, since a
-        /// texel's depth on a slanting surface does. At least 0.
+        /// In widths of a texel at the point's distance, for a surface that faces the light; it grows by the tangent
+        /// of the angle to it, since a texel's depth on a slanting surface does. At least 0.
         bias: f32,
     },
-    /// Points are lit where nothing stands before the plane that their direction's texel shows and they are on it, and hidden where what texels show
-    /// is met by their own shadow ray; elsewhere a shadow ray is traced: see `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays, but of what stands less than 2⁻¹⁸ of
+    /// Points are lit where nothing stands before the plane that their direction's texel shows and they are on it, and
+    /// hidden where what texels show is met by their own shadow ray; elsewhere a shadow ray is traced: see
+    /// `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays, but of what stands less than 2⁻¹⁸ of
     /// the light's distance off a surface.
     Hybrid {
-        /// How far before the plane that a texel shows something may stand and be no matter, and how far behind it a point of a curved surface
-        /// may be, in widths of a texel there. At least 0. What is that close to a surface may fail to shade it.
+        /// How far before the plane that a texel shows something may stand and be no matter, and how far behind it a
+        /// point of a curved surface may be, in widths of a texel there. At least 0. What is that close to a
+        /// surface may fail to shade it.
         margin: f32,
     },
 }
@@ -108,9 +112,10 @@ impl ShadowBuffer {
 }
 
 impl Options {
-    /// Whether points ask shadow-buffers which point lights they see, in place of shadow rays or before them, as the buffer's rule says. In both eyes
-    /// alike; of [`Method::Bracket`](crate::Method::Bracket) what the source's samples say comes first. The first 16 points among the first 32 lights have one; other lights
-    /// keep their rays, as do lights that are not points, lights farther off than 64 times the scene's longest side, and frames
+    /// Whether points ask shadow-buffers which point lights they see, in place of shadow rays or before them, as the
+    /// buffer's rule says. In both eyes alike; of [`Method::Bracket`](crate::Method::Bracket) what the source's
+    /// samples say comes first. The first 16 points among the first 32 lights have one; other lights keep their
+    /// rays, as do lights that are not points, lights farther off than 64 times the scene's longest side, and frames
     /// [in steps](crate::Statistics::in_steps).
     pub fn shadow_buffer(mut self, shadow_buffer: impl Into<Option<ShadowBuffer>>) -> Self {
         self.shadow_buffer = shadow_buffer.into();
@@ -148,8 +153,8 @@ pub struct ShadowBufferWork {
     pub filled: u64,
     /// Primitives that were projected for it, once a light and 2 million texels; 0 unless counting was asked for.
     pub nodes: u64,
-    /// Tests of primitives at texels for it: by the rays through their middles, and by the hybrid rule of what is before what they show; 0 unless
-    /// counting was asked for.
+    /// Tests of primitives at texels for it: by the rays through their middles, and by the hybrid rule of what is
+    /// before what they show; 0 unless counting was asked for.
     pub primitive_tests: u64,
     /// Device memory of all lights' tables in bytes, 0 where the frame asks none.
     pub bytes: u64,

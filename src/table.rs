@@ -140,8 +140,9 @@ fn sky_pixels(scene: &Scene) -> &[Vec3] {
     if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
 }
 
-/// What rays towards a sky are chosen by (`sky_light.wgsl`): of each pixel the share of its row's weight up to and including it; where that is 1 of
-/// itself, in the last column, the share of all weight up to and including the row; and in the last row's place, where that is 1 too, the mean weight.
+/// What rays towards a sky are chosen by (`sky_light.wgsl`): of each pixel the share of its row's weight up to and
+/// including it; where that is 1 of itself, in the last column, the share of all weight up to and including the row;
+/// and in the last row's place, where that is 1 too, the mean weight.
 fn weights_of(sky: &SkyMap) -> Vec<f32> {
     let [width, height] = sky.size().map(|side| side as usize);
     let mut shares = Vec::with_capacity(width * height);
@@ -174,7 +175,8 @@ fn share_of(part: f64, whole: f64) -> f32 {
     if whole > 0.0 { (part / whole) as f32 } else { 0.0 }
 }
 
-/// By which a row's pixels are smaller than those at the horizon, near enough: as `row_weight` of `sky_light.wgsl` has it.
+/// By which a row's pixels are smaller than those at the horizon, near enough: as `row_weight` of `sky_light.wgsl` has
+/// it.
 fn row_weight(row: usize, rows: usize) -> f64 {
     let down = (row as f64 + 0.5) / rows as f64;
     let arc = 4.0 * down * (1.0 - down);

@@ -1,5 +1,5 @@
-//! How rays go through a scene on an adapter: one algorithm (shaders/shared/bvh.wgsl) in variants that find the same hits,
-//! bit for bit.
+//! How rays go through a scene on an adapter: one algorithm (shaders/shared/bvh.wgsl) in variants that find the same
+//! hits, bit for bit.
 
 use std::fmt;
 

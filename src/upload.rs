@@ -64,9 +64,10 @@ pub struct UploadedScene {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Update {
-    /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives moved. Where no primitive changed,
-    /// lights, materials and sky alone are uploaded. The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built, and
-    /// none that was without area or an exact copy of another then and is traced now. (A list, [`BvhBuild::Flat`], is made anew, whatever the scene
+    /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives
+    /// moved. Where no primitive changed, lights, materials and sky alone are uploaded. The scene must have as many
+    /// triangles, spheres, ellipsoids and planes as when the tree was built, and none that was without area or an
+    /// exact copy of another then and is traced now. (A list, [`BvhBuild::Flat`], is made anew, whatever the scene
     /// has.)
     Refit,
     /// The tree is built anew.
@@ -120,7 +121,8 @@ impl UploadedScene {
         Ok(())
     }
 
-    /// Adds to a sky that is a picture what rays are chosen by, where its light is first asked for: to words of its texels that nothing else reads.
+    /// Adds to a sky that is a picture what rays are chosen by, where its light is first asked for: to words of its
+    /// texels that nothing else reads.
     pub(crate) async fn weigh_sky(&self) -> Result<(), Error> {
         let Some((first, texels)) = self.pictures.sky_to_weigh() else { return Ok(()) };
         self.gpu.fill_from(&self.texels[1], first, texels).await?;
@@ -140,7 +142,8 @@ impl UploadedScene {
         Asked { points, soft, shares: options.penumbra != Penumbra::Exact }
     }
 
-    /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
+    /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only
+    /// end in `Naive`.
     pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
         let Asked { points, soft, .. } = self.asked(options);
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
@@ -165,9 +168,9 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
-    /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
-    /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
+    /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes
+    /// to textures, and the other way round. A scene that is so far from the origin that the step of f32 there is
+    /// over a ten-thousandth of its longest side is logged as a warning, once for each renderer.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
@@ -179,13 +182,14 @@ impl Renderer {
         self.bring(scene, tree, self.traversal, started, None).await
     }
 
-    /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`], [`Scene::set_mesh`],
-    /// [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]), was added, or is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
+    /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`],
+    /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]), was added, or
+    /// is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
     /// a scene uploaded anew. What is left of an update that failed for the want of memory is to be uploaded anew.
     ///
     /// # Errors
-    /// Those of [`Renderer::upload_async`], [`Error::ForeignScene`] if another [`Gpu`] holds it, and [`Error::Scene`] where
-    /// [`Update::Refit`] can't keep the tree.
+    /// Those of [`Renderer::upload_async`], [`Error::ForeignScene`] if another [`Gpu`] holds it, and [`Error::Scene`]
+    /// where [`Update::Refit`] can't keep the tree.
     pub async fn update_async(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
         uploaded.belongs_to(&self.gpu)?;
         self.check(scene)?;
@@ -284,7 +288,8 @@ impl Renderer {
         })
     }
 
-    /// Uploads the shading table; of one that stands there with the same pictures at the same place, what is before them.
+    /// Uploads the shading table; of one that stands there with the same pictures at the same place, what is before
+    /// them.
     async fn bring_table(
         &self,
         scene: &Scene,

@@ -1,7 +1,7 @@
 //! What kernels are specialised to, and the choices that follow from it for their WGSL: the only place that makes them.
 //!
-//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, ellipsoids, vertex normals, lights, a sky gradient,
-//! anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
+//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, ellipsoids, vertex normals,
+//! lights, a sky gradient, anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
 
 mod choices;
 
@@ -27,8 +27,8 @@ pub(crate) enum Shadows {
 }
 
 impl Shadows {
-    /// Shadow rays run from the light, but not from one farther off than this many times the scene's largest side: their
-    /// end would be off the surface by a visible part of it.
+    /// Shadow rays run from the light, but not from one farther off than this many times the scene's largest side:
+    /// their end would be off the surface by a visible part of it.
     const FAR_LIGHT: f32 = 64.0;
 
     fn of(scene: &Scene) -> Self {
@@ -46,7 +46,8 @@ impl Shadows {
     }
 }
 
-/// Where the texels of a primitive stand that not all scenes have: behind three that all have, and a fourth of vertex normals or ellipsoids.
+/// Where the texels of a primitive stand that not all scenes have: behind three that all have, and a fourth of vertex
+/// normals or ellipsoids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TexelPlaces {
     /// The first of two with texture coordinates.
@@ -333,8 +334,8 @@ impl Variant {
         }
     }
 
-    /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
-    /// do not depend on it.
+    /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the
+    /// figures do not depend on it.
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
         let rays = if count { RaysPerLane::One } else { self.traversal.rays };

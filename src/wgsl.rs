@@ -1,12 +1,13 @@
 //! How a kernel's text is put together: its own file, and the definitions of `shaders/shared/` that it uses.
 //!
 //! Nothing is listed. A file says what it needs by using it: every top-level name (`fn`, `struct`, `const`, `override`,
-//! `var`, `alias`) is known by the file that defines it, and what a kernel's file uses is added, and what that uses, each
-//! once. WGSL does not mind the order. A name that the kernel's own file defines (a binding such as `view`) is that one, for
-//! shared definitions too.
+//! `var`, `alias`) is known by the file that defines it, and what a kernel's file uses is added, and what that uses,
+//! each once. WGSL does not mind the order. A name that the kernel's own file defines (a binding such as `view`) is
+//! that one, for shared definitions too.
 //!
 //! What a definition uses is told by its words: all but comments, what follows a dot, and what it names itself (locals,
-//! parameters, members). So none of these may have the name of a shared definition that it uses too; a compiler then misses it.
+//! parameters, members). So none of these may have the name of a shared definition that it uses too; a compiler then
+//! misses it.
 //!
 //! Where a name has several definitions, each stands in a section of its file, which says for which choice it is there:
 //!
@@ -19,7 +20,8 @@
 //! ```
 //!
 //! What depends on several choices says so: `//! if sky is map and lights is none`.
-//! A section ends at the next one, at `//! end`, or with its file. What is chosen, `src/variant.rs` says and nobody else.
+//! A section ends at the next one, at `//! end`, or with its file. What is chosen, `src/variant.rs` says and nobody
+//! else.
 
 use std::{collections::HashMap, sync::LazyLock};
 
@@ -140,9 +142,9 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     Library { definitions, by_name }
 });
 
-/// A kernel's text: what its file uses of the shared definitions, as chosen, and then the file. Above each stands a line with
-/// its file and line (`// shared/lane.wgsl:7`), so that whoever reads the text, a compiler's message about it too, finds
-/// the source.
+/// A kernel's text: what its file uses of the shared definitions, as chosen, and then the file. Above each stands a
+/// line with its file and line (`// shared/lane.wgsl:7`), so that whoever reads the text, a compiler's message about it
+/// too, finds the source.
 pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
     let own = definitions(main);
     let mut taken = vec![false; LIBRARY.definitions.len()];
@@ -247,8 +249,8 @@ fn name_of(words: &[&'static str]) -> Option<&'static str> {
     Some(words[keyword + end - 1])
 }
 
-/// The names that a definition may have from outside: not members of something (after a dot), and not what it names itself:
-/// locals, parameters and its own members.
+/// The names that a definition may have from outside: not members of something (after a dot), and not what it names
+/// itself: locals, parameters and its own members.
 fn used_by(words: &[&'static str]) -> Vec<&'static str> {
     let mut in_case = false;
     let mut own = Vec::new();

@@ -1,7 +1,8 @@
 //! The command `stereotrace`: stereo pairs, films, quilts and ground truth for stereo vision from scene files.
 //!
-//! `arguments` reads the command line; `commands` has a file for each command, which begins with what it takes. What pictures are made
-//! of comes from `arguments::Subject`, where they go from `target`. `view` is the window, of builds with that feature.
+//! `arguments` reads the command line; `commands` has a file for each command, which begins with what it takes. What
+//! pictures are made of comes from `arguments::Subject`, where they go from `target`. `view` is the window, of builds
+//! with that feature.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
@@ -118,9 +119,9 @@ fn shown(path: &Path) -> String {
     message::escaped(&path.to_string_lossy())
 }
 
-/// Without a user's session, Mesa prints `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which means nothing
-/// here and looks like an error of ours. What stops it must be in the environment before the program starts, so it starts
-/// itself again.
+/// Without a user's session, Mesa prints `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which
+/// means nothing here and looks like an error of ours. What stops it must be in the environment before the program
+/// starts, so it starts itself again.
 #[cfg(target_os = "linux")]
 fn keep_mesa_quiet() {
     use std::{env, os::unix::process::CommandExt, process};

@@ -8,7 +8,8 @@ use stereotrace::Scene;
 
 use crate::{arguments::Subject, shown};
 
-/// The program's version, the files that the command line names, what the scene shows, MTL files and textures included, and all settings.
+/// The program's version, the files that the command line names, what the scene shows, MTL files and textures included,
+/// and all settings.
 pub(crate) fn of(subject: &Subject, scene: &Scene, more: &impl Debug) -> Result<Value, Box<dyn Error>> {
     let files = subject.files().into_iter().map(|file| {
         let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", shown(&file)))?;

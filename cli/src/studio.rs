@@ -1,5 +1,5 @@
-//! How an OBJ file is shown of which nothing is said: seen from a corner, in soft light before a plain backdrop. `--plain` does without, and
-//! what is asked for by name takes its place.
+//! How an OBJ file is shown of which nothing is said: seen from a corner, in soft light before a plain backdrop.
+//! `--plain` does without, and what is asked for by name takes its place.
 
 use stereotrace::{
     Light, Pose, Scene, Sky, StereoCamera,

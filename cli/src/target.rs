@@ -26,7 +26,8 @@ pub(crate) struct EyesArguments {
     /// Colours of the anaglyph: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
-    /// In its place: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
+    /// In its place: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom, row-interlaced,
+    /// column-interlaced or checkerboard
     #[arg(long, value_name = "KIND", conflicts_with = "anaglyph")]
     pub(crate) packing: Option<Packing>,
     /// Exchange the eyes in everything that is written, except the re-trace and shadow maps

@@ -16,26 +16,31 @@ use crate::{
 const FIELDS: &str =
     "eye, target, up, size, fov, screen_width, intrinsics, screen_distance, interaxial, interaxial_px and toe_in";
 
-/// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or side by side as parallel cameras.
+/// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or side by side as parallel
+/// cameras.
 ///
-/// ``Camera(eye, target)`` stands with the midpoint between its eyes at ``eye`` and looks at ``target``, both world positions
-/// (right-handed, y up). What lies on the screen has no disparity; what is nearer has more, what is farther less. The other fields are
-/// keywords:
+/// ``Camera(eye, target)`` stands with the midpoint between its eyes at ``eye`` and looks at ``target``, both world
+/// positions (right-handed, y up). What lies on the screen has no disparity; what is nearer has more, what is farther
+/// less. The other fields are keywords:
 ///
 /// - ``up``: the direction that is up in the picture, +y where nothing is said. It must not be parallel to the view.
 /// - ``size``: a tuple of width and height in pixels, ``(640, 480)`` where nothing is said, 1 to 131072 each.
 /// - ``fov``: the vertical field of view in degrees, between 0 and 180; 45 where nothing is said.
 /// - ``screen_width``: the width of the screen rectangle in world units, in place of ``fov``.
-/// - ``intrinsics``: what a calibration says, in place of ``fov``: a dict of focal lengths ``fx`` and ``fy``, the columns ``cx0`` and
-///   ``cx1`` of the left and the right eye's principal point, and their row ``cy``, in pixels, pixel centres at halves. ``fy`` is ``fx``
-///   and ``cx1`` is ``cx0`` where they are left out. The screen then stands at ``fx * interaxial / (cx1 - cx0)``, infinitely far where both
-///   columns are equal, unless ``screen_distance`` is given too.
-/// - ``screen_distance``: from the eyes to the screen, world units; that of the target where nothing is said. ``math.inf`` makes parallel
-///   cameras.
-/// - ``interaxial``: the distance between the eyes in world units; a thirtieth of the target's distance where nothing is said.
-/// - ``interaxial_px``: the same in pixels of the picture, as the disparity between the screen and infinity; not for parallel cameras.
-/// - ``toe_in``: whether the eyes are turned towards each other, so that their axes meet at the screen's distance. Points then don't stay
-///   in their rows, and both views are traced whatever method is asked for. ``False`` where nothing is said.
+/// - ``intrinsics``: what a calibration says, in place of ``fov``: a dict of focal lengths ``fx`` and ``fy``, the
+///   columns ``cx0`` and ``cx1`` of the left and the right eye's principal point, and their row ``cy``, in pixels,
+///   pixel centres at halves. ``fy`` is ``fx`` and ``cx1`` is ``cx0`` where they are left out. The screen then stands
+///   at ``fx * interaxial / (cx1 - cx0)``, infinitely far where both columns are equal, unless ``screen_distance`` is
+///   given too.
+/// - ``screen_distance``: from the eyes to the screen, world units; that of the target where nothing is said.
+///   ``math.inf`` makes parallel cameras.
+/// - ``interaxial``: the distance between the eyes in world units; a thirtieth of the target's distance where nothing
+///   is said.
+/// - ``interaxial_px``: the same in pixels of the picture, as the disparity between the screen and infinity; not for
+///   parallel cameras.
+/// - ``toe_in``: whether the eyes are turned towards each other, so that their axes meet at the screen's distance.
+///   Points then don't stay in their rows, and both views are traced whatever method is asked for. ``False`` where
+///   nothing is said.
 ///
 /// Cameras don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
 /// ``ValueError``, naming the field, for what lies out of range or contradicts itself, such as both ``fov`` and
@@ -77,12 +82,12 @@ impl Camera {
         with(StereoCamera::look_at(eye.0, target.0), fields)
     }
 
-    /// A camera that holds all of a scene: from the front (+z), a little to the right and above, the screen through the middle of the
-    /// scene's bounds, the eyes a thirtieth of the nearest distance apart.
+    /// A camera that holds all of a scene: from the front (+z), a little to the right and above, the screen through the
+    /// middle of the scene's bounds, the eyes a thirtieth of the nearest distance apart.
     ///
-    /// The vertical field of view is 35 degrees, less where a picture is ten times as wide as high and more. ``size`` is a tuple of width
-    /// and height in pixels. Raises ``ValueError`` for a scene that is empty or has only infinite planes, and for a size that no camera can
-    /// have.
+    /// The vertical field of view is 35 degrees, less where a picture is ten times as wide as high and more. ``size``
+    /// is a tuple of width and height in pixels. Raises ``ValueError`` for a scene that is empty or has only
+    /// infinite planes, and for a size that no camera can have.
     #[staticmethod]
     #[pyo3(signature = (scene, size = Size(640, 480)))]
     pub(crate) fn fitting(scene: &Scene, size: Size) -> PyResult<Self> {
@@ -101,8 +106,8 @@ impl Camera {
     /// pixel centres at halves), a matrix ``pose`` of the left eye in that of the first three, and ``baseline`` in that
     /// of ``eye_separation``. ``size`` is a tuple of width and height in pixels.
     ///
-    /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field, if it is no JSON, has
-    /// no such camera, or the camera is invalid.
+    /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field,
+    /// if it is no JSON, has no such camera, or the camera is invalid.
     #[staticmethod]
     #[pyo3(signature = (source, name = None, size = None))]
     fn from_json(source: &Bound<'_, PyAny>, name: Option<&str>, size: Option<Size>) -> PyResult<Self> {
@@ -126,16 +131,16 @@ impl Camera {
 
     /// The camera with other fields: the keywords of ``Camera``, ``eye`` and ``target`` among them; all else stays.
     ///
-    /// With another ``eye`` or ``target`` the screen's distance and the interaxial stay what they are. With another ``screen_distance`` the
-    /// interaxial stays as it was given: in world units, or in pixels, but in world units for a screen at infinity. Raises ``ValueError``
-    /// as ``Camera`` does.
+    /// With another ``eye`` or ``target`` the screen's distance and the interaxial stay what they are. With another
+    /// ``screen_distance`` the interaxial stays as it was given: in world units, or in pixels, but in world units
+    /// for a screen at infinity. Raises ``ValueError`` as ``Camera`` does.
     #[pyo3(signature = (**fields))]
     fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(self.0, fields)
     }
 
-    /// The camera turned about its target by an angle in degrees, around its ``up_direction``: at positive angles the eye moves to its own
-    /// right. All else stays. Raises ``ValueError`` for an angle that makes no camera.
+    /// The camera turned about its target by an angle in degrees, around its ``up_direction``: at positive angles the
+    /// eye moves to its own right. All else stays. Raises ``ValueError`` for an angle that makes no camera.
     fn orbited(&self, degrees: f32) -> PyResult<Self> {
         Self::checked(self.0.orbited(degrees.to_radians()))
     }
@@ -152,8 +157,8 @@ impl Camera {
         Ok(tuple(self.pose()?.forward))
     }
 
-    /// The picture's right in the world, of unit length: a tuple of three. The eyes stand half the interaxial to either side of ``eye``
-    /// along it.
+    /// The picture's right in the world, of unit length: a tuple of three. The eyes stand half the interaxial to either
+    /// side of ``eye`` along it.
     #[getter]
     fn right(&self) -> PyResult<(f32, f32, f32)> {
         Ok(tuple(self.pose()?.right))
@@ -171,7 +176,8 @@ impl Camera {
         self.0.target_position().into()
     }
 
-    /// The direction that is up, as it was given: a tuple of three, of any length, and mostly not at right angles to the view.
+    /// The direction that is up, as it was given: a tuple of three, of any length, and mostly not at right angles to
+    /// the view.
     #[getter]
     fn up_direction(&self) -> (f32, f32, f32) {
         tuple(self.0.up_direction())
@@ -195,18 +201,19 @@ impl Camera {
         Ok(self.pose()?.interaxial)
     }
 
-    /// The distance between the eyes in pixels of the picture: sky has the disparity ``-interaxial_px``. 0 for parallel cameras.
+    /// The distance between the eyes in pixels of the picture: sky has the disparity ``-interaxial_px``. 0 for parallel
+    /// cameras.
     #[getter]
     fn interaxial_px(&self) -> PyResult<f32> {
         Ok(self.pose()?.interaxial_px)
     }
 
-    /// The camera as calibrations have it, in pixels: a dict of the focal lengths ``fx`` and ``fy``, the columns ``cx0`` and ``cx1`` of the
-    /// left and the right eye's principal point, and their row ``cy``.
+    /// The camera as calibrations have it, in pixels: a dict of the focal lengths ``fx`` and ``fy``, the columns
+    /// ``cx0`` and ``cx1`` of the left and the right eye's principal point, and their row ``cy``.
     ///
-    /// A point ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it stands at ``fx X / Z + cx`` and ``fy Y / Z + cy``,
-    /// from the picture's top left corner with pixel centres at halves. Programs that count pixel centres at whole numbers, such as
-    /// ``OpenCV``, take half a pixel less of each ``cx`` and ``cy``.
+    /// A point ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it stands at ``fx X / Z + cx`` and
+    /// ``fy Y / Z + cy``, from the picture's top left corner with pixel centres at halves. Programs that count
+    /// pixel centres at whole numbers, such as ``OpenCV``, take half a pixel less of each ``cx`` and ``cy``.
     #[getter]
     fn intrinsics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let Intrinsics { fx, fy, cx0, cx1, cy, .. } = self.pose()?.intrinsics();
@@ -217,18 +224,21 @@ impl Camera {
         Ok(dict)
     }
 
-    /// The disparity ``x_left - x_right`` in pixels of a point at a depth along the view direction, in world units: above 0 before the
-    /// screen, 0 on it, below 0 behind it, ``-interaxial_px`` at infinity. Of parallel cameras it is 0 at infinity and above 0 before it.
+    /// The disparity ``x_left - x_right`` in pixels of a point at a depth along the view direction, in world units:
+    /// above 0 before the screen, 0 on it, below 0 behind it, ``-interaxial_px`` at infinity. Of parallel cameras
+    /// it is 0 at infinity and above 0 before it.
     ///
     /// It is infinite at depth 0. Of eyes that are toed in it is that of points on the axis between them.
     fn disparity(&self, depth: f32) -> PyResult<f64> {
         Ok(self.pose()?.disparity_px(depth))
     }
 
-    /// Where a world position stands in the picture of an ``eye``, ``"left"``, ``"middle"`` or ``"right"``: a tuple of x, y and depth.
+    /// Where a world position stands in the picture of an ``eye``, ``"left"``, ``"middle"`` or ``"right"``: a tuple of
+    /// x, y and depth.
     ///
-    /// x and y are in pixels from the picture's top left corner, with pixel centres at halves: the pixel in row j and column i has its
-    /// centre at (i + 0.5, j + 0.5). The depth is along the eye's view direction, in world units. Raises ``ValueError`` for another eye.
+    /// x and y are in pixels from the picture's top left corner, with pixel centres at halves: the pixel in row j and
+    /// column i has its centre at (i + 0.5, j + 0.5). The depth is along the eye's view direction, in world units.
+    /// Raises ``ValueError`` for another eye.
     #[pyo3(signature = (point, eye = "left"))]
     fn project(&self, point: Position, eye: &str) -> PyResult<(f32, f32, f32)> {
         let side = match eye {
@@ -320,7 +330,8 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
     Camera::checked(camera)
 }
 
-/// A calibration: a dict of `fx`, `fy` (else `fx` again), `cx0`, `cx1` (else `cx0` again) and `cy`, pixel centres at halves.
+/// A calibration: a dict of `fx`, `fy` (else `fx` again), `cx0`, `cx1` (else `cx0` again) and `cy`, pixel centres at
+/// halves.
 fn intrinsics(value: &Bound<'_, PyAny>) -> PyResult<Intrinsics> {
     let expected =
         "camera: intrinsics: it must be a dict of fx, fy, cx0, cx1 and cy, of which fy and cx1 may be left out";

@@ -1,5 +1,5 @@
-//! The Python package `stereotrace`: classes over the library's, whose arrays are `NumPy`'s. What needs no device and no Rust is in
-//! the package's Python files; `_stereotrace.pyi` has the types, and the docstrings that users read.
+//! The Python package `stereotrace`: classes over the library's, whose arrays are `NumPy`'s. What needs no device and
+//! no Rust is in the package's Python files; `_stereotrace.pyi` has the types, and the docstrings that users read.
 
 mod camera;
 mod errors;
@@ -36,7 +36,8 @@ mod _stereotrace {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        // What the library logs goes to Python's logger `stereotrace`; with another logger there already it stays where it goes.
+        // What the library logs goes to Python's logger `stereotrace`; with another logger there already it stays where
+        // it goes.
         drop(pyo3_log::try_init());
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("MISS", stereotrace::MISS)?;

@@ -10,9 +10,10 @@ use crate::{
 
 /// A light without falloff: all of it that is seen from a place is as bright there as from any other.
 ///
-/// ``Light.point``, ``Light.sphere``, ``Light.rectangle`` and ``Light.directional`` make one. ``intensity`` is the radiance that all of it
-/// together adds to a white surface that faces it: linear RGB, 0 or more, or one number for all three. Lights are not seen themselves. All
-/// but points light by as many rays as the option ``shadow_rays`` says, so that their shadows have a penumbra; a scene may have 16 such.
+/// ``Light.point``, ``Light.sphere``, ``Light.rectangle`` and ``Light.directional`` make one. ``intensity`` is the
+/// radiance that all of it together adds to a white surface that faces it: linear RGB, 0 or more, or one number for all
+/// three. Lights are not seen themselves. All but points light by as many rays as the option ``shadow_rays`` says, so
+/// that their shadows have a penumbra; a scene may have 16 such.
 ///
 /// Lights don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Their values are
 /// checked when a scene is rendered, with a ``ValueError`` for what is out of range.
@@ -42,15 +43,16 @@ impl Light {
         Self(stereotrace::Light::sphere(position.0, radius, intensity.0))
     }
 
-    /// A rectangle or parallelogram of light about a world position, which shines to both sides. ``half_width`` and ``half_height`` are the
-    /// ways from there to the middles of two sides, in world units.
+    /// A rectangle or parallelogram of light about a world position, which shines to both sides. ``half_width`` and
+    /// ``half_height`` are the ways from there to the middles of two sides, in world units.
     #[staticmethod]
     fn rectangle(position: Position, half_width: Point, half_height: Point, intensity: Color) -> Self {
         Self(stereotrace::Light::rectangle(position.0, half_width.0, half_height.0, intensity.0))
     }
 
-    /// Light from infinitely far off, such as a sun's. ``towards`` is the direction that leads to it, of any length but 0; ``radius`` is
-    /// the angle from the middle of its disc to the rim, in radians, 0 to 1.5: the sun's is 0.0047, and by 0 shadows are sharp.
+    /// Light from infinitely far off, such as a sun's. ``towards`` is the direction that leads to it, of any length but
+    /// 0; ``radius`` is the angle from the middle of its disc to the rim, in radians, 0 to 1.5: the sun's is
+    /// 0.0047, and by 0 shadows are sharp.
     #[staticmethod]
     fn directional(towards: Position, radius: f32, intensity: Color) -> Self {
         Self(stereotrace::Light::directional(towards.0, radius, intensity.0))
@@ -89,7 +91,8 @@ impl Light {
         }
     }
 
-    /// The light at another position, or with another intensity; of a directional light ``position`` is its direction. All else stays.
+    /// The light at another position, or with another intensity; of a directional light ``position`` is its direction.
+    /// All else stays.
     #[pyo3(signature = (*, position = None, intensity = None))]
     fn replace(&self, position: Option<Position>, intensity: Option<Color>) -> Self {
         let mut light = self.0;

@@ -28,27 +28,30 @@ const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 
 /// A surface: what it scatters, shines, reflects, lets through and gives off.
 ///
-/// ``Material()`` is a grey, matte, opaque one of albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for three equal ones. The
-/// fields are keywords, of which ``albedo`` may come first without its name:
+/// ``Material()`` is a grey, matte, opaque one of albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for
+/// three equal ones. The fields are keywords, of which ``albedo`` may come first without its name:
 ///
 /// - ``albedo``: diffuse (Lambertian) reflectance; of mirrors and glass black where nothing is said.
 /// - ``name``: for messages; empty where nothing is said.
 /// - ``texture``: the id of a texture that the albedo is multiplied by; its alpha says nothing. ``None`` for none.
-/// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None`` for none.
+/// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None``
+///   for none.
 /// - ``opacity``: the share of what is behind the surface that it hides, 0 to 1; 1 where nothing is said.
 /// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Where nothing is said it
 ///   is 0.95 for mirrors, what ``index`` gives straight on for glass with ``fresnel`` (0.04 for 1.5), and black for all
 ///   else.
 /// - ``exponent``: Phong's exponent, 0 to 10000; the larger, the smaller a highlight. 30 where nothing is said.
-/// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send on. ``False`` where
-///   nothing is said.
-/// - ``emission``: the radiance that it gives off by itself, 0 or more; it lights nothing else. Black where nothing is said.
-/// - ``finish``: ``"matte"``, ``"mirror"``, which reflects its surroundings, or ``"glass"``, which refracts what is behind it. Matte where
-///   nothing is said.
+/// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send
+///   on. ``False`` where nothing is said.
+/// - ``emission``: the radiance that it gives off by itself, 0 or more; it lights nothing else. Black where nothing is
+///   said.
+/// - ``finish``: ``"matte"``, ``"mirror"``, which reflects its surroundings, or ``"glass"``, which refracts what is
+///   behind it. Matte where nothing is said.
 /// - ``index``: of glass, its index of refraction over that of what surrounds it, 0.1 to 10; 1.5 where nothing is said.
 /// - ``transmission``: of glass, the share of the light that comes through; white where nothing is said.
-/// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the more the view grazes
-///   them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True`` for glass where nothing is said.
+/// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the
+///   more the view grazes them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True``
+///   for glass where nothing is said.
 ///
 /// Materials don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
 /// ``ValueError`` for unknown fields, fields of another finish and values of another type. Ranges are checked when a
@@ -85,9 +88,9 @@ impl Material {
         Ok(Self(material))
     }
 
-    /// The material with other fields, ``albedo`` and the other keywords of ``Material``; all else stays. With ``finish``, those of
-    /// ``index``, ``transmission`` and ``fresnel`` that are not given too become what they are where nothing is said. Raises ``ValueError``
-    /// as ``Material`` does.
+    /// The material with other fields, ``albedo`` and the other keywords of ``Material``; all else stays. With
+    /// ``finish``, those of ``index``, ``transmission`` and ``fresnel`` that are not given too become what they are
+    /// where nothing is said. Raises ``ValueError`` as ``Material`` does.
     #[pyo3(signature = (**fields))]
     fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(self.0.clone(), fields)

@@ -219,7 +219,8 @@ const NAMES: [&str; 18] = [
     "count",
 ];
 
-/// Checks the keywords that ``Renderer.render`` takes as options: their names and values, without a device. Raises ``ValueError``.
+/// Checks the keywords that ``Renderer.render`` takes as options: their names and values, without a device. Raises
+/// ``ValueError``.
 #[pyfunction]
 #[pyo3(signature = (**options))]
 pub(crate) fn check_options(options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {

@@ -86,38 +86,44 @@ impl Source {
 
 /// What one eye sees. Its arrays are attributes, each of which is there if it was named in ``outputs``.
 ///
-/// Arrays are row-major, top row first; each is made when it is first asked for, and kept. Depths, ids and ground truth are of the first
-/// surface that the ray through a pixel's centre meets, whatever mirrors or glass show there. The world is right-handed with y up.
+/// Arrays are row-major, top row first; each is made when it is first asked for, and kept. Depths, ids and ground truth
+/// are of the first surface that the ray through a pixel's centre meets, whatever mirrors or glass show there. The
+/// world is right-handed with y up.
 ///
 /// - ``color``: uint8, ``(height, width, 3)``. The picture, as sRGB bytes.
-/// - ``linear``: float32, ``(height, width, 3)``. Light as it comes, linear RGB, before the options ``exposure`` and ``tone``; it may be
-///   above 1.
+/// - ``linear``: float32, ``(height, width, 3)``. Light as it comes, linear RGB, before the options ``exposure`` and
+///   ``tone``; it may be above 1.
 /// - ``depth``: float32, ``(height, width)``. Depth along the view direction in world units; infinite where nothing is.
-/// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite where nothing is.
-/// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: above 0 before the screen, 0 on it and below 0 behind it;
-///   of parallel cameras 0 at infinity and above 0 before it. Where nothing is it is that of infinite depth. What the left view's pixel in
-///   column i shows stands at ``i + 0.5 - disparity`` in the right view, and what the right view's shows at ``i + 0.5 + disparity`` in the
-///   left one. Of pairs whose eyes are not toed in.
-/// - ``occlusion``: uint8, ``(height, width)``. Whether the other eye sees the point: 0 visible, 1 hidden by something nearer, 2 out of the
-///   other picture's frame, seen or not. Of pairs.
-/// - ``normal``: float32, ``(height, width, 3)``. The normal that the surface is lit by, interpolated where a mesh has normals: in the
-///   world's frame, of unit length, on the side of the geometric one; zero where nothing is. Of pairs.
-/// - ``geometric_normal``: float32, ``(height, width, 3)``. The normal of the surface itself, towards the eye: in the world's frame, of
-///   unit length; zero where nothing is. Of pairs.
-/// - ``primitive``: uint32, ``(height, width)``. The id of the primitive; ``MISS``, which is 2**32 - 1, where nothing is.
+/// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite
+///   where nothing is.
+/// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: above 0 before the screen, 0 on it
+///   and below 0 behind it; of parallel cameras 0 at infinity and above 0 before it. Where nothing is it is that of
+///   infinite depth. What the left view's pixel in column i shows stands at ``i + 0.5 - disparity`` in the right view,
+///   and what the right view's shows at ``i + 0.5 + disparity`` in the left one. Of pairs whose eyes are not toed in.
+/// - ``occlusion``: uint8, ``(height, width)``. Whether the other eye sees the point: 0 visible, 1 hidden by something
+///   nearer, 2 out of the other picture's frame, seen or not. Of pairs.
+/// - ``normal``: float32, ``(height, width, 3)``. The normal that the surface is lit by, interpolated where a mesh has
+///   normals: in the world's frame, of unit length, on the side of the geometric one; zero where nothing is. Of pairs.
+/// - ``geometric_normal``: float32, ``(height, width, 3)``. The normal of the surface itself, towards the eye: in the
+///   world's frame, of unit length; zero where nothing is. Of pairs.
+/// - ``primitive``: uint32, ``(height, width)``. The id of the primitive; ``MISS``, which is 2**32 - 1, where nothing
+///   is.
 /// - ``object``: uint32, ``(height, width)``. The id of its object; ``MISS`` where nothing is.
 /// - ``material``: uint32, ``(height, width)``. The id of its material; ``MISS`` where nothing is. Of pairs.
-/// - ``source``: uint8, ``(height, width)``. Where each pixel of a pair's right view, or of a rig's views, came from: 0 reused, taken over
-///   from another view; 1 bad, traced since what landed there was not what is seen; 2 missed, traced since nothing landed there; 3 traced
-///   without looking at another view.
-/// - ``shadow_source``: uint8, ``(height, width)``. How it is known which lights each pixel of the same views sees: 0 taken over from
-///   another view, or there was nothing to ask; 1 traced, by one shadow ray at least. Of views made by a bracket only.
+/// - ``source``: uint8, ``(height, width)``. Where each pixel of a pair's right view, or of a rig's views, came from: 0
+///   reused, taken over from another view; 1 bad, traced since what landed there was not what is seen; 2 missed, traced
+///   since nothing landed there; 3 traced without looking at another view.
+/// - ``shadow_source``: uint8, ``(height, width)``. How it is known which lights each pixel of the same views sees: 0
+///   taken over from another view, or there was nothing to ask; 1 traced, by one shadow ray at least. Of views made by
+///   a bracket only.
 /// - ``cost``: uint32, ``(height, width)``. BVH nodes visited and primitives tested for the pixel, by all its rays.
 ///
-/// ``distance`` and what is said to be of pairs, but for ``disparity``, are ground truth, by the methods ``auto``, ``naive`` and the
-/// brackets. Of the other methods, depths, disparities and ids of the right view are those of points up to half a pixel aside.
+/// ``distance`` and what is said to be of pairs, but for ``disparity``, are ground truth, by the methods ``auto``,
+/// ``naive`` and the brackets. Of the other methods, depths, disparities and ids of the right view are those of points
+/// up to half a pixel aside.
 ///
-/// Raises ``AttributeError`` for an array that was not asked for or that the view can't have. Notebooks show the picture.
+/// Raises ``AttributeError`` for an array that was not asked for or that the view can't have. Notebooks show the
+/// picture.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct View {
     source: Source,
@@ -226,7 +232,8 @@ impl View {
         (view.width, view.height)
     }
 
-    /// All arrays that were asked for and that the view has: a dict by their names, in the order in which they were asked for.
+    /// All arrays that were asked for and that the view has: a dict by their names, in the order in which they were
+    /// asked for.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for &output in &self.source.request().outputs {
@@ -265,8 +272,8 @@ fn png<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyBytes>>
     Ok(PyBytes::new(py, &file))
 }
 
-/// A stereo pair, as ``Renderer.render`` and ``stereotrace.render`` make it: two views and what they cost. Notebooks show it as an
-/// anaglyph.
+/// A stereo pair, as ``Renderer.render`` and ``stereotrace.render`` make it: two views and what they cost. Notebooks
+/// show it as an anaglyph.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct StereoPair {
     frame: Arc<Frame>,
@@ -297,28 +304,31 @@ impl StereoPair {
     /// What the pair cost: a dict.
     ///
     /// - ``method``: the name of the method that made the pair, such as the one that ``auto`` chose.
-    /// - ``choice``: why ``auto`` chose it, ``None`` by other methods: a dict of ``method``; ``by_bracket``, the share of the right view
-    ///   that was made by bracket; ``gaps``, the share of right pixels that no left sample saw; ``shadow_rays`` and ``secondary_rays`` a
-    ///   pixel of the left view; ``bracket`` and ``naive``, what the right view was predicted to cost by either, in primary rays a pixel.
-    /// - ``in_steps``: whether the frame was rendered again, in steps, since the adapter ended the loops of threads before they were done.
-    /// - ``left`` and ``right``: each view's work, a dict of ``primary_rays``, ``verification_rays``, ``shadow_rays``, ``secondary_rays``,
-    ///   ``nodes`` (BVH nodes visited), ``primitive_tests``, and ``cost``, which is ``2 * nodes + primitive_tests``. The last three are 0
-    ///   unless the option ``count`` or the output ``cost`` was asked for.
-    /// - ``reused``, ``bad``, ``missed``: right pixels that were taken over, whose left sample was rejected, and that no left sample landed
-    ///   in.
+    /// - ``choice``: why ``auto`` chose it, ``None`` by other methods: a dict of ``method``; ``by_bracket``, the share
+    ///   of the right view that was made by bracket; ``gaps``, the share of right pixels that no left sample saw;
+    ///   ``shadow_rays`` and ``secondary_rays`` a pixel of the left view; ``bracket`` and ``naive``, what the right
+    ///   view was predicted to cost by either, in primary rays a pixel.
+    /// - ``in_steps``: whether the frame was rendered again, in steps, since the adapter ended the loops of threads
+    ///   before they were done.
+    /// - ``left`` and ``right``: each view's work, a dict of ``primary_rays``, ``verification_rays``, ``shadow_rays``,
+    ///   ``secondary_rays``, ``nodes`` (BVH nodes visited), ``primitive_tests``, and ``cost``, which is ``2 * nodes +
+    ///   primitive_tests``. The last three are 0 unless the option ``count`` or the output ``cost`` was asked for.
+    /// - ``reused``, ``bad``, ``missed``: right pixels that were taken over, whose left sample was rejected, and that
+    ///   no left sample landed in.
     /// - ``retraced_share``: the share of the right pixels that were traced, 0 to 1.
     /// - ``second_eye``: the right view's cost relative to the left view's; ``None`` where it was not counted.
-    /// - ``lost_candidates`` and ``buffer_depth``: of ``buffer`` methods, candidates that were lost and slots a right pixel.
-    /// - ``times``: a list of the name and the seconds of each pass on the device, in order; ``None`` where the adapter has no timestamps.
-    ///   Drivers may compile a kernel when it first runs.
+    /// - ``lost_candidates`` and ``buffer_depth``: of ``buffer`` methods, candidates that were lost and slots a right
+    ///   pixel.
+    /// - ``times``: a list of the name and the seconds of each pass on the device, in order; ``None`` where the adapter
+    ///   has no timestamps. Drivers may compile a kernel when it first runs.
     /// - ``intermediate_bytes``: device memory of the buffers between the passes.
     #[getter]
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         statistics::dict(py, &self.frame.pair.statistics)
     }
 
-    /// Both views in one picture for coloured glasses: uint8, ``(height, width, 3)``, sRGB. ``kind`` is one of ``ANAGLYPHS``. Raises
-    /// ``ValueError`` for another name.
+    /// Both views in one picture for coloured glasses: uint8, ``(height, width, 3)``, sRGB. ``kind`` is one of
+    /// ``ANAGLYPHS``. Raises ``ValueError`` for another name.
     #[pyo3(signature = (kind = "dubois"))]
     fn anaglyph<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyAny>> {
         let kind: Anaglyph = named(kind)?;
@@ -326,8 +336,9 @@ impl StereoPair {
         Ok(array(py, &mixed).into_any())
     }
 
-    /// Both views beside, below or between each other in one picture: uint8, sRGB, ``(height, width, 3)`` with twice the width or height
-    /// where the packing says so. ``packing`` is one of ``PACKINGS``. Raises ``ValueError`` for another name.
+    /// Both views beside, below or between each other in one picture: uint8, sRGB, ``(height, width, 3)`` with twice
+    /// the width or height where the packing says so. ``packing`` is one of ``PACKINGS``. Raises ``ValueError`` for
+    /// another name.
     #[pyo3(signature = (packing = "side-by-side"))]
     fn packed<'py>(&self, py: Python<'py>, packing: &str) -> PyResult<Bound<'py, PyAny>> {
         let packing: Packing = named(packing)?;
@@ -335,18 +346,19 @@ impl StereoPair {
         Ok(array(py, &packed).into_any())
     }
 
-    /// Where the right view's pixels came from, as a picture: uint8, ``(height, width, 3)``, sRGB. Green is reused, red bad, yellow missed,
-    /// grey traced without reuse.
+    /// Where the right view's pixels came from, as a picture: uint8, ``(height, width, 3)``, sRGB. Green is reused, red
+    /// bad, yellow missed, grey traced without reuse.
     fn retrace_map<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         array(py, &self.frame.pair.retrace_picture()).into_any()
     }
 
-    /// Writes the pair's files, ground truth among them, as a data set of a ``layout``, one of ``LAYOUTS``, has them, as number ``index``
-    /// of the data set in ``folder``. Makes folders where there are none, and returns the paths of the files.
+    /// Writes the pair's files, ground truth among them, as a data set of a ``layout``, one of ``LAYOUTS``, has them,
+    /// as number ``index`` of the data set in ``folder``. Makes folders where there are none, and returns the paths
+    /// of the files.
     ///
-    /// Raises ``ValueError`` where no ground truth was asked for (an output such as ``occlusion``), where ``kitti`` or ``sceneflow`` are to
-    /// have a pair whose cameras are not parallel, and for disparities that ``kitti`` can't hold: 0 and less, or 256 pixels and more.
-    /// Raises ``OSError`` if a file can't be written.
+    /// Raises ``ValueError`` where no ground truth was asked for (an output such as ``occlusion``), where ``kitti`` or
+    /// ``sceneflow`` are to have a pair whose cameras are not parallel, and for disparities that ``kitti`` can't
+    /// hold: 0 and less, or 256 pixels and more. Raises ``OSError`` if a file can't be written.
     #[pyo3(signature = (folder, layout = "middlebury", index = 0))]
     fn write(&self, py: Python<'_>, folder: PathBuf, layout: &str, index: u32) -> PyResult<Vec<PathBuf>> {
         let layout: Layout = named(layout)?;
@@ -362,12 +374,12 @@ impl StereoPair {
         .map_err(raised)
     }
 
-    /// Writes the pair into one file, whose ending says how: the anaglyph as ``.png`` or ``.jpg``, or both views as ``.jps`` (side by
-    /// side), ``.mpo`` or ``.exr``.
+    /// Writes the pair into one file, whose ending says how: the anaglyph as ``.png`` or ``.jpg``, or both views as
+    /// ``.jps`` (side by side), ``.mpo`` or ``.exr``.
     ///
-    /// An ``OpenEXR`` file has linear light, depths and ids, so the outputs must have ``linear``, and ``primitive`` or ``object``; with
-    /// ground truth among them it has that too. Raises ``ValueError`` for another ending and for what was not asked for, and ``OSError`` if
-    /// the file can't be written.
+    /// An ``OpenEXR`` file has linear light, depths and ids, so the outputs must have ``linear``, and ``primitive`` or
+    /// ``object``; with ground truth among them it has that too. Raises ``ValueError`` for another ending and for
+    /// what was not asked for, and ``OSError`` if the file can't be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let frame = &self.frame;
@@ -408,7 +420,8 @@ impl StereoPair {
     }
 }
 
-/// The views of several eyes on one line, as ``Renderer.render_views`` makes them: a sequence of ``View``, in the order of the eyes.
+/// The views of several eyes on one line, as ``Renderer.render_views`` makes them: a sequence of ``View``, in the order
+/// of the eyes.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Views {
     frame: Arc<RigFrame>,
@@ -460,8 +473,9 @@ impl Views {
         self.frame.views.views.iter().map(|view| statistics::work(py, &view.work)).collect()
     }
 
-    /// All views in one picture, as light-field displays take them: from left to right as the eyes come, the bottom row first. uint8,
-    /// ``(rows * height, columns * width, 3)``, sRGB. Raises ``ValueError`` if ``columns * rows`` is not the number of views.
+    /// All views in one picture, as light-field displays take them: from left to right as the eyes come, the bottom row
+    /// first. uint8, ``(rows * height, columns * width, 3)``, sRGB. Raises ``ValueError`` if ``columns * rows`` is
+    /// not the number of views.
     fn quilt<'py>(&self, py: Python<'py>, columns: u32, rows: u32) -> PyResult<Bound<'py, PyAny>> {
         let quilt = py.detach(|| quilt(&self.frame.views, columns, rows)).map_err(raised)?;
         Ok(array(py, &quilt).into_any())

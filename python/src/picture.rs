@@ -52,9 +52,9 @@ pub(crate) fn encoded(
     Ok(file)
 }
 
-/// A picture as the bytes of a PNG file. ``picture`` is an array, top row first: uint8, ``(height, width, 3)`` or with alpha
-/// ``(height, width, 4)``, sRGB; or grey, uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another shape or dtype, and for a
-/// picture without pixels.
+/// A picture as the bytes of a PNG file. ``picture`` is an array, top row first: uint8, ``(height, width, 3)`` or with
+/// alpha ``(height, width, 4)``, sRGB; or grey, uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another
+/// shape or dtype, and for a picture without pixels.
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     let fault = |reason: String| refused(format!("picture: {reason}"));

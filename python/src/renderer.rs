@@ -33,12 +33,13 @@ type Hits<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u32>>);
 
 /// A graphics device that renders, and the scenes that stand on it.
 ///
-/// ``Renderer()`` takes the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest one. ``adapter`` names
-/// another: ``"fastest"``, ``"software"`` for one that runs on the CPU, or a part of an adapter's name. ``kept_scenes`` is how many scenes
-/// stay on the device, the ones that were used last; 4 where nothing is said.
+/// ``Renderer()`` takes the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest
+/// one. ``adapter`` names another: ``"fastest"``, ``"software"`` for one that runs on the CPU, or a part of an
+/// adapter's name. ``kept_scenes`` is how many scenes stay on the device, the ones that were used last; 4 where nothing
+/// is said.
 ///
-/// A renderer may be used from several threads: it does one frame after the other, without Python's lock. Raises ``AdapterError`` where no
-/// such adapter is found.
+/// A renderer may be used from several threads: it does one frame after the other, without Python's lock. Raises
+/// ``AdapterError`` where no such adapter is found.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Renderer {
     stage: Mutex<Stage>,
@@ -57,7 +58,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Which process opened the first device; 0 before.
 static OPENED_BY: AtomicU32 = AtomicU32::new(0);
 
-/// Drivers don't survive a fork: in a child of a process that has opened a device all that uses one, a new one too, waits for ever.
+/// Drivers don't survive a fork: in a child of a process that has opened a device all that uses one, a new one too,
+/// waits for ever.
 fn check_process() -> PyResult<()> {
     match OPENED_BY.load(Ordering::Relaxed) {
         opened_by if opened_by == 0 || opened_by == process::id() => Ok(()),
@@ -122,8 +124,8 @@ impl Stage {
 }
 
 impl Renderer {
-    /// Does what takes the device without Python's lock, once no other thread uses it. A thread that is at it already, and now runs a callback or handles
-    /// a signal, would wait for itself: that is an error.
+    /// Does what takes the device without Python's lock, once no other thread uses it. A thread that is at it already,
+    /// and now runs a callback or handles a signal, would wait for itself: that is an error.
     fn with_stage<T: Send>(
         &self,
         py: Python<'_>,
@@ -143,7 +145,8 @@ impl Renderer {
         done.map_err(raised)
     }
 
-    /// Does a frame's work without Python's lock. Between bands of rows Python may handle signals, and `progress` is called.
+    /// Does a frame's work without Python's lock. Between bands of rows Python may handle signals, and `progress` is
+    /// called.
     fn work<T: Send>(
         &self,
         py: Python<'_>,
@@ -224,43 +227,48 @@ impl Renderer {
 
     /// Renders a stereo pair of a scene as it is now.
     ///
-    /// The first call with a scene builds its tree and brings it to the device; later ones bring what has changed. ``progress`` is called
-    /// with the name of a pass and the share of the frame's rows that are done, 0 to 1, as rows get done; what it raises ends the frame and
-    /// is raised here, as is a ``KeyboardInterrupt``. It must not call this renderer, which is at work until the frame is done, nor change
-    /// the scene. The options are keywords:
+    /// The first call with a scene builds its tree and brings it to the device; later ones bring what has changed.
+    /// ``progress`` is called with the name of a pass and the share of the frame's rows that are done, 0 to 1, as
+    /// rows get done; what it raises ends the frame and is raised here, as is a ``KeyboardInterrupt``. It must not
+    /// call this renderer, which is at work until the frame is done, nor change the scene. The options are
+    /// keywords:
     ///
-    /// - ``method``: how the right view is made, one of ``METHODS``; ``"auto"`` where nothing is said. ``"naive"`` traces both views;
-    ///   ``"bracket-rays"`` shows the same for less, and ``"bracket"`` takes over shadows too.
-    /// - ``outputs``: the arrays that come back, a list of names of ``OUTPUTS`` or one name; ``["color", "depth", "disparity"]`` where
-    ///   nothing is said. ``View`` says what each is.
-    /// - ``samples``: samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 1 where nothing is said. Depths, ids and ground truth stay those of
-    ///   one ray through the pixel's centre.
+    /// - ``method``: how the right view is made, one of ``METHODS``; ``"auto"`` where nothing is said. ``"naive"``
+    ///   traces both views; ``"bracket-rays"`` shows the same for less, and ``"bracket"`` takes over shadows too.
+    /// - ``outputs``: the arrays that come back, a list of names of ``OUTPUTS`` or one name; ``["color", "depth",
+    ///   "disparity"]`` where nothing is said. ``View`` says what each is.
+    /// - ``samples``: samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 1 where nothing is said. Depths, ids and ground
+    ///   truth stay those of one ray through the pixel's centre.
     /// - ``filter``: how samples are weighed: ``"box"``, ``"tent"`` or ``"gauss"``; the first where nothing is said.
     /// - ``jitter``: whether samples stand aside of the middles of their cells; ``True`` where nothing is said.
-    /// - ``adaptive``: more samples only where a pixel's differ: a tuple of levels, 2 to 5, and of the tolerance in values of a channel of
-    ///   the picture, 0 to 255, as ``(4, 8.0)``. ``None`` where nothing is said. With one sample, the box filter, and the methods ``auto``,
-    ///   ``naive``, ``ideal`` and the brackets only.
+    /// - ``adaptive``: more samples only where a pixel's differ: a tuple of levels, 2 to 5, and of the tolerance in
+    ///   values of a channel of the picture, 0 to 255, as ``(4, 8.0)``. ``None`` where nothing is said. With one
+    ///   sample, the box filter, and the methods ``auto``, ``naive``, ``ideal`` and the brackets only.
     /// - ``bounces``: surfaces, one behind the other, that a ray may come from, 0 to 8; 5 where nothing is said.
     /// - ``shadow_rays``: rays to each light that is not a point, 1 to 32; 16 where nothing is said.
-    /// - ``ambient_occlusion``: whether what stands near keeps ambient light off: a tuple of rays, 1 to 32, and of a radius in world units,
-    ///   above 0, as ``(16, 0.5)``. ``None`` where nothing is said.
-    /// - ``sky_rays``: by how many rays, 1 to 32, the sky lights surfaces, in place of ambient light; ``None``, by none, where nothing is
-    ///   said. Not with ``ambient_occlusion``.
-    /// - ``penumbra``: what a view takes over of the answers of these rays: ``"exact"``, of places that are fully lit or not at all;
-    ///   ``"shared"``, penumbrae too. The latter where nothing is said.
+    /// - ``ambient_occlusion``: whether what stands near keeps ambient light off: a tuple of rays, 1 to 32, and of a
+    ///   radius in world units, above 0, as ``(16, 0.5)``. ``None`` where nothing is said.
+    /// - ``sky_rays``: by how many rays, 1 to 32, the sky lights surfaces, in place of ambient light; ``None``, by
+    ///   none, where nothing is said. Not with ``ambient_occlusion``.
+    /// - ``penumbra``: what a view takes over of the answers of these rays: ``"exact"``, of places that are fully lit
+    ///   or not at all; ``"shared"``, penumbrae too. The latter where nothing is said.
     /// - ``seed``: of all random numbers, 0 where nothing is said. The same seed makes the same picture.
-    /// - ``exposure``: by how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where nothing is said.
-    /// - ``tone``: what becomes of what is too bright: ``"clamp"`` cuts it off, ``"filmic"`` bends all towards white along a film's curve.
-    ///   The first where nothing is said.
-    /// - ``noise_by_view``: whether each view has random numbers of its own; ``False`` where nothing is said.
-    /// - ``visibility``: how the first hits of traced views are found: ``"rays"`` or ``"t-buffer"``; the same hits by both. The first where
+    /// - ``exposure``: by how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where
     ///   nothing is said.
-    /// - ``shadow_buffer``: whether points ask shadow-buffers which point lights they see: a tuple of the rows of a table and of a rule,
-    ///   ``"object"``, ``"depth"`` or ``"hybrid"``, as ``(400, "hybrid")``. ``None`` where nothing is said.
-    /// - ``count``: whether BVH nodes and primitive tests are counted, which is slower; ``False`` where nothing is said.
+    /// - ``tone``: what becomes of what is too bright: ``"clamp"`` cuts it off, ``"filmic"`` bends all towards white
+    ///   along a film's curve. The first where nothing is said.
+    /// - ``noise_by_view``: whether each view has random numbers of its own; ``False`` where nothing is said.
+    /// - ``visibility``: how the first hits of traced views are found: ``"rays"`` or ``"t-buffer"``; the same hits by
+    ///   both. The first where nothing is said.
+    /// - ``shadow_buffer``: whether points ask shadow-buffers which point lights they see: a tuple of the rows of a
+    ///   table and of a rule, ``"object"``, ``"depth"`` or ``"hybrid"``, as ``(400, "hybrid")``. ``None`` where nothing
+    ///   is said.
+    /// - ``count``: whether BVH nodes and primitive tests are counted, which is slower; ``False`` where nothing is
+    ///   said.
     ///
-    /// Raises ``ValueError`` for options, cameras and scenes that can't be rendered, ``LimitError`` for what is larger than the adapter
-    /// allows or has memory for, ``DeviceLostError`` where the device went away, and ``AdapterError`` where its driver refused something.
+    /// Raises ``ValueError`` for options, cameras and scenes that can't be rendered, ``LimitError`` for what is larger
+    /// than the adapter allows or has memory for, ``DeviceLostError`` where the device went away, and
+    /// ``AdapterError`` where its driver refused something.
     #[pyo3(signature = (scene, camera, *, progress = None, **options))]
     fn render(
         &self,
@@ -282,13 +290,14 @@ impl Renderer {
 
     /// Renders the views of several eyes on one line, which look through the same screen.
     ///
-    /// ``eyes`` is their number, 1 to 1024, an interaxial between neighbours and the camera's midpoint in their middle; or their offsets
-    /// from that midpoint in interaxials, to the right. Some views are traced, and each other one is made from the nearest of these:
-    /// ``traced`` are their indices; where nothing is said the library chooses. ``progress`` and the options are those of ``render``;
-    /// ground truth (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are of pairs alone.
+    /// ``eyes`` is their number, 1 to 1024, an interaxial between neighbours and the camera's midpoint in their middle;
+    /// or their offsets from that midpoint in interaxials, to the right. Some views are traced, and each other one
+    /// is made from the nearest of these: ``traced`` are their indices; where nothing is said the library chooses.
+    /// ``progress`` and the options are those of ``render``; ground truth (``distance``, ``occlusion``, ``normal``,
+    /// ``geometric_normal`` and ``material``) and disparities are of pairs alone.
     ///
-    /// Raises what ``render`` raises, and ``ValueError`` for ground truth among the outputs, for no eyes or too many, two in one place,
-    /// several that are toed in, and indices that are no eyes.
+    /// Raises what ``render`` raises, and ``ValueError`` for ground truth among the outputs, for no eyes or too many,
+    /// two in one place, several that are toed in, and indices that are no eyes.
     #[pyo3(signature = (scene, camera, eyes, *, traced = None, progress = None, **options))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn render_views(
@@ -322,21 +331,22 @@ impl Renderer {
         Views::of(py, RigFrame { views, camera, request })
     }
 
-    /// A random camera in the free space of a scene, like ``camera`` but elsewhere: a tuple of the camera and of how many were tried for
-    /// it. It follows from the scene, the camera, the ``seed`` and the number ``item`` alone.
+    /// A random camera in the free space of a scene, like ``camera`` but elsewhere: a tuple of the camera and of how
+    /// many were tried for it. It follows from the scene, the camera, the ``seed`` and the number ``item`` alone.
     ///
-    /// A camera within the scene's bounds becomes one anywhere in them, looking anywhere, at most 23 degrees up or down; one outside of
-    /// them stays as far from their middle, and looks at what is there. Rejected are cameras inside of something, those whose eyes don't
-    /// see each other, and:
+    /// A camera within the scene's bounds becomes one anywhere in them, looking anywhere, at most 23 degrees up or
+    /// down; one outside of them stays as far from their middle, and looks at what is there. Rejected are cameras
+    /// inside of something, those whose eyes don't see each other, and:
     ///
-    /// - with a surface nearer than ``clearance`` to the midpoint between the eyes, in world units; twice the interaxial where nothing is
-    ///   said;
-    /// - with disparities, before or behind the screen, of ``max_disparity`` pixels or more; none are too large where nothing is said;
-    /// - whose left picture shows surfaces on less than ``min_surfaces`` of it, 0 to 1; where nothing is said a half within a scene, and a
-    ///   tenth of what is seen from outside.
+    /// - with a surface nearer than ``clearance`` to the midpoint between the eyes, in world units; twice the
+    ///   interaxial where nothing is said;
+    /// - with disparities, before or behind the screen, of ``max_disparity`` pixels or more; none are too large where
+    ///   nothing is said;
+    /// - whose left picture shows surfaces on less than ``min_surfaces`` of it, 0 to 1; where nothing is said a half
+    ///   within a scene, and a tenth of what is seen from outside.
     ///
-    /// Raises ``ValueError`` where 2000 cameras were all rejected, with the reasons, and for a scene that is empty or has only infinite
-    /// planes; else what ``render`` raises.
+    /// Raises ``ValueError`` where 2000 cameras were all rejected, with the reasons, and for a scene that is empty or
+    /// has only infinite planes; else what ``render`` raises.
     #[pyo3(signature = (scene, camera, seed, item, *, clearance = None, max_disparity = None, min_surfaces = None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn free_camera(
@@ -368,10 +378,11 @@ impl Renderer {
 
     /// The nearest hit of each of n rays: a tuple of two arrays of shape ``(n,)``.
     ///
-    /// ``origins`` are world positions, ``(n, 3)`` or one for all, ``(1, 3)``; ``directions`` are ``(n, 3)``, of any length but 0. The
-    /// first array, float32, is t: the point is ``origin + t * direction``; infinite where nothing is hit. The second one, uint32, is the
-    /// id of the primitive, or ``MISS``. Rays that are neighbours in the list are traced together: the more alike they are, the faster.
-    /// Raises ``ValueError`` for a ray without direction and for numbers of rays that don't fit; else what ``render`` raises.
+    /// ``origins`` are world positions, ``(n, 3)`` or one for all, ``(1, 3)``; ``directions`` are ``(n, 3)``, of any
+    /// length but 0. The first array, float32, is t: the point is ``origin + t * direction``; infinite where
+    /// nothing is hit. The second one, uint32, is the id of the primitive, or ``MISS``. Rays that are neighbours in
+    /// the list are traced together: the more alike they are, the faster. Raises ``ValueError`` for a ray without
+    /// direction and for numbers of rays that don't fit; else what ``render`` raises.
     fn closest_hits<'py>(
         &self,
         py: Python<'py>,
@@ -400,9 +411,10 @@ impl Renderer {
 
     /// Builds a scene's tree and brings it to the device, which ``render`` does by itself.
     ///
-    /// ``build`` says how much time goes into the tree: ``"fast"``, ``"balanced"``, as by ``render``, or ``"best"``, for a scene that many
-    /// pictures are made of. Where objects of the scene move later the tree keeps its shape; where it can't, it is built anew as
-    /// ``"balanced"``. Raises ``ValueError`` for another name and for a scene that can't be rendered; else what ``render`` raises.
+    /// ``build`` says how much time goes into the tree: ``"fast"``, ``"balanced"``, as by ``render``, or ``"best"``,
+    /// for a scene that many pictures are made of. Where objects of the scene move later the tree keeps its shape;
+    /// where it can't, it is built anew as ``"balanced"``. Raises ``ValueError`` for another name and for a scene
+    /// that can't be rendered; else what ``render`` raises.
     #[pyo3(signature = (scene, *, build = "balanced"))]
     fn upload(&self, py: Python<'_>, scene: &Scene, build: &str) -> PyResult<()> {
         let build = match build {

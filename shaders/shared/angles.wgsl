@@ -1,5 +1,6 @@
-// Sines and arctangents of a lane's numbers by polynomials: those of WGSL may be off by 1/2048 on some adapters, much more than a texel of a large table.
-// Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and 4.4.49: off by less than f32 rounds.
+// Sines and arctangents of a lane's numbers by polynomials: those of WGSL may be off by 1/2048 on some adapters, much
+// more than a texel of a large table. Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and
+// 4.4.49: off by less than f32 rounds.
 
 const QUARTER_TURN: f32 = 1.57079637;
 // What is missing to it.

@@ -1,5 +1,5 @@
-// Shadow bits that right pixels take over from the left view (docs/BRACKET.md). Any bit is an inference: what falls between the
-// samples throws no shadow here.
+// Shadow bits that right pixels take over from the left view (docs/BRACKET.md). Any bit is an inference: what falls
+// between the samples throws no shadow here.
 
 // Of the first 16 lights: it is known whether they are seen, and they are.
 struct Taken {
@@ -41,7 +41,8 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
     return source.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
 }
 
-// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits. Those of lights that are busy there do not.
+// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits. Those of lights that are busy
+// there do not.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
     var ray = 0u;
@@ -102,8 +103,8 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! if sources is two
-// What the nearest source does not know is asked of the one on the target's other side: it sees behind what hides a place from the
-// first.
+// What the nearest source does not know is asked of the one on the target's other side: it sees behind what hides a
+// place from the first.
 fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
     let second = Asked(frame.second_parallax_px, frame.second_same_parallax, true);
     let at = place_between(second, pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
@@ -168,8 +169,8 @@ fn busy_near(pixel: vec2u) -> u32 {
 }
 
 //! if bits is two
-// `two`: the left samples on both sides of the point. In a groove between them, deeper than the line from one to the other, a light that both
-// see may be hidden.
+// `two`: the left samples on both sides of the point. In a groove between them, deeper than the line from one to the
+// other, a light that both see may be hidden.
 
 // Depth of a groove, of what one surface's parallaxes may differ by: 1/128 pixel where that is 0.75.
 const GROOVE: f32 = 1.0 / 96.0;
@@ -185,8 +186,8 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 }
 
 //! if bits is block
-// `block`: the left samples on both sides of the point, in its row and in those above and below. One of another primitive whose
-// normal has turned away vouches for nothing.
+// `block`: the left samples on both sides of the point, in its row and in those above and below. One of another
+// primitive whose normal has turned away vouches for nothing.
 
 // Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;

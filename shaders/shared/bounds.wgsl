@@ -48,8 +48,8 @@ fn components(v: vec3f) -> f32 {
 }
 
 //! if canvas is picture
-// The blocks of a tile, a bit each, of which some ray may lie on the inner sides of the planes through the eye and a triangle's edges,
-// which are those of intersect_triangle; which sides these are, the triangle's winding says.
+// The blocks of a tile, a bit each, of which some ray may lie on the inner sides of the planes through the eye and a
+// triangle's edges, which are those of intersect_triangle; which sides these are, the triangle's winding says.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -63,7 +63,8 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
     let across = vec3f(dot(normal_a, frame.step_x), dot(normal_b, frame.step_x), dot(normal_c, frame.step_x));
     let down = vec3f(dot(normal_a, frame.step_y), dot(normal_b, frame.step_y), dot(normal_c, frame.step_y));
-    // How much it changes from a block's middle to its farthest pixel centre; and whatever intersect_triangle may call doubtful may be hit.
+    // How much it changes from a block's middle to its farthest pixel centre; and whatever intersect_triangle may call
+    // doubtful may be hit.
     let doubtful = frame.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
     let rounding = vec3f(components(normal_a), components(normal_b), components(normal_c)) * (1.0 / 1048576.0) + doubtful;
     let reach = (0.5 + frame.wider) * (abs(across) + abs(down)) + rounding;
@@ -86,13 +87,13 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
 }
 
 //! end
-// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this share of its distance and size
-// they round by too much.
+// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this
+// share of its distance and size they round by too much.
 const NEAR_PLANE: f32 = 1.0 / 8.0;
 
 //! if texels is corners or spheres
-// Least and largest column and row of a sphere's projection; everywhere if it comes close to the plane of the eyes. The bounds are those of
-// the tangents in the planes of columns and of rows.
+// Least and largest column and row of a sphere's projection; everywhere if it comes close to the plane of the eyes. The
+// bounds are those of the tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
     let radius = primitive.b.x;

@@ -1,7 +1,8 @@
 // Boxes of a pair of nodes, as they are stored.
 
 //! if boxes is grid
-// Boxes of 16-bit corners on a grid over the whole scene, rounded outwards: a child is one texel, half of what f32 takes.
+// Boxes of 16-bit corners on a grid over the whole scene, rounded outwards: a child is one texel, half of what f32
+// takes.
 
 const CHILD_TEXELS: u32 = 1u;
 // Share of the scene's size and distance that boxes are widened by.
@@ -28,8 +29,9 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is world
-// Boxes of f32 corners in world coordinates, for scenes far larger than their detail: each is widened by a share of its own distance
-// from the ray's origin, where the others are widened all alike. (That is cheaper, and does no harm where boxes are not so small.)
+// Boxes of f32 corners in world coordinates, for scenes far larger than their detail: each is widened by a share of its
+// own distance from the ray's origin, where the others are widened all alike. (That is cheaper, and does no harm where
+// boxes are not so small.)
 
 const CHILD_TEXELS: u32 = 2u;
 const SCENE_SLACK: f32 = 0.0;

@@ -1,8 +1,8 @@
 // Traversal: every ray goes through closest_hit or any_hit, and both through one loop.
 //
 // A lane's rays start at one point and share a stack: what one of them must visit, all test. A node is a pair of child
-// boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to 30, the first slot
-// below; other links are indices of pairs. The root is pair 0.
+// boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to 30, the first
+// slot below; other links are indices of pairs. The root is pair 0.
 //! if cutouts is none
 struct Bvh {
     grid_origin: vec3f,   // world position of grid point 0
@@ -60,8 +60,8 @@ struct Found {
     doubtful: B,   // not told by this test, which is quick, but by look_again
 }
 
-// Doubtful primitives that wait for their second look, each as slot << RAY_BITS with a bit for each ray that doubts it; 0: none.
-// Two, since a ray that doubts a triangle mostly doubts a neighbour.
+// Doubtful primitives that wait for their second look, each as slot << RAY_BITS with a bit for each ray that doubts it;
+// 0: none. Two, since a ray that doubts a triangle mostly doubts a neighbour.
 struct PutOff {
     last: u32,
     before: u32,
@@ -136,8 +136,9 @@ struct Offsets {
     high: vec3f,
 }
 
-// Boxes are widened by more than rounding can amount to in the slab and primitive tests, so that it hides neither a tie nor a
-// flat leaf (DESIGN, section 2). By no more: a shadow ray begins so close to its surface that a box of it would be met in vain.
+// Boxes are widened by more than rounding can amount to in the slab and primitive tests, so that it hides neither a tie
+// nor a flat leaf (DESIGN, section 2). By no more: a shadow ray begins so close to its surface that a box of it would
+// be met in vain.
 fn offsets_from(origin: vec3f) -> Offsets {
     let to_grid = bvh.grid_origin - origin;
     let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
@@ -303,7 +304,8 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
 }
 
 //! if planes is none
-// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS. Where there are planes: planes.wgsl.
+// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS. Where there are planes:
+// planes.wgsl.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }
@@ -313,8 +315,8 @@ var<private> nodes_visited: u32;
 var<private> primitives_tested: u32;
 
 //! if primitives is triangles or spheres or mixed and planes is none
-// The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER leaves
-// a ray out.
+// The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER
+// leaves a ray out.
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return traverse(rays, t_min, t_max, false);
 }

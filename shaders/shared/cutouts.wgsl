@@ -1,8 +1,8 @@
 // Cut-outs: triangles whose surface is there only where a mask says so.
 //
-// What hits such a triangle is put off, as what is doubtful is, and the second look, one ray at a time, asks the mask. So the first test costs what
-// it costs without masks, which are read for hits alone, and there is one place that says where a surface is: whatever ray asks for
-// it, of either eye, gets one answer.
+// What hits such a triangle is put off, as what is doubtful is, and the second look, one ray at a time, asks the mask.
+// So the first test costs what it costs without masks, which are read for hits alone, and there is one place that says
+// where a surface is: whatever ray asks for it, of either eye, gets one answer.
 
 //! if cutouts is some
 struct Bvh {
@@ -51,8 +51,8 @@ fn is_cut_out(primitive: Primitive) -> bool {
 // Pixels of a mask that a texel holds, a bit each.
 const MASK_PIXELS: u32 = 128u;
 
-// Whether a triangle that a ray meets has a surface there: the pixel says in which it lies. A mask's head has its first texel, counted
-// from the first head on, its width, height and wrap. Rows are counted from below, as v is.
+// Whether a triangle that a ray meets has a surface there: the pixel says in which it lies. A mask's head has its first
+// texel, counted from the first head on, its width, height and wrap. Rows are counted from below, as v is.
 fn has_surface(slot: u32, origin: vec3f, direction: vec3f) -> bool {
     let weights = corner_weights(Rays(origin, all3(direction)), triangle_corners(slot), 0u);
     let corners = triangle_uv(slot);

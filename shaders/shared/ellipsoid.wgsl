@@ -1,12 +1,14 @@
-// Rays against an ellipsoid: a matrix takes it to a sphere, and rays with it, which changes no t. There they are met as sphere.wgsl says.
+// Rays against an ellipsoid: a matrix takes it to a sphere, and rays with it, which changes no t. There they are met as
+// sphere.wgsl says.
 
-// Spheres of a scene with ellipsoids are ellipsoids too, their matrix being the identity. So these are what other files know as a sphere's
-// functions, in place of those of sphere.wgsl and bounds.wgsl.
+// Spheres of a scene with ellipsoids are ellipsoids too, their matrix being the identity. So these are what other files
+// know as a sphere's functions, in place of those of sphere.wgsl and bounds.wgsl.
 
 //! if texels is ellipsoids
-// What an intersection needs of a primitive. An ellipsoid has its centre in a, and in b, c and d the rows of the matrix that takes offsets from
-// there to those from the centre of a sphere. They stand at right angles, each along a semi-axis (src/scene/ellipsoid.rs): so the
-// rounding of a product with one of them moves a point along that semi-axis alone, by as little as the offset's own rounding.
+// What an intersection needs of a primitive. An ellipsoid has its centre in a, and in b, c and d the rows of the matrix
+// that takes offsets from there to those from the centre of a sphere. They stand at right angles, each along a
+// semi-axis (src/scene/ellipsoid.rs): so the rounding of a product with one of them moves a point along that semi-axis
+// alone, by as little as the offset's own rounding.
 struct Primitive {
     a: vec3f,
     b: vec3f,
@@ -63,9 +65,9 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
 // Of what cancels in the matrix's products, how far the origin must be from the sphere, or their rounding shows in t.
 const CANCELLED: f32 = 0.25;
 
-// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in sphere.wgsl, or for what cancels in
-// the matrix's products. That is much beside a tilted flat ellipsoid whose centre is far; where the centre is farther than any of
-// the surface's size, t is as long, and it does not matter.
+// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in
+// sphere.wgsl, or for what cancels in the matrix's products. That is much beside a tilted flat ellipsoid whose centre
+// is far; where the centre is farther than any of the surface's size, t is as long, and it does not matter.
 fn is_close_ellipsoid(primitive: Primitive, from_origin: vec3f, to_center: vec3f) -> bool {
     let radius = primitive.reach;
     let distance = abs(dot(to_center, to_center) - radius * radius);
@@ -106,16 +108,16 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal), outside);
 }
 
-// Of the sphere whose surface the map stretches by as much everywhere as the ellipsoid's where its normal is this one: an area grows by the
-// determinant times the length of the normal under the map's inverse transposed.
+// Of the sphere whose surface the map stretches by as much everywhere as the ellipsoid's where its normal is this one:
+// an area grows by the determinant times the length of the normal under the map's inverse transposed.
 fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
     let lengths = vec3f(length(primitive.b), length(primitive.c), length(primitive.d));
     let grown = lengths.x * lengths.y * lengths.z * length(to_sphere(primitive, normal) / (lengths * lengths));
     return primitive.reach * inverseSqrt(grown);
 }
 
-// Least and largest column and row of an ellipsoid's projection; everywhere if it comes close to the plane of the eyes. The bounds are those
-// of the planes through the eye and along the picture's columns and rows that touch it.
+// Least and largest column and row of an ellipsoid's projection; everywhere if it comes close to the plane of the eyes.
+// The bounds are those of the planes through the eye and along the picture's columns and rows that touch it.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
     let up = cross(frame.right_axis, projection.forward);
@@ -139,8 +141,9 @@ fn half_widths(primitive: Primitive, axis: vec3f) -> vec3f {
     return to_sphere(primitive, axis) * (primitive.reach / squared);
 }
 
-// Least and largest slope s of the planes `across = s z` that touch: where (across - s z)² is |a - s b|² for the half widths a and b of the two axes.
-// The discriminant is written as two products, so that it does not vanish in the rounding of a distant centre's.
+// Least and largest slope s of the planes `across = s z` that touch: where (across - s z)² is |a - s b|² for the half
+// widths a and b of the two axes. The discriminant is written as two products, so that it does not vanish in the
+// rounding of a distant centre's.
 fn touching(across: f32, z: f32, a: vec3f, b: vec3f, depth: f32) -> vec2f {
     let seen = z * a - across * b;
     let hidden = cross(a, b);

@@ -1,5 +1,5 @@
-// How a scene is read, and how a table is that a kernel looks up by index: in texels of four words, by the same functions whatever
-// an adapter keeps them in.
+// How a scene is read, and how a table is that a kernel looks up by index: in texels of four words, by the same
+// functions whatever an adapter keeps them in.
 
 @group(0) @binding(0) var<uniform> bvh: Bvh;
 
@@ -31,8 +31,8 @@ fn table_texel(index: u32) -> vec4u {
 }
 
 //! if fetch is texture
-// In textures: for CPU adapters, where a texel is an unrolled gather, faster than a storage-buffer load (docs/TRAVERSAL.md). Storage
-// textures, since a sampled one's load looks its mip level up for every lane.
+// In textures: for CPU adapters, where a texel is an unrolled gather, faster than a storage-buffer load
+// (docs/TRAVERSAL.md). Storage textures, since a sampled one's load looks its mip level up for every lane.
 
 // The root's pair alone in the first row, then rows of primitives, then rows of all other pairs: see src/geometry.rs.
 @group(0) @binding(1) var geometry: texture_storage_2d<rgba32uint, read>;

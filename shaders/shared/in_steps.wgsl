@@ -28,11 +28,11 @@ fn is_put_off(asked: B) -> bool { return false; }
 fn keep_lights(sum: Light, light: u32) -> bool { return false; }
 
 //! if dispatches is many
-// A thread does so many rounds of its loops in one dispatch, keeps where it stands, and goes on from there in the next: for
-// rays and lights that take more rounds than an adapter grants a thread.
+// A thread does so many rounds of its loops in one dispatch, keeps where it stands, and goes on from there in the next:
+// for rays and lights that take more rounds than an adapter grants a thread.
 //
-// A traversal stops in front of a pair of boxes, where hits and stack are all that there is to keep. What it does after that
-// is what it would have done, so hits, colours and counts are those of one go, bit for bit.
+// A traversal stops in front of a pair of boxes, where hits and stack are all that there is to keep. What it does after
+// that is what it would have done, so hits, colours and counts are those of one go, bit for bit.
 
 // What a thread keeps from step to step; all zeros at first.
 struct Lane {

@@ -1,5 +1,5 @@
-// Where rays go through pixels that are jittered samples: beside the centre, by an offset that a row of samples shares (DESIGN, section 3).
-// src/samples/jitter.rs has the same arithmetic.
+// Where rays go through pixels that are jittered samples: beside the centre, by an offset that a row of samples shares
+// (DESIGN, section 3). src/samples/jitter.rs has the same arithmetic.
 
 //! if jitter is rows
 // Directions from an eye through jittered samples.
@@ -14,8 +14,8 @@ fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     );
 }
 
-// How far to the right of their cells' middles the samples of a row stand, of a cell's width. The rows of a pixel share its columns'
-// SAMPLES_SIDE strata out by the order of their hashes.
+// How far to the right of their cells' middles the samples of a row stand, of a cell's width. The rows of a pixel share
+// its columns' SAMPLES_SIDE strata out by the order of their hashes.
 fn sample_aside(row: U) -> F {
     let first = row / U(SAMPLES_SIDE) * U(SAMPLES_SIDE);
     let own = row_hash(row);

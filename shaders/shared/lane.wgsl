@@ -32,8 +32,8 @@ fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
 fn with_bits(bits: u32) -> B { return (bits & 1u) != 0u; }
 
 //! if rays is four
-// Those of a block of 2x2 pixels or of four entries of a list, on one stack: for CPU adapters, where loads are dear and what is
-// loaded serves all four (docs/TRAVERSAL.md).
+// Those of a block of 2x2 pixels or of four entries of a list, on one stack: for CPU adapters, where loads are dear and
+// what is loaded serves all four (docs/TRAVERSAL.md).
 
 alias F = vec4f;    // a number for each of the lane's rays
 alias U = vec4u;

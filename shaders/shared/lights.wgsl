@@ -1,12 +1,13 @@
-// Lights (DESIGN, section 3); who sees them is for visibility.wgsl to say, and what others than points send for soft.wgsl.
+// Lights (DESIGN, section 3); who sees them is for visibility.wgsl to say, and what others than points send for
+// soft.wgsl.
 
-// A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
-// the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
-// measurement.
+// A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin:
+// what the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has
+// the measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
-// And by this share of the point's triangle, what t's rounding grows with; of a triangle to which eye and light are so close that t is
-// computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
+// And by this share of the point's triangle, what t's rounding grows with; of a triangle to which eye and light are so
+// close that t is computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
 // How far off its surface a ray begins that leaves a point seen from another one, by the roundings above.

@@ -20,8 +20,9 @@ struct Lists {
     entries: array<u32>,
 }
 
-// A tile is in one list at most, and of the pixels' two lists the first has been traced before the other gets its first entry: so the
-// two lists of either share as many entries as there are, one from the first on, the other from the last one backwards.
+// A tile is in one list at most, and of the pixels' two lists the first has been traced before the other gets its first
+// entry: so the two lists of either share as many entries as there are, one from the first on, the other from the last
+// one backwards.
 fn place_in(list: u32, place: u32) -> u32 {
     let pixels = tiles_at_work() * TILE_PIXELS;
     let begin = select(0u, pixels, list >= TO_RESOLVE);
@@ -34,8 +35,8 @@ fn lists_end() -> u32 {
     return tiles_at_work() * (TILE_PIXELS + 1u);
 }
 
-// Places in a list of pixels for a lane's, side by side, so that neighbours are traced together. The order of the list depends on the
-// threads; each entry writes only its own pixel, so the picture does not.
+// Places in a list of pixels for a lane's, side by side, so that neighbours are traced together. The order of the list
+// depends on the threads; each entry writes only its own pixel, so the picture does not.
 fn reserve(list: u32, count: u32) -> u32 {
     return reserve_for(list, count, LIST_WORKGROUP * RAYS);
 }
@@ -53,7 +54,8 @@ fn append(list: u32, place: u32, entry: u32) {
     lists.entries[place_in(list, place)] = entry;
 }
 
-// The pixels of a thread of a launch over a list. The last thread's spare rays repeat the last entry and are not wanted.
+// The pixels of a thread of a launch over a list. The last thread's spare rays repeat the last entry and are not
+// wanted.
 struct ListedPixels {
     pixels: Pixels,
     wanted: B,
@@ -90,9 +92,11 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(pixels, inside_rows(pixels) & (U(place) < U(count)));
 }
 
-// Behind the lists stands what search_tiles finds: for each tile of the rows at work its bound and the lists of its blocks.
+// Behind the lists stands what search_tiles finds: for each tile of the rows at work its bound and the lists of its
+// blocks.
 
-// Words of a block's list: the number of primitives, then their slots, each with a bit for each of the four pixels that may show it.
+// Words of a block's list: the number of primitives, then their slots, each with a bit for each of the four pixels that
+// may show it.
 const LIST_WORDS: u32 = 40u;
 const LIST_MOST: u32 = 39u;     // a block of which more is listed has no list: its pixels are traced
 const FIRST_PIXEL_BIT: u32 = 28u;

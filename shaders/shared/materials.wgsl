@@ -1,8 +1,8 @@
 // What a surface is made of: its texels of the shading table, behind the lights'.
 
-// Texels of a material: albedo, and one more than its texture's number with its finish above that; then specular colour and Phong's
-// exponent, or -1 less that where highlights are normalised; then what it gives off, and its opacity; then what it lets through, and its index of refraction. Where all are dull, the
-// first alone.
+// Texels of a material: albedo, and one more than its texture's number with its finish above that; then specular colour
+// and Phong's exponent, or -1 less that where highlights are normalised; then what it gives off, and its opacity; then
+// what it lets through, and its index of refraction. Where all are dull, the first alone.
 const MATERIAL_ALBEDO: u32 = 0u;
 const MATERIAL_SPECULAR: u32 = 1u;
 const MATERIAL_EMISSION: u32 = 2u;
@@ -34,7 +34,8 @@ fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     return shining;
 }
 
-// Phong's highlight of a light, as MTL has it: what its mirrored ray sends to the eye. Directions from the light are of length 1.
+// Phong's highlight of a light, as MTL has it: what its mirrored ray sends to the eye. Directions from the light are of
+// length 1.
 fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let to_eye = minus3(all3(eye), surfaces.point);
     let mirrored = minus3(from_light, times3(surfaces.shading_normal, 2.0 * dot3(surfaces.shading_normal, from_light)));
@@ -57,8 +58,8 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 }
 
 //! if shine is normalised
-// The same where some highlights are normalised: those whose exponent is below 0. Their colour is scaled so that all of the lobe has its share of the light that comes
-// (Lafortune & Willems 1994).
+// The same where some highlights are normalised: those whose exponent is below 0. Their colour is scaled so that all of
+// the lobe has its share of the light that comes (Lafortune & Willems 1994).
 fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     let specular = material_texel(material, MATERIAL_SPECULAR);
     let emission = material_texel(material, MATERIAL_EMISSION);

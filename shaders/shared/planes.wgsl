@@ -1,5 +1,6 @@
-// Infinite planes: few, and in no box of the tree. They have the first places among the primitives, and every ray asks all of them before it
-// goes through the tree, with what it found as its bound. Their ids are the last, so that of equal t what stands in the tree wins.
+// Infinite planes: few, and in no box of the tree. They have the first places among the primitives, and every ray asks
+// all of them before it goes through the tree, with what it found as its bound. Their ids are the last, so that of
+// equal t what stands in the tree wins.
 
 //! if planes is none
 // There is none.
@@ -18,13 +19,15 @@ fn met_at(slot: u32, rays: Rays) -> Found {
 }
 
 //! if planes is some
-// A plane's texels: a point (xyz) and its id; its unit normal and its component; what texture coordinates u are products with, and its
-// material.
+// A plane's texels: a point (xyz) and its id; its unit normal and its component; what texture coordinates u are
+// products with, and its material.
 
-// Farther from where a ray begins there is no plane: what it meets there could not send rays on through the tree's boxes.
+// Farther from where a ray begins there is no plane: what it meets there could not send rays on through the tree's
+// boxes.
 const PLANE_REACH: f32 = 1e8;
 
-// How far a plane is above a point, along its normal. A sum of two f32: a plane's own point may be far from where rays meet it.
+// How far a plane is above a point, along its normal. A sum of two f32: a plane's own point may be far from where rays
+// meet it.
 fn plane_above(slot: u32, origin: vec3f) -> f32 {
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
     let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
@@ -62,8 +65,8 @@ fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
 // Of the length of a tile's longest ray: more than the rounding of how fast rays come nearer to a plane.
 const PLANE_SLACK: f32 = 1.0 / 524288.0;
 
-// Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest in a corner.
-// (No return from within the loop: by llvmpipe's OpenGL what comes after it was returned.)
+// Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest
+// in a corner. (No return from within the loop: by llvmpipe's OpenGL what comes after it was returned.)
 fn meets_planes(tile: Tile) -> bool {
     // Jittered samples stand aside along their rows.
     let aside = vec2f(jitter_reach(), 0.0);
@@ -101,9 +104,10 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// A texture's colour on a plane. Of a picture the footprint is as lookup_at has it, but down to any angle. A checkerboard's share is that of the box,
-// along its own axes, around the pixel's shadow, which towards the horizon is far longer than it is wide: a disc's reaches along a unit vector e of
-// the plane by sqrt(1 + (e.d / n.d)^2) of its radius, d being the ray's direction.
+// A texture's colour on a plane. Of a picture the footprint is as lookup_at has it, but down to any angle. A
+// checkerboard's share is that of the box, along its own axes, around the pixel's shadow, which towards the horizon is
+// far longer than it is wide: a disc's reaches along a unit vector e of the plane by sqrt(1 + (e.d / n.d)^2) of its
+// radius, d being the ray's direction.
 fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let slot = of_ray_u(hits.slot, ray);
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);

@@ -24,8 +24,9 @@ fn landing(column: u32, z: f32) -> i32 {
     return i32(floor(clamp(landing_x(column, z), -1e9, 1e9)));
 }
 
-// The order of a source's columns for its target: the farthest side first. To an eye on the right near things move to the left, so among the
-// samples that land on one column the rightmost is the nearest; to an eye on the left all is mirrored.
+// The order of a source's columns for its target: the farthest side first. To an eye on the right near things move to
+// the left, so among the samples that land on one column the rightmost is the nearest; to an eye on the left all is
+// mirrored.
 
 fn is_mirrored() -> bool { return frame.parallax_px < 0.0; }
 
@@ -36,8 +37,8 @@ fn in_sweep(place: u32) -> u32 { return select(place, frame.image_size.x - 1u - 
 fn key_of(column: u32) -> u32 { return in_sweep(column) + 1u; }
 fn column_of(key: u32) -> u32 { return in_sweep(key - 1u); }
 
-// Marks of the pixels of a view that is not traced: checked and rejected, traced for want of a source's sample; and what is left for
-// the key of the source's pixel that is taken over.
+// Marks of the pixels of a view that is not traced: checked and rejected, traced for want of a source's sample; and
+// what is left for the key of the source's pixel that is taken over.
 const BAD: u32 = 0x40000000u;
 const MISSED: u32 = 0x80000000u;
 // By `bracket`: some light needed a shadow ray.

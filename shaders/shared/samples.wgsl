@@ -1,4 +1,5 @@
-// What right pixels ask of the left view's samples. It is kept in a texture, since software adapters read those faster than buffers.
+// What right pixels ask of the left view's samples. It is kept in a texture, since software adapters read those faster
+// than buffers.
 
 // What a sample saw.
 struct SourceSample {

@@ -1,5 +1,5 @@
-// A tile's search, whatever its size: it gathers leaves of the BVH, which the kernel's own keep_primitive and list_kept take from there;
-// its own `steps` and MOST_STEPS say when to give up.
+// A tile's search, whatever its size: it gathers leaves of the BVH, which the kernel's own keep_primitive and list_kept
+// take from there; its own `steps` and MOST_STEPS say when to give up.
 
 // Between two samples a surface may lie a little deeper than both.
 const BETWEEN: f32 = 1.001;

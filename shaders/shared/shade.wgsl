@@ -1,7 +1,8 @@
-// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights, linear; pictures show it exposed and clamped.
+// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights,
+// linear; pictures show it exposed and clamped.
 
-// What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
-// driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
+// What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's
+// software driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
 const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height; first of the textures' heads in w
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere

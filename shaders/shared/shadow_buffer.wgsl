@@ -1,5 +1,5 @@
-// Shadow-buffers: a table of directions around each of the first point lights, drawn by the T-buffer's kernels (docs/SHADOW-BUFFER.md), which
-// stands between a light and its shadow rays.
+// Shadow-buffers: a table of directions around each of the first point lights, drawn by the T-buffer's kernels
+// (docs/SHADOW-BUFFER.md), which stands between a light and its shadow rays.
 
 // In the place of a texel's primitive: nothing is known of its direction.
 const UNFILLED: u32 = 0xfffffffeu;
@@ -9,7 +9,8 @@ const SOMETHING_BEFORE: u32 = 0x80000000u;
 const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
-// A layer a light: t as bits and the primitive's place in each texel, or what read_texels.wgsl says. Behind the last row stands where directions are: src/steps/shadow_buffer.rs.
+// A layer a light: t as bits and the primitive's place in each texel, or what read_texels.wgsl says. Behind the last
+// row stands where directions are: src/steps/shadow_buffer.rs.
 @group(1) @binding(8) var shadow_buffers: texture_2d_array<u32>;
 
 // What lit_by asks for, besides a ray.
@@ -21,7 +22,8 @@ fn ask_tables(surfaces: Surfaces) {
     asked_component = surfaces.component;
 }
 
-// What a light's table says of points: nothing of those that are unknown; of others what hides the light from them, or MISS.
+// What a light's table says of points: nothing of those that are unknown; of others what hides the light from them, or
+// MISS.
 struct Said {
     unknown: B,
     occluders: U,
@@ -137,7 +139,8 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 }
 
 //! if shadow_buffer is depth
-// Whether what is nearest is nearer than the point by more than a bias, of so many widths of a texel there, and more the more the surface slants.
+// Whether what is nearest is nearer than the point by more than a bias, of so many widths of a texel there, and more
+// the more the surface slants.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     let cosine = clamp(-dot(of_ray3(asked_normal, index), of_ray3(ray.direction, index)), 1e-3, 1.0);
     let slope = sqrt(1.0 - cosine * cosine) / cosine;
@@ -151,8 +154,9 @@ const ASKED_TEXELS: u32 = 2u;
 // The cosine between the normals of a point and of what its texel shows, if these are one surface.
 const LOOKS_ALIKE: f32 = 0.8;
 
-// A point behind what its texel shows, or the next one, or the other points' of the lane, is hidden if its ray meets it: that is proof. Of the others those are lit that
-// are on the plane of what their texel shows, or behind it by no more than the margin, if nothing stands before that. Else nothing is said.
+// A point behind what its texel shows, or the next one, or the other points' of the lane, is hidden if its ray meets
+// it: that is proof. Of the others those are lit that are on the plane of what their texel shows, or behind it by no
+// more than the margin, if nothing stands before that. Else nothing is said.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
     if !has_table(light) { return said; }
@@ -185,7 +189,8 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
         if turn == 0u {
             let size = ray.distance * sqrt(dot3(planes, planes));
             let is_clear = shown < U(SOMETHING_BEFORE);
-            // Shadow rays end off their surfaces, before the plane; on a ball's near side before that of its outline, whose far side is behind it.
+            // Shadow rays end off their surfaces, before the plane; on a ball's near side before that of its outline,
+            // whose far side is behind it.
             on = is_clear & (behind <= 0.25 * ON_PLANE * size);
             // A surface that curves lies behind a plane of its own by little, and looks the same way.
             let alike = -dot3(planes, asked_normal) * ray.distance >= LOOKS_ALIKE * size;
@@ -200,8 +205,9 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     return said;
 }
 
-// What is said besides of unknown points where one of these primitives, of open points one each, hides them. Points that a plane says to be lit try their own primitive
-// alone: a margin lets more than rays do, and which points share a lane must not change a picture. Of the others a ray would say the same.
+// What is said besides of unknown points where one of these primitives, of open points one each, hides them. Points
+// that a plane says to be lit try their own primitive alone: a margin lets more than rays do, and which points share a
+// lane must not change a picture. Of the others a ray would say the same.
 fn with_proof(before: Said, asked: B, slots: U, lit: B, ray: ShadowRay) -> Said {
     var said = before;
     var open = asked;

@@ -1,6 +1,7 @@
-// A light's shadow-buffer as what primitives are drawn on (docs/SHADOW-BUFFER.md): its texels are a picture's pixels of which each row has the
-// angle theta from a pole, and each column the azimuth phi. Edges of triangles are curves there, but planes through the light in space, where all
-// tests are made: so triangles across the seam or around a pole are like all others.
+// A light's shadow-buffer as what primitives are drawn on (docs/SHADOW-BUFFER.md): its texels are a picture's pixels of
+// which each row has the angle theta from a pole, and each column the azimuth phi. Edges of triangles are curves there,
+// but planes through the light in space, where all tests are made: so triangles across the seam or around a pole are
+// like all others.
 
 //! if canvas is middles or texels
 // A table is drawn on as it is.
@@ -26,7 +27,8 @@ struct Shown {
     slot: u32,
 }
 
-// Of its two words in the T-buffer and of the nearest of all planes. Of equal t what stands in the tree wins, whose ids are smaller than planes'.
+// Of its two words in the T-buffer and of the nearest of all planes. Of equal t what stands in the tree wins, whose ids
+// are smaller than planes'.
 fn shown_at(drawn: vec2u, nearest: Hits, ray: u32) -> Shown {
     let t = bitcast<f32>(~drawn.x);
     if drawn.x != 0u && t <= of_ray(nearest.t, ray) { return Shown(t, select(drawn.y - 1u, UNFILLED, drawn.y == 0u)); }
@@ -105,8 +107,8 @@ fn angles_of(cap: Cap) -> Angles {
     return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
 }
 
-// Of a triangle whose cone has no pole they are those of its corners, and the thetas where an edge, which is a great circle's, comes nearest to a pole: so
-// needles have no more texels than they need.
+// Of a triangle whose cone has no pole they are those of its corners, and the thetas where an edge, which is a great
+// circle's, comes nearest to a pole: so needles have no more texels than they need.
 fn triangle_angles(primitive: Primitive) -> Angles {
     let around = angles_of(triangle_cap(primitive));
     if around.all_around { return around; }
@@ -132,8 +134,8 @@ fn phi_beside(v: vec3f, middle: f32) -> f32 {
 
 const TURN: f32 = 6.2831853;
 
-// Least and largest theta of an edge between two unit vectors along the axes. Where it rises from both of its ends, or falls, it turns back in between, as far from the pole as its plane's
-// normal is from the equator.
+// Least and largest theta of an edge between two unit vectors along the axes. Where it rises from both of its ends, or
+// falls, it turns back in between, as far from the pole as its plane's normal is from the equator.
 fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     let from_a = angle_of(length(a.xy), a.z);
     let from_b = angle_of(length(b.xy), b.z);
@@ -146,8 +148,8 @@ fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     return vec2f(low, high);
 }
 
-// First column and row, and the last ones, of the table, of the rows at work that what lies between angles may reach; none if a first is past its last. Columns may go on
-// beyond the last one, behind which the first one is.
+// First column and row, and the last ones, of the table, of the rows at work that what lies between angles may reach;
+// none if a first is past its last. Columns may go on beyond the last one, behind which the first one is.
 fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     let rows = i32(frame.image_size.y);
     let begin = i32(frame.first_row);
@@ -171,8 +173,8 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     return vec4i(first_column, i32(first_row), last_column, i32(last_row));
 }
 
-// The first place of the table that an angle on may reach, and the last one that an angle up to another one may, a place being what lies so far on both sides
-// of a texel's middle.
+// The first place of the table that an angle on may reach, and the last one that an angle up to another one may, a
+// place being what lies so far on both sides of a texel's middle.
 fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.theta_step - reaches.x); }
 fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.theta_step - reaches.y); }
 
@@ -204,8 +206,8 @@ fn directions_at(rows: F, columns: F) -> F3 {
     );
 }
 
-// How far directions stand on the inner side of the planes through the light and a triangle's edges: the sine of the angle, above -reach for some winding
-// where what lies so close to it may meet the triangle.
+// How far directions stand on the inner side of the planes through the light and a triangle's edges: the sine of the
+// angle, above -reach for some winding where what lies so close to it may meet the triangle.
 fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -294,9 +296,11 @@ fn allowed_before() -> f32 { return frame.margin * frame.theta_step + ON_PLANE; 
 
 fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texel.y + 0.5)); }
 
-// Whether a primitive may be before a texel's surface, within the texel: the plane of which the points x from the light have plane . x = 1.
+// Whether a primitive may be before a texel's surface, within the texel: the plane of which the points x from the light
+// have plane . x = 1.
 fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
-    // Of all of it, wherever it is, how much is before the plane: with the distances of a texel that looks at it straight on, the least there are.
+    // Of all of it, wherever it is, how much is before the plane: with the distances of a texel that looks at it
+    // straight on, the least there are.
     let size = length(plane);
     if size > 0.0 && 1.0 + most_along(primitive, -plane) <= allowed_before() { return false; }
     return touches_before(primitive, plane, texel);
@@ -305,8 +309,9 @@ fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
 // Wider texels than this, of tables of a few rows, curve by more than their corners are moved out; radians.
 const WIDEST_TEXEL: f32 = 0.65;
 
-// Whether a plane is before another one somewhere in a texel. The reciprocal of the distance from the light to a plane is linear in direction, so that two planes'
-// differ most in one of the texel's corners, which are moved out by more than its sides curve and directions round. (What is no number is before it.)
+// Whether a plane is before another one somewhere in a texel. The reciprocal of the distance from the light to a plane
+// is linear in direction, so that two planes' differ most in one of the texel's corners, which are moved out by more
+// than its sides curve and directions round. (What is no number is before it.)
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
     let allowed = allowed_before() * length(plane);
@@ -341,7 +346,8 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
     return aside <= cap.radius + TEXEL_REACH * frame.theta_step + CAP_SLACK;
 }
 
-// The plane of a triangle, seen from the light: of its points the products with this vector are 1. Of one through the light there is none: that light does not see it.
+// The plane of a triangle, seen from the light: of its points the products with this vector are 1. Of one through the
+// light there is none: that light does not see it.
 fn triangle_plane(primitive: Primitive) -> vec3f {
     let normal = normalize(largest_one(cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a))));
     let height = dot(normal, primitive.a - frame.target_eye);
@@ -349,7 +355,8 @@ fn triangle_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is corners or spheres
-// The plane of the circle in which a ball's outline lies: what is behind it hides no point of the ball that faces the light. From within there is none.
+// The plane of the circle in which a ball's outline lies: what is behind it hides no point of the ball that faces the
+// light. From within there is none.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = primitive.a - frame.target_eye;
     let distance = length(center);

@@ -31,8 +31,8 @@ fn occluded_by(slot: u32, ray: ShadowRay) -> B {
 }
 
 //! if shadows is from_surface
-// From the surface to the light, one after the other: for lights so far off that from there f32 tells the scene's points no
-// longer apart.
+// From the surface to the light, one after the other: for lights so far off that from there f32 tells the scene's
+// points no longer apart.
 
 const OFFSET_BY_LIGHT: f32 = 0.0;
 

@@ -14,8 +14,8 @@ fn sky(direction: F3) -> F3 {
 }
 
 //! if sky is map
-// An equirectangular picture, bilinear: its top row is straight up, its middle column towards -z, and columns go round to the right.
-// Columns wrap at the seam; past a pole a row goes on at the opposite column.
+// An equirectangular picture, bilinear: its top row is straight up, its middle column towards -z, and columns go round
+// to the right. Columns wrap at the seam; past a pole a row goes on at the opposite column.
 const PI: f32 = 3.14159265;
 
 fn sky(direction: F3) -> F3 {

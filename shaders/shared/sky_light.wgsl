@@ -1,5 +1,5 @@
-// The sky as a light. Where it is asked for in place of ambient light, the rays into a point's surroundings bring what the sky is like where they
-// lead (DESIGN, section 3).
+// The sky as a light. Where it is asked for in place of ambient light, the rays into a point's surroundings bring what
+// the sky is like where they lead (DESIGN, section 3).
 
 //! if surroundings is ambient
 fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
@@ -70,7 +70,8 @@ fn four_rays(aim: Aim, group: u32) -> Four {
 }
 
 //! if surroundings is cosine
-// A sky of one colour or a gradient: rays leave by the cosine, so that each brings as much of what is seen along it as any other.
+// A sky of one colour or a gradient: rays leave by the cosine, so that each brings as much of what is seen along it as
+// any other.
 fn sky_colors(aim: Aim, rays: Four) -> FourColors {
     let none = vec4f(0.0);
     var four = FourColors(none, none, none);
@@ -87,9 +88,9 @@ fn sky_colors(aim: Aim, rays: Four) -> FourColors {
 }
 
 //! if surroundings is map
-// A picture may have a sun of few pixels: every other ray leaves for a place that is chosen by its brightness, the others by the cosine, and what
-// both kinds may have met is weighed by how likely they were to (Veach & Guibas 1995, "Optimally Combining Sampling Techniques": the balance
-// heuristic).
+// A picture may have a sun of few pixels: every other ray leaves for a place that is chosen by its brightness, the
+// others by the cosine, and what both kinds may have met is weighed by how likely they were to (Veach & Guibas 1995,
+// "Optimally Combining Sampling Techniques": the balance heuristic).
 fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
 
 fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }
@@ -120,9 +121,9 @@ fn four_rays(aim: Aim, group: u32) -> Four {
     );
 }
 
-// A map's pixels are weighed by their luminance and by the sine of their angle from the poles, but for its shape near enough (off by 0.0011) and
-// the same to a bit on the host, which sums them: src/table.rs. What a map shows is bilinear: the sum of its pixels, each spread over a tent two
-// pixels wide. So is what rays are chosen by.
+// A map's pixels are weighed by their luminance and by the sine of their angle from the poles, but for its shape near
+// enough (off by 0.0011) and the same to a bit on the host, which sums them: src/table.rs. What a map shows is
+// bilinear: the sum of its pixels, each spread over a tent two pixels wide. So is what rays are chosen by.
 fn row_weight(row: i32, rows: i32) -> f32 {
     let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);
     let down = (f32(inside) + 0.5) / f32(rows);
@@ -130,7 +131,8 @@ fn row_weight(row: i32, rows: i32) -> f32 {
     return arc * (0.775 + 0.225 * arc);
 }
 
-// The first of some texels whose w, a growing share, is over a share, and how far that is on the way from the share before. The last one's is 1.
+// The first of some texels whose w, a growing share, is over a share, and how far that is on the way from the share
+// before. The last one's is 1.
 struct TexelOver {
     index: u32,
     within: f32,

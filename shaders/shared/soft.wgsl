@@ -1,6 +1,6 @@
-// Light that comes from many places at once: of lights that have a size, and ambient light, which surroundings keep off. A surface asks
-// some of these places by a ray each. They are spread evenly (Hammersley's points) and shifted by random numbers of the pixel's own, so that
-// no pattern shows, and a frame repeats to the bit.
+// Light that comes from many places at once: of lights that have a size, and ambient light, which surroundings keep
+// off. A surface asks some of these places by a ray each. They are spread evenly (Hammersley's points) and shifted by
+// random numbers of the pixel's own, so that no pattern shows, and a frame repeats to the bit.
 
 // What a light is, in the w of its first texel; its size stands in the w of the second one.
 const POINT: u32 = 0u;
@@ -63,8 +63,8 @@ fn rays_asked() -> u32 { return shadow_rays + soft_rays; }
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { return no_light(); }
 
 //! if soft is masked or asked
-// Masks, a bit for each of a pixel's rays to a source that arrives, stand behind the counters and a map of costs: a buffer of their own would
-// be more than kernels may have.
+// Masks, a bit for each of a pixel's rays to a source that arrives, stand behind the counters and a map of costs: a
+// buffer of their own would be more than kernels may have.
 fn mask_place(slot: u32, ray: u32) -> u32 {
     let pixels = frame.image_size.x * frame.image_size.y;
     let first = frame.image_size.y * COUNTERS + select(0u, pixels, COST_MAP);
@@ -72,8 +72,8 @@ fn mask_place(slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is masked or asked or followed
-// How rays leave a point for a source: along base + p along + q up, where p and q lie in a disc, or in a square for a rectangle. Those to
-// surroundings leave by the cosine of their angle with base.
+// How rays leave a point for a source: along base + p along + q up, where p and q lie in a disc, or in a square for a
+// rectangle. Those to surroundings leave by the cosine of their angle with base.
 struct Aim {
     kind: u32,
     count: u32,       // of all rays

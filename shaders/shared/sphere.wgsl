@@ -2,8 +2,8 @@
 // Gems, chapter 7): the distance of the centre from the line is taken of the line's nearest point, so that small
 // spheres far away lose no digits.
 
-// The nearest t of at least t_min at which a line meets a sphere, or -1: the quadratic equation in sums of two f32, its smaller root as a
-// quotient, so that nothing cancels.
+// The nearest t of at least t_min at which a line meets a sphere, or -1: the quadratic equation in sums of two f32, its
+// smaller root as a quotient, so that nothing cancels.
 fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
     let squared = product_two(radius, radius);
     let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
@@ -20,7 +20,8 @@ fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
 }
 
 //! if texels is corners or spheres
-// The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result is doubtful.
+// The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result
+// is doubtful.
 fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
     let radius = primitive.b.x;
     let to_center = primitive.a - rays.origin;

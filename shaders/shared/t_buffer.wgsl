@@ -1,9 +1,10 @@
-// A T-buffer (Raghuvanshi & Dhande, section II): of each pixel how far the first thing is that its ray meets, and which primitive that is. It is
-// found by drawing one primitive after the other over the pixels that its projection may reach. Rays and tests are those of traversal, so every t
-// is the same to the bit; a ray that misses what is drawn over it leaves nothing. docs/T-BUFFER.md has the argument.
+// A T-buffer (Raghuvanshi & Dhande, section II): of each pixel how far the first thing is that its ray meets, and which
+// primitive that is. It is found by drawing one primitive after the other over the pixels that its projection may
+// reach. Rays and tests are those of traversal, so every t is the same to the bit; a ray that misses what is drawn over
+// it leaves nothing. docs/T-BUFFER.md has the argument.
 //
-// Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is not negative, so its
-// bits order as it does, and their complements the other way round: the largest is the nearest.
+// Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is
+// not negative, so its bits order as it does, and their complements the other way round: the largest is the nearest.
 //
 // What is drawn on is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
 
@@ -24,14 +25,16 @@ struct DrawnHead {
 
 const SECOND_PASS: u32 = 2u;
 
-// There is room for three words for each primitive, and for so many further parts. A primitive is in one of the lists. Slots of the few stand from
-// the first word on, those that cover more from the last of the first third backwards. A part takes two words, from the last ones backwards: its slot,
-// and which part, with the number of parts from PARTS_BIT on.
+// There is room for three words for each primitive, and for so many further parts. A primitive is in one of the lists.
+// Slots of the few stand from the first word on, those that cover more from the last of the first third backwards. A
+// part takes two words, from the last ones backwards: its slot, and which part, with the number of parts from PARTS_BIT
+// on.
 const FURTHER_PARTS: u32 = 65536u;
 const PARTS_BIT: u32 = 16u;
 // Threads that share a part: a vector of a software adapter, which then reads one primitive.
 const GROUP: u32 = 8u;
-// Of the few so many are a thread's: a second look, which a software adapter's vector takes once in any case, is then taken once for all of them.
+// Of the few so many are a thread's: a second look, which a software adapter's vector takes once in any case, is then
+// taken once for all of them.
 const FEW_EACH: u32 = 4u;
 // Workgroups in a row of the launches over primitives, and over each list.
 const PROJECTED_ACROSS: u32 = 1024u;
@@ -126,16 +129,16 @@ fn rows_at_work() -> Tile {
     return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
 }
 
-// Whether no ray of the rows at work may meet a primitive, as the planes around these rays tell. What reaches the plane of the eyes has no bounds;
-// much of that lies beside the picture or behind the eye.
+// Whether no ray of the rows at work may meet a primitive, as the planes around these rays tell. What reaches the plane
+// of the eyes has no bounds; much of that lies beside the picture or behind the eye.
 fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
     return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
 }
 
-// First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's projection may reach; none if a first is
-// past its last.
+// First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's
+// projection may reach; none if a first is past its last.
 fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     // Samples are jittered along their rows only.
@@ -217,8 +220,8 @@ fn count_test(pixel: vec2u) {
 }
 
 //! if canvas is picture or middles
-// Keeps what a ray meets. Max commutes, so the order of the threads does not matter; nor in the second pass where one primitive has the nearest t.
-// Whether that is so: else it is to be claimed.
+// Keeps what a ray meets. Max commutes, so the order of the threads does not matter; nor in the second pass where one
+// primitive has the nearest t. Whether that is so: else it is to be claimed.
 fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     let key = ~bitcast<u32>(abs(t)); // -0 is 0
     if !names_primitives {
@@ -229,8 +232,8 @@ fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     return atomicCompareExchangeWeak(&t_buffer[place + 1u], 0u, slot + 1u).exchanged;
 }
 
-// Of those that are met at a pixel's t the smallest id gets it, and of copies the first place. A round that fails leaves another primitive
-// there, which has a smaller id than the one before.
+// Of those that are met at a pixel's t the smallest id gets it, and of copies the first place. A round that fails
+// leaves another primitive there, which has a smaller id than the one before.
 fn claim(place: u32, slot: u32, id: u32) {
     var done = false;
     loop {
@@ -274,8 +277,8 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
 // A lane's turns at a block of 2x2 pixels.
 const TURNS: u32 = 4u / RAYS;
 
-// Draws a primitive over tiles of the pixels that it may cover, row by row: from one on to before another, so many from each to the next. Of a triangle only
-// those blocks are drawn that may lie within its edges.
+// Draws a primitive over tiles of the pixels that it may cover, row by row: from one on to before another, so many from
+// each to the next. Of a triangle only those blocks are drawn that may lie within its edges.
 fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32, apart: u32) {
     let corner = vec2u(over.xy);
     let size = vec2u(over.zw + 1) - corner;

@@ -12,8 +12,9 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
 // Of the shading table: the texel whose w is the first of the textures' heads, one each.
 const TEXTURES: u32 = SKY_NADIR;
 
-// A texture's head: its kind in the lowest four bits of x and its wrap above them. A picture has z levels, from the largest on, from the
-// texel y on: first texel, width and height each. A checkerboard has z squares a side; its colours are the texels y and y + 1.
+// A texture's head: its kind in the lowest four bits of x and its wrap above them. A picture has z levels, from the
+// largest on, from the texel y on: first texel, width and height each. A checkerboard has z squares a side; its colours
+// are the texels y and y + 1.
 const CHECKERBOARD: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_MIRROR: u32 = 1u;
@@ -53,8 +54,9 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
         return mix(first, other, checkered(at, i32(head.z), wrap));
     }
     let largest = vec2f(table_texel(head.y).yz);
-    // By areas, as the footprint is a square. The level whose pixels are as large comes nearest to the mean of 64 rays a pixel: half a level
-    // to either side is farther off or flickers more between the eyes (tests/it/textures/filter.rs).
+    // By areas, as the footprint is a square. The level whose pixels are as large comes nearest to the mean of 64 rays
+    // a pixel: half a level to either side is farther off or flickers more between the eyes
+    // (tests/it/textures/filter.rs).
     let pixels = at.width * sqrt(largest.x * largest.y);
     let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
     let finer = u32(level);
@@ -142,8 +144,8 @@ fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
     return select(turn % size, min(turn, 2 * size - 1 - turn), wrap == WRAP_MIRROR);
 }
 
-// Texture coordinates where a ray hits. The footprint is a square as large as the pixel's shadow on the surface, so its side is that of the
-// mean of both directions.
+// Texture coordinates where a ray hits. The footprint is a square as large as the pixel's shadow on the surface, so its
+// side is that of the mean of both directions.
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);

@@ -1,4 +1,5 @@
-// Tiles of right pixels, row by row, and their blocks of 2x2; and what of boxes and primitives is projected onto a tile.
+// Tiles of right pixels, row by row, and their blocks of 2x2; and what of boxes and primitives is projected onto a
+// tile.
 
 const TILE: u32 = 8u;
 const TILE_PIXELS: u32 = 64u;
@@ -30,8 +31,8 @@ struct Tile {
     size: vec2u,
 }
 
-// Column and row of a point p from the right eye are dot(p, column) / z and dot(p, row) / z, z = dot(p, forward). The planes look
-// inwards through the outermost pixel centres, moved out by frame.wider.
+// Column and row of a point p from the right eye are dot(p, column) / z and dot(p, row) / z, z = dot(p, forward). The
+// planes look inwards through the outermost pixel centres, moved out by frame.wider.
 struct Projection {
     forward: vec3f,
     column: vec3f,
@@ -77,8 +78,8 @@ fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
 }
 
-// First and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover; none if a first is
-// past its last.
+// First and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover; none if a
+// first is past its last.
 fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     let corner = vec2f(tile.corner) + 0.5;

@@ -1,13 +1,13 @@
-// Rays against a triangle: watertight, by the signs of the rays' Plücker products with its edges (Amanatides & Choi 1997;
-// Kensler & Shirley 2006), as Embree does it.
+// Rays against a triangle: watertight, by the signs of the rays' Plücker products with its edges (Amanatides & Choi
+// 1997; Kensler & Shirley 2006), as Embree does it.
 //
-// An edge's normal is cross(p + q, q - p), twice cross(p, q), of its ends from the rays' origin. The neighbour across the
-// edge sees p and q the other way round: the sum is the same, the difference and with it every product changes only its
-// sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not to
-// its distance. Normals belong to the origin, so that a lane's rays share them.
+// An edge's normal is cross(p + q, q - p), twice cross(p, q), of its ends from the rays' origin. The neighbour across
+// the edge sees p and q the other way round: the sum is the same, the difference and with it every product changes only
+// its sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not
+// to its distance. Normals belong to the origin, so that a lane's rays share them.
 
-// A primitive's texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
-// scene has any, are a fourth (below).
+// A primitive's texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if
+// the scene has any, are a fourth (below).
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
@@ -22,8 +22,9 @@ fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     );
 }
 
-// Sums of two products of an edge's ends are off by less than this share of the direction's length, the corners' distance and the
-// edge's length: 18 roundings of f32 at most, the rounding of look_again's projections among them. DESIGN, section 9.
+// Sums of two products of an edge's ends are off by less than this share of the direction's length, the corners'
+// distance and the edge's length: 18 roundings of f32 at most, the rounding of look_again's projections among them.
+// DESIGN, section 9.
 const DOUBT: f32 = 22.0 / 16777216.0;
 
 // Rays against a triangle. Where rounding might decide on which side of an edge a ray passes, and where the triangle is
@@ -39,8 +40,9 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     // Above 0 on the inner side of all edges, whichever way the triangle is wound.
     let inside = larger(least, -most);
     let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
-    // On the triangle's plane. The edge from a to b is the shortest, so that the normal of a long thin triangle is exact too. All
-    // weights are over their bound: the plane is not so nearly along the ray that t could leave the triangle.
+    // On the triangle's plane. The edge from a to b is the shortest, so that the normal of a long thin triangle is
+    // exact too. All weights are over their bound: the plane is not so nearly along the ray that t could leave the
+    // triangle.
     let normal = cross(b - a, c - a);
     let t = F(dot(normal, a)) / along(direction, normal);
     let hit = inside > bound;
@@ -52,10 +54,11 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     return Found(hit, t, doubtful);
 }
 
-// One ray's t at a triangle that was doubtful, or -1 where it misses (Woop, Benthin & Wald 2013). Corners are projected along the ray,
-// each by itself, so that all its triangles see it at one place. An edge's product is then a difference of two products: these are
-// exact, hence its sign is. Where they are equal the ray is inside for both triangles of the edge, so rays through an edge or a vertex
-// are not lost. A triangle whose corners fall on one line is missed: a neighbour is hit.
+// One ray's t at a triangle that was doubtful, or -1 where it misses (Woop, Benthin & Wald 2013). Corners are projected
+// along the ray, each by itself, so that all its triangles see it at one place. An edge's product is then a difference
+// of two products: these are exact, hence its sign is. Where they are equal the ray is inside for both triangles of the
+// edge, so rays through an edge or a vertex are not lost. A triangle whose corners fall on one line is missed: a
+// neighbour is hit.
 fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) -> f32 {
     let a = primitive.a - origin;
     let b = primitive.b - origin;
@@ -82,7 +85,8 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     return select(-1.0, clamp(t, near, far), hit);
 }
 
-// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that f32 is too coarse for t on it.
+// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that f32 is too coarse for t on
+// it.
 fn is_close(a: vec3f, b: vec3f, c: vec3f, reach: f32) -> bool {
     let normal = cross(b - a, c - a);
     let beside = dot(a, a) < 4.0 * reach * reach;

@@ -1,5 +1,5 @@
-// What every kernel shares: structs, sentinels, which pixel is a thread's, and counters. The structs and the counters' places stand in
-// src/layout.rs too, and a test compares them.
+// What every kernel shares: structs, sentinels, which pixel is a thread's, and counters. The structs and the counters'
+// places stand in src/layout.rs too, and a test compares them.
 
 // Depth of a ray that hits nothing; WGSL has no infinity.
 const FAR: f32 = 3.4e38;
@@ -7,9 +7,9 @@ const FAR: f32 = 3.4e38;
 const MISS: u32 = 0xffffffffu;
 
 //! if canvas is picture
-// Two of the rig's eyes and the rows at work, a band of the picture's: the source, whose view is there, and the target, whose view is made; where a view is
-// traced, both are its own. Directions have length 1 along the view axis, so that a ray's t is the depth Z of the point it
-// reaches (DESIGN, section 2).
+// Two of the rig's eyes and the rows at work, a band of the picture's: the source, whose view is there, and the target,
+// whose view is made; where a view is traced, both are its own. Directions have length 1 along the view axis, so that a
+// ray's t is the depth Z of the point it reaches (DESIGN, section 2).
 struct Frame {
     source_eye: vec3f,       // world position
     parallax_px: f32,        // pixels: e_px = e w / W, f_px where cameras are parallel; negative where the target stands to the left of its source
@@ -55,7 +55,8 @@ struct Frame {
 }
 
 //! if canvas is middles or texels
-// In place of it a light and where directions stand in its shadow-buffer (src/cpu/shadow_buffer.rs has the same), and the rows at work.
+// In place of it a light and where directions stand in its shadow-buffer (src/cpu/shadow_buffer.rs has the same), and
+// the rows at work.
 struct Frame {
     target_eye: vec3f,       // the light, world position
     theta_begin: f32,        // of the first row, radians
@@ -86,8 +87,8 @@ struct Pixel {
     color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
 }
 
-// Where a thread of a workgroup of 8x8 works. Eight threads in a row of it, which software adapters run as one vector, take
-// a block of 4x2: their rays stay closer together than those of eight in a line.
+// Where a thread of a workgroup of 8x8 works. Eight threads in a row of it, which software adapters run as one vector,
+// take a block of 4x2: their rays stay closer together than those of eight in a line.
 fn pixel_in_tile(id: vec2u) -> vec2u {
     let tile = id & vec2u(0xfffffff8u);
     let x = (id.x & 3u) | ((id.y & 1u) << 2u);
@@ -95,8 +96,9 @@ fn pixel_in_tile(id: vec2u) -> vec2u {
     return tile + vec2u(x, y);
 }
 
-// The row of a thread of a launch over rows. A software adapter gives each of its threads one contiguous part of the workgroups,
-// and where half a picture is sky a core would be idle: so rows of workgroups are dealt like cards, one to each part (z) in turn.
+// The row of a thread of a launch over rows. A software adapter gives each of its threads one contiguous part of the
+// workgroups, and where half a picture is sky a core would be idle: so rows of workgroups are dealt like cards, one to
+// each part (z) in turn.
 fn launched_row(id: vec3u) -> u32 {
     return (id.y / WORKGROUP * frame.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
 }
@@ -111,13 +113,14 @@ fn outside(pixel: vec2u) -> bool {
     return pixel.x >= frame.image_size.x || pixel.y >= frame.row_end;
 }
 
-// Index of a pixel in a row-major list of one view's band. Rows of pixels count from the band's first one, here and in all kernels; only
-// where rays point to does the picture's count.
+// Index of a pixel in a row-major list of one view's band. Rows of pixels count from the band's first one, here and in
+// all kernels; only where rays point to does the picture's count.
 fn pixel_index(pixel: vec2u) -> u32 {
     return pixel.y * frame.image_size.x + pixel.x;
 }
 
-// Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32 bits.
+// Words of a view's `counters` a picture row; one row of them a picture row keeps atomics apart and sums within 32
+// bits.
 const COUNTERS: u32 = 13u;
 const SHADOW_RAYS: u32 = 0u;
 const NODES_VISITED: u32 = 1u;

@@ -6,8 +6,8 @@
 // Share of the way to the reused point that must be free.
 const VERIFY_FRACTION: f32 = 0.999;
 
-// Something stands between the target and the points that the source's pixels saw. The rays are aimed at the points themselves,
-// so that a slanted surface is no false alarm; a sky pixel's has the source's ray's direction and no limit.
+// Something stands between the target and the points that the source's pixels saw. The rays are aimed at the points
+// themselves, so that a slanted surface is no false alarm; a sky pixel's has the source's ray's direction and no limit.
 fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
     let direction = pixel_directions(frame.source_corner, source_pixels);
     let sky = source_depth >= F(FAR);

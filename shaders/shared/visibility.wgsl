@@ -70,8 +70,8 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken_or_traced
-// As the left view's samples say; where they don't agree, what hides a light from one of them is tried before a shadow ray is
-// traced: if that is met, it is proof.
+// As the left view's samples say; where they don't agree, what hides a light from one of them is tried before a shadow
+// ray is traced: if that is met, it is proof.
 
 const TO_SHADE: u32 = TO_LIGHT;
 
@@ -125,8 +125,8 @@ fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
-// Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how they differ, the mean
-// of theirs, unless the penumbra is narrow. -1 where they don't tell.
+// Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how
+// they differ, the mean of theirs, unless the penumbra is narrow. -1 where they don't tell.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
@@ -135,7 +135,8 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;
     let b = (of_ray_u(taken.shares_after, ray) >> (SHARE_BITS * slot)) & UNASKED;
     if a == UNASKED || b == UNASKED { return -1.0; }
-    // Where both see all of it or nothing, and it is not known for all that, the point lies in a groove between them (bits.wgsl).
+    // Where both see all of it or nothing, and it is not known for all that, the point lies in a groove between them
+    // (bits.wgsl).
     if bit != 0u && a == b && (a == 0u || a == ALL_OPEN) { return -1.0; }
     let before = f32(a) / f32(ALL_OPEN);
     let after = f32(b) / f32(ALL_OPEN);
@@ -143,15 +144,16 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     return mix(before, after, of_ray(taken.way, ray));
 }
 
-// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
+// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares,
+// or by a ray.
 fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
     let mean = 0.5 * (a + b);
     let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
     return abs(a - b) <= max(by_chance, 1.0 / f32(count));
 }
 
-// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
-// most, and what two of them have in common says little of what lies between.
+// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by
+// more is some four samples wide at most, and what two of them have in common says little of what lies between.
 const NARROW: f32 = 2.0;
 
 // Whether that is so of one of the two samples beside a point and its neighbour on the other side.

@@ -1,4 +1,5 @@
-// Which pixels a kernel works on: all of the rows at work, or those of them that a mask says, as adaptive samples do (src/samples/adaptive.rs).
+// Which pixels a kernel works on: all of the rows at work, or those of them that a mask says, as adaptive samples do
+// (src/samples/adaptive.rs).
 
 //! if wanted is all
 fn inside_rows(pixels: Pixels) -> B {

@@ -1,8 +1,9 @@
-//! All primitives in one list, which every ray goes through from its first one on: the classical ray tracer, as a baseline.
+//! All primitives in one list, which every ray goes through from its first one on: the classical ray tracer, as a
+//! baseline.
 //!
-//! The list is a tree whose boxes all hold everything, so that the kernels that go through trees go through it too: by the same text, with the
-//! same functions for primitives, in another order alone. A leaf holds eight primitives at most, so a ray visits a pair of boxes for every
-//! eight of them besides.
+//! The list is a tree whose boxes all hold everything, so that the kernels that go through trees go through it too: by
+//! the same text, with the same functions for primitives, in another order alone. A leaf holds eight primitives at
+//! most, so a ray visits a pair of boxes for every eight of them besides.
 
 use obvhs::{
     aabb::Aabb,
@@ -12,8 +13,8 @@ use obvhs::{
 use super::{BvhBuild, MAX_LEAF};
 use crate::Error;
 
-/// How far the boxes reach from the world's origin to each side: a fifth farther than a scene's coordinates, and so far from an eye's that its
-/// distance times the largest reciprocal of a direction, 1e30, is a number in f32.
+/// How far the boxes reach from the world's origin to each side: a fifth farther than a scene's coordinates, and so far
+/// from an eye's that its distance times the largest reciprocal of a direction, 1e30, is a number in f32.
 const REACH: f32 = 1.2e8;
 
 /// A balanced tree over so many primitives in their order, whose boxes all hold everything.
@@ -39,7 +40,8 @@ pub(super) fn tree(count: usize) -> Result<Bvh2, Error> {
             nodes[place] = node(MAX_LEAF.min(count - first), first);
             continue;
         }
-        // The first half is no larger than the second one: so a leaf never stands behind what is deeper, and slots are in order.
+        // The first half is no larger than the second one: so a leaf never stands behind what is deeper, and slots are
+        // in order.
         let middle = leaves.start.midpoint(leaves.end);
         let children = nodes.len();
         nodes[place] = node(0, children as u32);

@@ -10,16 +10,16 @@ use crate::{
     variant::TexelPlaces,
 };
 
-/// Lowest bit of `w` of a primitive's second texel, which planes have too, see shaders/shared/bvh.wgsl, and the highest one (cutouts.wgsl); the others are its
-/// component.
+/// Lowest bit of `w` of a primitive's second texel, which planes have too, see shaders/shared/bvh.wgsl, and the highest
+/// one (cutouts.wgsl); the others are its component.
 const IS_SPHERE: u32 = 1;
 const IS_CUT_OUT: u32 = 1 << 31;
 
 /// Where a triangle that is cut out has its holes: its material and its texture coordinates.
 type Holes = Option<(u32, [[u32; 2]; 3])>;
 
-/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes, or a
-/// plane's point, normal and u axis; and its holes.
+/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre
+/// and axes, or a plane's point, normal and u axis; and its holes.
 pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
     match scene.primitive(id) {
         Primitive::Triangle(triangle) => {
@@ -128,8 +128,8 @@ pub(crate) fn shortest_edge(corners: [Vec3; 3]) -> usize {
     (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
 }
 
-/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another edge is the
-/// normal that rounds least.
+/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another
+/// edge is the normal that rounds least.
 pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
     let first = shortest_edge(corners);
     corners.rotate_left(first);

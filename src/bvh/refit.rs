@@ -1,5 +1,5 @@
-//! A tree whose primitives moved: its shape is kept, and its boxes are made anew from the leaves up. (obvhs can do this to its own
-//! tree; that has to be kept for it, which takes eight times the memory of the packed tree's links.)
+//! A tree whose primitives moved: its shape is kept, and its boxes are made anew from the leaves up. (obvhs can do this
+//! to its own tree; that has to be kept for it, which takes eight times the memory of the packed tree's links.)
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -73,8 +73,8 @@ impl TreeShape {
         self.stamps == stamps(scene)
     }
 
-    /// The tree of this shape over the scene as it is now. A triangle that lost its area keeps its place in its leaf, but what stands
-    /// there is one more copy of another primitive: where it is tested twice, no hit changes.
+    /// The tree of this shape over the scene as it is now. A triangle that lost its area keeps its place in its leaf,
+    /// but what stands there is one more copy of another primitive: where it is tested twice, no hit changes.
     ///
     /// # Errors
     /// [`Error::Scene`] where the tree does not hold all primitives that are traced now, or a list has become too long.

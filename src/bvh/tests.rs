@@ -173,7 +173,8 @@ fn a_list_has_all_primitives_in_order_in_boxes_that_hold_everything() {
         scene.add_plane(crate::Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0))).unwrap();
         let packed = build(&scene, BvhBuild::Flat, kind).unwrap();
         assert!(packed.flat && !packed.world_boxes && packed.stack_size <= 16, "{count}");
-        // The plane has the first slot. Links are followed as a ray follows them that both boxes are entered at once by: first child first.
+        // The plane has the first slot. Links are followed as a ray follows them that both boxes are entered at once
+        // by: first child first.
         let (mut found, mut pairs, mut pending) = (Vec::new(), 0, vec![0]);
         while let Some(link) = pending.pop() {
             if link & LEAF == 0 {

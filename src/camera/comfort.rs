@@ -32,8 +32,8 @@ const MOST_VERTICAL_PX: f32 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comfort {
-    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at infinity,
-    /// 0 for parallel cameras.
+    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at
+    /// infinity, 0 for parallel cameras.
     pub interaxial_ratio: f32,
     /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
     pub interaxial_limit: f32,

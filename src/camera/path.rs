@@ -8,8 +8,8 @@ use super::{Aperture, Interaxial, Screen, StereoCamera};
 use crate::Error;
 
 impl StereoCamera {
-    /// The camera turned about its target by an angle in radians, around its `up`: at positive angles the eye moves to its own right, so that
-    /// the object seems to turn to the left. All else stays.
+    /// The camera turned about its target by an angle in radians, around its `up`: at positive angles the eye moves to
+    /// its own right, so that the object seems to turn to the left. All else stays.
     pub fn orbited(mut self, angle: f32) -> Self {
         let axis = self.up.as_dvec3().normalize_or_zero();
         self.eye = self.target + DQuat::from_axis_angle(axis, f64::from(angle)) * (self.eye - self.target);
@@ -37,9 +37,9 @@ impl CameraPath {
     /// A path through these cameras, each at its frame, which need not be a whole number.
     ///
     /// # Errors
-    /// [`Error::Camera`] for no cameras, frames below 0 or not in ascending order, a camera that has no picture, and cameras that are not
-    /// given in the same way: field of view, screen width or intrinsics, of which these stay what they are; interaxial in world units or pixels;
-    /// convergence; picture size.
+    /// [`Error::Camera`] for no cameras, frames below 0 or not in ascending order, a camera that has no picture, and
+    /// cameras that are not given in the same way: field of view, screen width or intrinsics, of which these stay
+    /// what they are; interaxial in world units or pixels; convergence; picture size.
     pub fn new(keys: Vec<(f32, StereoCamera)>) -> Result<Self, Error> {
         let fault = |value: String, reason| Err(Error::Camera { field: "frame", value, reason });
         let mut last = None;
@@ -67,9 +67,10 @@ impl CameraPath {
         self.keys.last().map_or(0, |(frame, _)| *frame as u32 + 1)
     }
 
-    /// The camera at a frame. Before the first key frame and after the last it stands still. Eye, target and up go along a smooth curve
-    /// through the key frames, with a Catmull-Rom spline's tangents for frames that need not be equally far apart. What lies between two key frames of the field
-    /// of view, the interaxial and the reciprocal of the screen's distance is linear, so that parallax is.
+    /// The camera at a frame. Before the first key frame and after the last it stands still. Eye, target and up go
+    /// along a smooth curve through the key frames, with a Catmull-Rom spline's tangents for frames that need not
+    /// be equally far apart. What lies between two key frames of the field of view, the interaxial and the
+    /// reciprocal of the screen's distance is linear, so that parallax is.
     pub fn at(&self, frame: f32) -> StereoCamera {
         let next = self.keys.partition_point(|(at, _)| *at <= frame);
         if next == 0 || next == self.keys.len() {
@@ -107,7 +108,8 @@ impl CameraPath {
         }
     }
 
-    /// A part of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`: a cubic by their places and their tangents.
+    /// A part of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`: a cubic by their places and
+    /// their tangents.
     fn smooth(&self, first: usize, t: f64, part: fn(&StereoCamera) -> DVec3) -> DVec3 {
         let at = |key: usize| (f64::from(self.keys[key].0), part(&self.keys[key].1));
         let tangent = |key: usize| -> DVec3 {

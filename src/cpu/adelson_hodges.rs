@@ -10,10 +10,11 @@ pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
     landing_x(frame, column, z).clamp(-1e9, 1e9).floor() as i32
 }
 
-/// For each pixel of the target the key of the sample that it takes over (how late the sample's column comes, from 1 on), or 0 where it
-/// must be traced. Each row from left to right, where the target stands on the right: a later sample overwrites; where two neighbours
-/// land more than one column apart, the columns strictly between lie in a gap that nobody saw and are cleared, and so are
-/// those past the last sample (DESIGN, section 4). To a target on the left all is mirrored.
+/// For each pixel of the target the key of the sample that it takes over (how late the sample's column comes, from 1
+/// on), or 0 where it must be traced. Each row from left to right, where the target stands on the right: a later sample
+/// overwrites; where two neighbours land more than one column apart, the columns strictly between lie in a gap that
+/// nobody saw and are cleared, and so are those past the last sample (DESIGN, section 4). To a target on the left all
+/// is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let width = frame.size()[0];
     let mut right_source = vec![0; left_depth.len()];
@@ -61,8 +62,8 @@ mod tests {
         Taken(u32),
     }
 
-    /// The sweep from right to left, in which the first write wins. The paper's own, with two states, marks gaps as hit and so
-    /// never traces them; with a third one it does what the forward sweep does.
+    /// The sweep from right to left, in which the first write wins. The paper's own, with two states, marks gaps as hit
+    /// and so never traces them; with a third one it does what the forward sweep does.
     fn sweep_from_the_right(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
         let [width, height] = frame.size();
         let mut right_source = Vec::with_capacity(width * height);

@@ -21,8 +21,8 @@ const FLAT: f32 = 1.0 / 32.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
-/// How deep each tile of right pixels must be searched, row by row: the largest depth of the left samples that land in it, each from where
-/// the one before landed to a pixel behind its own place.
+/// How deep each tile of right pixels must be searched, row by row: the largest depth of the left samples that land in
+/// it, each from where the one before landed to a pixel behind its own place.
 pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -85,11 +85,12 @@ struct Bits {
     lit: u32,
 }
 
-/// A view that is traced, and what its rays hit: a depth and an id each pixel. Its frame has it as `Eye::Left`, the target as the other.
+/// A view that is traced, and what its rays hit: a depth and an id each pixel. Its frame has it as `Eye::Left`, the
+/// target as the other.
 pub type Source<'a> = (&'a Frame, &'a [(f32, u32)]);
 
-/// How it is known which lights each right pixel sees: by its source, and where that does not know by a second one, if there are two.
-/// `right` is what the target's own rays hit.
+/// How it is known which lights each right pixel sees: by its source, and where that does not know by a second one, if
+/// there are two. `right` is what the target's own rays hit.
 pub fn shadow_sources(
     scene: &Scene,
     sources: &[Source<'_>],
@@ -120,7 +121,8 @@ pub fn shadow_sources(
     right.iter().enumerate().map(source).collect()
 }
 
-/// Components as packed primitives have them: triangles that are cut out are of another one than the whole ones that they hang together with.
+/// Components as packed primitives have them: triangles that are cut out are of another one than the whole ones that
+/// they hang together with.
 fn marked_components(scene: &Scene) -> Vec<u32> {
     let mut components = components::of(scene);
     for (id, component) in components.iter_mut().enumerate() {
@@ -130,7 +132,8 @@ fn marked_components(scene: &Scene) -> Vec<u32> {
     components
 }
 
-/// The lights of each tile of which no bit is taken over: their shadows are too narrow for the samples that land around it.
+/// The lights of each tile of which no bit is taken over: their shadows are too narrow for the samples that land around
+/// it.
 fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> Vec<u32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -242,7 +245,8 @@ fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, 
     if normal.dot(direction) > 0.0 { -normal } else { normal }
 }
 
-/// Which lights are in front of a hit; and, if asked, which of them are seen, by shadow rays as shared/lights.wgsl has them.
+/// Which lights are in front of a hit; and, if asked, which of them are seen, by shadow rays as shared/lights.wgsl has
+/// them.
 fn light_bits(scene: &Scene, frame: &Frame, eye: Eye, index: usize, hit: (f32, u32), trace: bool) -> Bits {
     let mut bits = Bits::default();
     if hit.1 == MISS {

@@ -1,4 +1,5 @@
-//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl, planes.wgsl and cutouts.wgsl, and a search through all primitives in place of the BVH.
+//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl, planes.wgsl and cutouts.wgsl, and a search
+//! through all primitives in place of the BVH.
 
 use glam::Vec3;
 
@@ -18,8 +19,8 @@ const CANCELLED: f32 = 0.25;
 /// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
-/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, and where rounding might decide products of the
-/// projected corners, see shaders/shared/triangle.wgsl.
+/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, and where rounding might
+/// decide products of the projected corners, see shaders/shared/triangle.wgsl.
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let corners = shortest_edge_first(corners);
     let [a, b, c] = corners.map(|corner| corner - origin);
@@ -47,8 +48,8 @@ fn inside_edges(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> (f32, f32)
     (inside, length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT))
 }
 
-/// The ray's t at a triangle of a scene, if that is there and no hole of it (shaders/shared/cutouts.wgsl). What is cut out is always looked
-/// at again.
+/// The ray's t at a triangle of a scene, if that is there and no hole of it (shaders/shared/cutouts.wgsl). What is cut
+/// out is always looked at again.
 fn intersect_in_scene(scene: &Scene, id: usize, origin: Vec3, direction: Vec3) -> Option<f32> {
     let triangle = &scene.triangles()[id];
     if triangle.is_degenerate() {
@@ -151,8 +152,8 @@ pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid,
     meet(mapped(&map, center - origin), mapped(&map, direction), map.radius, t_min)
 }
 
-/// The ray's t at a plane, or `None` where it begins in it, runs along it, or meets it farther than [`PLANE_REACH`] away
-/// (shaders/shared/planes.wgsl). It is below 0 where the ray goes away from it.
+/// The ray's t at a plane, or `None` where it begins in it, runs along it, or meets it farther than [`PLANE_REACH`]
+/// away (shaders/shared/planes.wgsl). It is below 0 where the ray goes away from it.
 pub fn intersect_plane(origin: Vec3, direction: Vec3, plane: &Plane) -> Option<f32> {
     let normal = plane.unit_normal();
     let height = dot(Two3::new(normal), Two3::difference(plane.point, origin)).hi;

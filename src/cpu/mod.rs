@@ -1,5 +1,5 @@
-//! Plain Rust twins of the kernels, under the same file names: slow, sequential, and free of BVH and wgpu. Tests compare
-//! the kernels with them; swapping a pass for its twin is how to find the kernel that is wrong.
+//! Plain Rust twins of the kernels, under the same file names: slow, sequential, and free of BVH and wgpu. Tests
+//! compare the kernels with them; swapping a pass for its twin is how to find the kernel that is wrong.
 //!
 //! They do the same arithmetic in the same order, so on adapters that don't contract or reorder f32 the results agree
 //! bit for bit.
@@ -40,8 +40,8 @@ impl Frame {
         Self::between(pose, -0.5, 0.5)
     }
 
-    /// The frame of two eyes at offsets from the middle between a camera's eyes, in interaxials: the first is `Eye::Left`,
-    /// the one that is traced first, whichever side it stands on.
+    /// The frame of two eyes at offsets from the middle between a camera's eyes, in interaxials: the first is
+    /// `Eye::Left`, the one that is traced first, whichever side it stands on.
     pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
         Self { raw: frame_uniform(pose, source, target), jitter: Jitter::new(1, 0) }
     }

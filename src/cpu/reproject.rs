@@ -20,9 +20,9 @@ pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
     (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
 }
 
-/// For each pixel of the target the nearest sample's key, or 0. The key is how late the sample's column comes in a sweep, from 1 on: to a
-/// target on the right from left to right, else from right to left. A later sample overwrites, which is the rule that it is
-/// the nearest.
+/// For each pixel of the target the nearest sample's key, or 0. The key is how late the sample's column comes in a
+/// sweep, from 1 on: to a target on the right from left to right, else from right to left. A later sample overwrites,
+/// which is the rule that it is the nearest.
 pub fn reproject(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let [width, height] = frame.size();
     let mut right_source = vec![0; width * height];

@@ -8,7 +8,8 @@ use crate::{FAR, MISS, PixelSource, Scene};
 /// Share of the way to the reused point that must be free.
 pub const VERIFY_FRACTION: f32 = 0.999;
 
-/// The fate of each of the target's pixels; `left` is (depth, id) of each of the source's, `keys` the twin of reprojection's.
+/// The fate of each of the target's pixels; `left` is (depth, id) of each of the source's, `keys` the twin of
+/// reprojection's.
 pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], keys: &[u32]) -> Vec<PixelSource> {
     let width = frame.size()[0];
     let columns: Vec<usize> = in_sweep(frame).collect();

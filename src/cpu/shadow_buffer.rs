@@ -1,8 +1,10 @@
-//! Twin of `shaders/shared/shadow_canvas.wgsl`: which direction a texel of a shadow-buffer has, which texel a direction has, and what stands there.
+//! Twin of `shaders/shared/shadow_canvas.wgsl`: which direction a texel of a shadow-buffer has, which texel a direction
+//! has, and what stands there.
 //!
-//! The paper (Raghuvanshi & Dhande, equation 4) has theta run from 0 to pi with `(cos theta cos phi, cos theta sin phi, sin theta)`, which covers half
-//! of the sphere twice, and its inverse (equation 7) an arcsin, which runs from -pi/2, and an arccos, which loses the sign of phi. Here theta is the
-//! angle from a pole, `(sin theta cos phi, sin theta sin phi, cos theta)`, and both come back by arctangents of two arguments.
+//! The paper (Raghuvanshi & Dhande, equation 4) has theta run from 0 to pi with `(cos theta cos phi, cos theta sin phi,
+//! sin theta)`, which covers half of the sphere twice, and its inverse (equation 7) an arcsin, which runs from -pi/2,
+//! and an arccos, which loses the sign of phi. Here theta is the angle from a pole, `(sin theta cos phi, sin theta sin
+//! phi, cos theta)`, and both come back by arctangents of two arguments.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,8 +20,8 @@ const LEAST_ROWS: u32 = 16;
 /// A scene that is seen at more than this angle from the middle has a table of all directions, radians.
 const WIDEST: f64 = 80.0 * PI / 180.0;
 
-/// Where directions from a light stand in its shadow-buffer. Row r and column c are a texel's from r to r + 1 and c to c + 1; its own direction is
-/// that of its middle.
+/// Where directions from a light stand in its shadow-buffer. Row r and column c are a texel's from r to r + 1 and c to
+/// c + 1; its own direction is that of its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Mapping {
@@ -42,8 +44,8 @@ impl Mapping {
         Self { axes: [Vec3::X, Vec3::Y, Vec3::Z], theta: [0.0, step], phi: [0.0, step], rows, columns: 2 * rows }
     }
 
-    /// Those directions alone in which a box lies that the light stands outside of, by at most so many rows and twice as many columns: finer than
-    /// [`Mapping::whole`]. All directions where the box surrounds the light, or nearly.
+    /// Those directions alone in which a box lies that the light stands outside of, by at most so many rows and twice
+    /// as many columns: finer than [`Mapping::whole`]. All directions where the box surrounds the light, or nearly.
     pub fn around(light: Vec3, (low, high): (Vec3, Vec3), rows: u32) -> Self {
         let whole = Self::whole(rows);
         if rows < LEAST_ROWS {
@@ -57,7 +59,8 @@ impl Mapping {
             .unwrap_or(whole)
     }
 
-    /// With the middle of the box on the equator, so that texels are nearly square, and a pole as near to `up` as that allows.
+    /// With the middle of the box on the equator, so that texels are nearly square, and a pole as near to `up` as that
+    /// allows.
     fn fitted(light: Vec3, (low, high): (Vec3, Vec3), up: Vec3, rows: u32) -> Option<Self> {
         let light = light.as_dvec3();
         let ahead = ((low.as_dvec3() + high.as_dvec3()) * 0.5 - light).try_normalize()?;
@@ -70,7 +73,8 @@ impl Mapping {
         let (mut theta, mut phi) = (0.0_f64, 0.0_f64);
         for corner in (0..8).map(corner) {
             let [x, y, z] = axes.map(|axis| axis.as_dvec3().dot(corner));
-            // How far aside and up a box reaches at most as seen from the light: y / x and z / x are largest in a corner.
+            // How far aside and up a box reaches at most as seen from the light: y / x and z / x are largest in a
+            // corner.
             phi = phi.max(y.abs().atan2(x));
             theta = theta.max(z.abs().atan2(x));
         }
@@ -109,7 +113,8 @@ impl Mapping {
     }
 }
 
-/// What a light's table holds, row by row: t and the primitive's id of the nearest hit along each texel's direction; `(FAR, MISS)` where there is none.
+/// What a light's table holds, row by row: t and the primitive's id of the nearest hit along each texel's direction;
+/// `(FAR, MISS)` where there is none.
 pub fn fill(scene: &Scene, light: Vec3, mapping: &Mapping) -> Vec<(f32, u32)> {
     let texels = (0..mapping.rows).flat_map(|row| (0..mapping.columns).map(move |column| (row, column)));
     let filled = texels.map(|(row, column)| {

@@ -10,20 +10,24 @@ use glam::DVec3;
 
 use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
 
-/// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from 0 on.
+/// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from
+/// 0 on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Layout {
-    /// Middlebury 2014 (Scharstein et al. 2014): a folder a pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`, `disp1.pfm`, `calib.txt`
-    /// and the evaluation's `mask0nocc.png`; and, which Middlebury has not, `mask1nocc.png` and `mask0sky.png`, `mask1sky.png`.
-    /// Sky is unknown there: infinite in the disparities, 0 in `mask0nocc.png`.
+    /// Middlebury 2014 (Scharstein et al. 2014): a folder a pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`,
+    /// `disp1.pfm`, `calib.txt` and the evaluation's `mask0nocc.png`; and, which Middlebury has not,
+    /// `mask1nocc.png` and `mask0sky.png`, `mask1sky.png`. Sky is unknown there: infinite in the disparities, 0 in
+    /// `mask0nocc.png`.
     #[default]
     Middlebury,
-    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`, `disp_noc_0`, and
-    /// `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or `obj_map`.
+    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`,
+    /// `disp_noc_0`, and `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or
+    /// `obj_map`.
     Kitti,
-    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), one sequence named `stereotrace`: `frames_finalpass/stereotrace/left/0000.png`, `right`, the same of
-    /// `disparity`, `object_index` and `material_index` as PFM, and `camera_data/stereotrace/0000.txt`, which are to be put together for a
+    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), one sequence named `stereotrace`:
+    /// `frames_finalpass/stereotrace/left/0000.png`, `right`, the same of `disparity`, `object_index` and
+    /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`, which are to be put together for a
     /// `camera_data.txt`. Ids are as there: 0 is nothing. There is no flow, and no clean pass.
     SceneFlow,
 }
@@ -165,8 +169,8 @@ fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, trut
     batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
 }
 
-/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and 3 the right one; principal points count from the centre of
-/// the top left pixel.
+/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and 3 the right one; principal points count
+/// from the centre of the top left pixel.
 fn kitti_calibration(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [width, height] = pose.size;
@@ -174,7 +178,8 @@ fn kitti_calibration(truth: &GroundTruth) -> String {
     let cy = cy - 0.5;
     let mut text = String::new();
     let rounding = pose.baseline_rounding();
-    // From the eye to the left one: right, down and ahead. But for rounding the right eye stands on the left one's x axis.
+    // From the eye to the left one: right, down and ahead. But for rounding the right eye stands on the left one's x
+    // axis.
     let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // no -0
     for (name, cx, shift) in [("02", cx0 - 0.5, DVec3::ZERO), ("03", cx1 - 0.5, to_left)] {
         let DVec3 { x, y, z } = shift;
@@ -207,8 +212,8 @@ fn scene_flow(
     batch.add(path, camera_data(index, truth).as_bytes())
 }
 
-/// An entry of `camera_data.txt`: the matrices that take points of an eye's frame to the world, row by row. The frame is that of computer
-/// graphics: x right, y up, the camera looks along -z.
+/// An entry of `camera_data.txt`: the matrices that take points of an eye's frame to the world, row by row. The frame
+/// is that of computer graphics: x right, y up, the camera looks along -z.
 fn camera_data(index: u32, truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());

@@ -22,13 +22,15 @@ const STEEPEST: f32 = 0.4;
 /// A place from which so much of what surrounds it shows its other side is inside of something.
 const OTHER_SIDES: f32 = 0.25;
 
-/// Random cameras in the free space of a scene: like a given one, but elsewhere. A camera within the scene's bounding box becomes one
-/// anywhere in that box, looking anywhere, at most 23 degrees up or down; one outside of it stays as far from the middle, and looks at what is there.
+/// Random cameras in the free space of a scene: like a given one, but elsewhere. A camera within the scene's bounding
+/// box becomes one anywhere in that box, looking anywhere, at most 23 degrees up or down; one outside of it stays as
+/// far from the middle, and looks at what is there.
 ///
-/// A camera is rejected that stands too near to a surface, from which a quarter of what surrounds it shows its other side (it is inside of
-/// something, or behind a wall), whose eyes don't see each other, and whose picture shows too little or disparities that are too large. The
-/// other side of an object is its back, as the order of its triangles' corners says; of one that the given camera sees from the back, such as walls
-/// that were modelled as a block, it is the front.
+/// A camera is rejected that stands too near to a surface, from which a quarter of what surrounds it shows its other
+/// side (it is inside of something, or behind a wall), whose eyes don't see each other, and whose picture shows too
+/// little or disparities that are too large. The other side of an object is its back, as the order of its triangles'
+/// corners says; of one that the given camera sees from the back, such as walls that were modelled as a block, it is
+/// the front.
 #[derive(Clone, Debug)]
 pub struct FreePoses<'a> {
     scene: &'a Scene,
@@ -63,7 +65,8 @@ impl<'a> FreePoses<'a> {
     /// Cameras like this one, by a seed.
     ///
     /// # Errors
-    /// [`Error::Camera`] for a camera that has no picture, [`Error::Scene`] for a scene in which nothing is, or only infinite planes.
+    /// [`Error::Camera`] for a camera that has no picture, [`Error::Scene`] for a scene in which nothing is, or only
+    /// infinite planes.
     pub fn new(scene: &'a Scene, camera: StereoCamera, seed: u32) -> Result<Self, Error> {
         let pose = camera.pose()?;
         if scene.bounds().is_none() {
@@ -74,7 +77,8 @@ impl<'a> FreePoses<'a> {
         Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces })
     }
 
-    /// How far every surface is from the middle between the eyes, in world units; twice the interaxial where nothing is said.
+    /// How far every surface is from the middle between the eyes, in world units; twice the interaxial where nothing is
+    /// said.
     pub fn clearance(mut self, distance: f32) -> Self {
         self.clearance = distance;
         self
@@ -86,7 +90,8 @@ impl<'a> FreePoses<'a> {
         self
     }
 
-    /// How much of the left picture shows surfaces at least, 0 to 1; where nothing is said a half within a scene, and a tenth of what is seen from outside.
+    /// How much of the left picture shows surfaces at least, 0 to 1; where nothing is said a half within a scene, and a
+    /// tenth of what is seen from outside.
     pub fn surfaces(mut self, share: f32) -> Self {
         self.surfaces = share;
         self
@@ -95,7 +100,8 @@ impl<'a> FreePoses<'a> {
     /// The camera of an item, which follows from the scene, the camera, the seed and the item's number alone.
     ///
     /// # Errors
-    /// [`Error::Options`] where 2000 cameras were all rejected, with the reasons; and those of [`Renderer::closest_hits_async`].
+    /// [`Error::Options`] where 2000 cameras were all rejected, with the reasons; and those of
+    /// [`Renderer::closest_hits_async`].
     pub async fn find_async(
         &self,
         renderer: &Renderer,

@@ -1,6 +1,7 @@
-//! Frames of adaptive samples: a lattice of samples in the corners of pixels, then finer ones of which only those are traced that divided
-//! cells lack (`src/samples/cells.rs`). Each is a frame of a larger picture of which a part is wanted, so that methods and kernels need
-//! not know more of it than a mask. Some rows of pixels after the other go through all levels.
+//! Frames of adaptive samples: a lattice of samples in the corners of pixels, then finer ones of which only those are
+//! traced that divided cells lack (`src/samples/cells.rs`). Each is a frame of a larger picture of which a part is
+//! wanted, so that methods and kernels need not know more of it than a mask. Some rows of pixels after the other go
+//! through all levels.
 
 use std::ops::{ControlFlow, Range};
 
@@ -51,7 +52,8 @@ impl Renderer {
     ) -> Result<Done, Error> {
         options.check()?;
         let levels = Levels::new(scene, eyes, options)?;
-        // Buffers of each level's size, and of the last rows', which may be fewer; of a frame that ends early as well they go.
+        // Buffers of each level's size, and of the last rows', which may be fewer; of a frame that ends early as well
+        // they go.
         self.cache.keep(2 * levels.lattices.len());
         let done = self.strips(&levels, pictures, progress, on_rows).await;
         self.cache.keep(1);
@@ -150,8 +152,8 @@ impl Renderer {
 
 impl<'a> Levels<'a> {
     /// # Errors
-    /// [`Error::Samples`] where samples of the last level are more than directions in f32 tell apart, and [`Error::Options`] without
-    /// adaptive samples.
+    /// [`Error::Samples`] where samples of the last level are more than directions in f32 tell apart, and
+    /// [`Error::Options`] without adaptive samples.
     fn new(scene: &'a UploadedScene, eyes: &'a Eyes, options: &'a Options) -> Result<Self, Error> {
         let adaptive = options.adaptive.expect("asked for");
         eyes.with_lattice(1 << (adaptive.levels - 1))?; // the finest one is refused first

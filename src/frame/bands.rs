@@ -13,9 +13,9 @@ const HALO: u32 = layout::TILE;
 /// Pixels of all views of a band at most, as far as its least number of rows allows: 64 MiB of them.
 const VIEWS_PIXELS: u32 = 1 << 22;
 
-/// Pixels of a band, about, for up to five lights; more lights make it less. On a software adapter some 1.5 million rays. A GPU has
-/// thousands of threads to feed, and a watchdog that ends a submission after a second or more: with eight times as many rays a slow one
-/// takes a fifth of that.
+/// Pixels of a band, about, for up to five lights; more lights make it less. On a software adapter some 1.5 million
+/// rays. A GPU has thousands of threads to feed, and a watchdog that ends a submission after a second or more: with
+/// eight times as many rays a slow one takes a fifth of that.
 pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     match gpu.adapter_info().device_type {
         wgpu::DeviceType::Cpu => 1 << 18,
@@ -23,8 +23,9 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     }
 }
 
-/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2), so all steps of one band can run before
-/// the next one, and what lies between the steps takes a band's memory, whatever the picture's size.
+/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2), so all steps of one
+/// band can run before the next one, and what lies between the steps takes a band's memory, whatever the picture's
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bands {
     height: u32,

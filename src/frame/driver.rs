@@ -149,7 +149,8 @@ impl Driver<'_> {
         self.gpu.checked(write).await
     }
 
-    /// Heads of lists before a step adds to them; launches that are made whole or not at all are whole until `choose` says otherwise.
+    /// Heads of lists before a step adds to them; launches that are made whole or not at all are whole until `choose`
+    /// says otherwise.
     pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
         let rows = self.targets.shape.bands.rows;
         let block = TRACE_LEFT.block(&self.variant);

@@ -22,8 +22,9 @@ use crate::{
 pub struct Encoded {
     /// One an eye, in the rig's order.
     pub views: Vec<EncodedView>,
-    /// Four bytes, to be mapped once the commands have run: how many threads the adapter ended before their work was done, u32. Unless it
-    /// is 0 the pictures are not whole, and are to be rendered by [`Renderer::render_views_async`], which goes on in steps.
+    /// Four bytes, to be mapped once the commands have run: how many threads the adapter ended before their work was
+    /// done, u32. Unless it is 0 the pictures are not whole, and are to be rendered by
+    /// [`Renderer::render_views_async`], which goes on in steps.
     pub unfinished: wgpu::Buffer,
     /// What the commands use.
     _targets: Arc<Targets>,
@@ -37,8 +38,8 @@ pub struct Encoded {
 pub struct EncodedView {
     /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may be viewed as `Rgba8UnormSrgb` too.
     pub color: wgpu::Texture,
-    /// Depth along the view direction in world units, `R32Float`, 3.4e38 where nothing was hit; unless [`Options::g_buffer`] is
-    /// [`GBuffer::None`].
+    /// Depth along the view direction in world units, `R32Float`, 3.4e38 where nothing was hit; unless
+    /// [`Options::g_buffer`] is [`GBuffer::None`].
     pub depth: Option<wgpu::Texture>,
 }
 
@@ -55,13 +56,14 @@ impl EncodedView {
 }
 
 impl Renderer {
-    /// Adds the commands of a frame to an encoder. Its views stay on the device: nothing is read back, and nothing is waited for but what the
-    /// driver says to new buffers and kernels. What is encoded is fixed: threads whose rays take more rounds than the adapter grants a
-    /// thread end, and [`Encoded::unfinished`] says how many did.
+    /// Adds the commands of a frame to an encoder. Its views stay on the device: nothing is read back, and nothing is
+    /// waited for but what the driver says to new buffers and kernels. What is encoded is fixed: threads whose rays
+    /// take more rounds than the adapter grants a thread end, and [`Encoded::unfinished`] says how many did.
     ///
     /// # Errors
-    /// As [`Renderer::render_views_async`]; [`Error::Encoding`] for a method that needs the host between its steps, and for options
-    /// that ask for what is read back; [`Error::Limit`] for a picture that no texture of the adapter holds.
+    /// As [`Renderer::render_views_async`]; [`Error::Encoding`] for a method that needs the host between its steps, and
+    /// for options that ask for what is read back; [`Error::Limit`] for a picture that no texture of the adapter
+    /// holds.
     pub async fn encode_async(
         &mut self,
         scene: &UploadedScene,
@@ -72,9 +74,9 @@ impl Renderer {
         self.encode_each(scene, rig, options, Some(encoder)).await.map(|(encoded, _)| encoded)
     }
 
-    /// The same as a command buffer for each band of rows, from the top down: for frames so heavy that a watchdog would end one submission, or
-    /// that are to leave the device to others in between. They are to be submitted in order, and nothing else of this renderer between
-    /// them.
+    /// The same as a command buffer for each band of rows, from the top down: for frames so heavy that a watchdog would
+    /// end one submission, or that are to leave the device to others in between. They are to be submitted in order,
+    /// and nothing else of this renderer between them.
     ///
     /// # Errors
     /// As [`Renderer::encode_async`].
@@ -189,7 +191,8 @@ impl Encoded {
 }
 
 /// # Errors
-/// [`Error::Encoding`] for what can't be encoded ahead, [`Error::Limit`] for a picture that is larger than a texture may be.
+/// [`Error::Encoding`] for what can't be encoded ahead, [`Error::Limit`] for a picture that is larger than a texture
+/// may be.
 fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
     if plan.needs_host() {
         let what = options.method.to_string();

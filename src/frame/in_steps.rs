@@ -152,7 +152,8 @@ mod tests {
         scene
     }
 
-    /// A hall by its own lights, spheres among triangles under a gradient, lights so far off that rays start at surfaces, and planes.
+    /// A hall by its own lights, spheres among triangles under a gradient, lights so far off that rays start at
+    /// surfaces, and planes.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
         let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
@@ -191,8 +192,8 @@ mod tests {
         pair
     }
 
-    /// What is doubtful is looked at again at the end of a step at the latest, so that boxes behind it are not visited: counts may be a
-    /// little lower, 0.1% as measured.
+    /// What is doubtful is looked at again at the end of a step at the latest, so that boxes behind it are not visited:
+    /// counts may be a little lower, 0.1% as measured.
     fn assert_counts_alike(pair: &StereoPair, expected: &StereoPair, what: &str) {
         for (work, expected) in
             [(pair.statistics.left, expected.statistics.left), (pair.statistics.right, expected.statistics.right)]

@@ -1,5 +1,5 @@
-//! One frame: its plan, the bands of rows that the plan is run on, the buffers between its steps, the driver that runs them, and what is
-//! read back.
+//! One frame: its plan, the bands of rows that the plan is run on, the buffers between its steps, the driver that runs
+//! them, and what is read back.
 
 mod adaptive;
 mod bands;
@@ -138,7 +138,8 @@ impl Renderer {
         let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
         let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
-        // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
+        // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled
+        // again.
         let mut stagings = self.cache.staging_of(bytes);
         let in_flight = targets.shape.bands.count().min(2) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
@@ -181,9 +182,9 @@ impl Renderer {
         (method, early, plan)
     }
 
-    /// The method that views are made by. Without interaxial all views are equal, unless each has noise of its own. Where
-    /// there is no tree, `bracket` has nothing to search. Pictures too wide for its texture of samples are traced, if the
-    /// choice is ours.
+    /// The method that views are made by. Without interaxial all views are equal, unless each has noise of its own.
+    /// Where there is no tree, `bracket` has nothing to search. Pictures too wide for its texture of samples are
+    /// traced, if the choice is ours.
     fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {

@@ -66,7 +66,8 @@ pub(crate) enum Step {
         /// The view that it works for.
         view: usize,
         launch: Launch,
-        /// Which of the view's uniforms it reads: one a part of what is asked of lights that are not points, else the first.
+        /// Which of the view's uniforms it reads: one a part of what is asked of lights that are not points, else the
+        /// first.
         part: usize,
     },
     /// A view becomes its source's.
@@ -133,8 +134,9 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of the parts of what is asked of
-    /// `soft` light, where there is such; `wide` if a pixel has several samples; `drawn` if hits of traced views are found by a T-buffer.
+    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of
+    /// the parts of what is asked of `soft` light, where there is such; `wide` if a pixel has several samples;
+    /// `drawn` if hits of traced views are found by a T-buffer.
     pub(crate) fn of(
         method: Method,
         sources: &[usize],

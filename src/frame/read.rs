@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{PixelSource, ShadowSource, UploadedScene, View, layout, steps::show::PACK};
 
-/// What is brought back of each band, and where in a staging buffer it stands: pixels as `pack` leaves them, linear colour, costs and
-/// counters of the first view, then of the next; times behind all.
+/// What is brought back of each band, and where in a staging buffer it stands: pixels as `pack` leaves them, linear
+/// colour, costs and counters of the first view, then of the next; times behind all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadBack {
     shape: Shape,

@@ -1,5 +1,6 @@
-//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
-//! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
+//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows
+//! come. Rows of samples are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not
+//! know.
 
 #[cfg(test)]
 mod tests;
@@ -13,7 +14,8 @@ use crate::{
 };
 
 impl Renderer {
-    /// All bands of a frame of as many samples a pixel as are asked for: as [`Renderer::frame`], which it is of one sample.
+    /// All bands of a frame of as many samples a pixel as are asked for: as [`Renderer::frame`], which it is of one
+    /// sample.
     pub(crate) async fn sampled(
         &mut self,
         scene: &UploadedScene,

@@ -201,8 +201,8 @@ pub(crate) struct Used {
     pub(crate) samples: BTreeSet<usize>,
 }
 
-/// Bytes of a frame's buffers at most, and of its pictures on the host. Drivers don't say how much there is; a rig of many large views
-/// would take it all.
+/// Bytes of a frame's buffers at most, and of its pictures on the host. Drivers don't say how much there is; a rig of
+/// many large views would take it all.
 pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
 /// From one view's `layout::Frame` to the next, in bytes: WebGPU's default alignment of uniform offsets.
@@ -271,7 +271,8 @@ impl Drop for Targets {
 }
 
 fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
-    // Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
+    // Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp
+    // too early.
     gpu.filled_texture("source_samples", width, &vec![[0; 4]; width as usize * height as usize])
 }
 

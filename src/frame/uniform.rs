@@ -5,8 +5,8 @@ use crate::{Pose, camera::least_pixel_angle, layout};
 /// Of an ordinary picture, whose pixels span 2e-5 radians and more: far more than the rounding of a projection.
 const WIDER: f32 = 0.05;
 
-/// Two eyes as kernels read them: offsets from the middle along `pose.right`, in interaxials. Directions have length 1 along the
-/// view axis: a ray's t is the depth Z.
+/// Two eyes as kernels read them: offsets from the middle along `pose.right`, in interaxials. Directions have length 1
+/// along the view axis: a ray's t is the depth Z.
 pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Frame {
     let corner = |offset: f32| pose.corner(offset.into()).as_vec3().to_array();
     let [step_x, step_y] = pose.pixel_steps().map(|step| step.as_vec3().to_array());
@@ -44,8 +44,9 @@ fn pixel_side(pose: &Pose) -> f32 {
     if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
 }
 
-/// A sample vouches for a point beside it, in shadow bits, if the surface between them may be one that recedes by no more than so many
-/// pixels a pixel, of a pixel's size on the screen: 88.4 degrees. (Nearer than the screen the angle is larger, beyond it less.)
+/// A sample vouches for a point beside it, in shadow bits, if the surface between them may be one that recedes by no
+/// more than so many pixels a pixel, of a pixel's size on the screen: 88.4 degrees. (Nearer than the screen the angle
+/// is larger, beyond it less.)
 const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 

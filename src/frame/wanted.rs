@@ -17,7 +17,8 @@ pub(crate) struct Wanted<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub(crate) rows: (u32, u32),
-    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame makes.
+    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame
+    /// makes.
     pub(crate) masks: Option<&'a [Mask]>,
 }
 
@@ -39,7 +40,8 @@ impl Wanted<'_> {
 /// A bit for each pixel of some rows of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mask {
-    /// Texels of a row, each with the bits of 128 pixels, the first one in the lowest bit (`shaders/shared/wanted.wgsl`).
+    /// Texels of a row, each with the bits of 128 pixels, the first one in the lowest bit
+    /// (`shaders/shared/wanted.wgsl`).
     texels_across: u32,
     /// Rows of the picture.
     rows: Range<u32>,

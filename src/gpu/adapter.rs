@@ -2,14 +2,14 @@
 
 use crate::Error;
 
-/// The variable that [`Adapter::FromEnv`] reads: `software`, or a part of an adapter's name. wgpu's own `WGPU_BACKEND` narrows
-/// every choice to a backend: `vulkan`, `gl`, `dx12` or `metal`.
+/// The variable that [`Adapter::FromEnv`] reads: `software`, or a part of an adapter's name. wgpu's own `WGPU_BACKEND`
+/// narrows every choice to a backend: `vulkan`, `gl`, `dx12` or `metal`.
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
 /// Which graphics adapter to open ([`Gpu::open_async`](crate::Gpu::open_async)).
 ///
-/// A text becomes one as the variable is read: `software` is [`Adapter::Software`], all else a part of a name. A browser offers
-/// one adapter, mostly without a name.
+/// A text becomes one as the variable is read: `software` is [`Adapter::Software`], all else a part of a name. A
+/// browser offers one adapter, mostly without a name.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Adapter {
@@ -19,8 +19,8 @@ pub enum Adapter {
     Software,
     /// One whose name has this in it, in capitals or small letters.
     Named(String),
-    /// What the environment variable `STEREOTRACE_ADAPTER` says ([`ADAPTER_VARIABLE`]); [`Adapter::Fastest`] where it is not set,
-    /// as in browsers.
+    /// What the environment variable `STEREOTRACE_ADAPTER` says ([`ADAPTER_VARIABLE`]); [`Adapter::Fastest`] where it
+    /// is not set, as in browsers.
     #[default]
     FromEnv,
 }
@@ -96,8 +96,8 @@ impl Adapter {
     }
 }
 
-/// Sets of backends, one to be asked after the other. OpenGL last, and only if nothing else fits: the same hardware shows up
-/// there a second time, with fewer features, and looking for it can make the driver print to the terminal.
+/// Sets of backends, one to be asked after the other. OpenGL last, and only if nothing else fits: the same hardware
+/// shows up there a second time, with fewer features, and looking for it can make the driver print to the terminal.
 fn tries() -> Vec<wgpu::Backends> {
     let chosen = wgpu::Backends::from_env();
     chosen.map_or_else(|| vec![wgpu::Backends::PRIMARY, wgpu::Backends::GL], |backends| vec![backends])

@@ -37,12 +37,13 @@ impl Gpu {
         Self::open_async(Adapter::FromEnv).await
     }
 
-    /// Opens an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Where several fit, it is the
-    /// fastest kind. The environment variable `WGPU_BACKEND` narrows the choice to a backend (`vulkan`, `gl`, …).
+    /// Opens an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Where several fit, it
+    /// is the fastest kind. The environment variable `WGPU_BACKEND` narrows the choice to a backend (`vulkan`,
+    /// `gl`, …).
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] if none fits, saying what was asked for and what there is, or [`Error::Gpu`] if the driver refuses
-    /// to open it.
+    /// [`Error::NoAdapter`] if none fits, saying what was asked for and what there is, or [`Error::Gpu`] if the driver
+    /// refuses to open it.
     pub async fn open_async(adapter: impl Into<Adapter>) -> Result<Self, Error> {
         Self::request(&adapter.into().find().await?).await
     }
@@ -160,8 +161,8 @@ impl Gpu {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
-    /// Runs `work` and returns its result once the driver has said whether something in it failed. `work` must not await:
-    /// the driver's errors are collected by thread.
+    /// Runs `work` and returns its result once the driver has said whether something in it failed. `work` must not
+    /// await: the driver's errors are collected by thread.
     pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> impl Future<Output = Result<T, Error>> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
@@ -184,7 +185,8 @@ impl Gpu {
         }
     }
 
-    /// Threads of the host that run kernels, each of them one contiguous part of a dispatch: of software adapters; else 1.
+    /// Threads of the host that run kernels, each of them one contiguous part of a dispatch: of software adapters; else
+    /// 1.
     pub(crate) fn threads(&self) -> u32 {
         match self.adapter_info().device_type {
             wgpu::DeviceType::Cpu => {

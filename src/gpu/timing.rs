@@ -66,7 +66,8 @@ impl Timestamps {
     /// Bytes that [`Timestamps::resolve`] writes at most.
     pub(crate) const BYTES: u64 = MAX_QUERIES as u64 * 8;
 
-    /// Writes the times of all passes since the last call to a buffer from `offset` on, once they are known. Returns their names.
+    /// Writes the times of all passes since the last call to a buffer from `offset` on, once they are known. Returns
+    /// their names.
     pub(crate) fn resolve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

@@ -129,8 +129,8 @@ impl Gpu {
         self.in_pieces(texels, write).await
     }
 
-    /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
-    /// so one piece is waited for before the next is made.
+    /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it
+    /// is done, so one piece is waited for before the next is made.
     async fn in_pieces(
         &self,
         mut texels: impl Iterator<Item = Texel>,
@@ -249,8 +249,8 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static
     })
 }
 
-/// A part of a scene on the device, freed when it is dropped. Of itself a browser frees nothing before it collects garbage, which
-/// the device's memory does not make it do.
+/// A part of a scene on the device, freed when it is dropped. Of itself a browser frees nothing before it collects
+/// garbage, which the device's memory does not make it do.
 #[derive(Debug)]
 pub(crate) enum Texels {
     Texture(wgpu::TextureView),

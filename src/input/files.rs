@@ -121,9 +121,10 @@ impl<'a> Files<'a> {
 
 #[cfg(any(feature = "obj", feature = "gltf"))]
 impl Files<'_> {
-    /// Where a file lies that another one in `folder` names. In memory, which may be without folders, one that is not at its path is found by its
-    /// last component, if no other has the same but for upper and lower case. On the disk an absolute path may be one of another machine: where
-    /// nothing is there that may be read, a file of its last component is taken, from `folder` or from the scene's.
+    /// Where a file lies that another one in `folder` names. In memory, which may be without folders, one that is not
+    /// at its path is found by its last component, if no other has the same but for upper and lower case. On the
+    /// disk an absolute path may be one of another machine: where nothing is there that may be read, a file of its
+    /// last component is taken, from `folder` or from the scene's.
     ///
     /// # Errors
     /// [`Error::Io`] for a file on the disk outside the scene's folder, unless the options allow it.
@@ -214,8 +215,8 @@ fn last_of_absolute(name: &str) -> Option<&str> {
     path.rsplit(['/', '\\']).next().filter(|last| !last.is_empty())
 }
 
-/// A path with `/` alone, without `.` and without folders that `..` leaves. What begins with a separator, as paths of a drop in a browser do, is the
-/// same without it.
+/// A path with `/` alone, without `.` and without folders that `..` leaves. What begins with a separator, as paths of a
+/// drop in a browser do, is the same without it.
 fn normalised(path: &str) -> String {
     let mut components: Vec<&str> = Vec::new();
     for component in path.split(['/', '\\']) {

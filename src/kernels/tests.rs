@@ -120,8 +120,9 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
 }
 
-/// Of each kernel every ninth variant, of those that draw on tables every 27th, others from kernel to kernel; in the long form
-/// (`STEREOTRACE_TESTS=long`) a third and a ninth. Drivers take their time, and naga and Tint read all of them.
+/// Of each kernel every ninth variant, of those that draw on tables every 27th, others from kernel to kernel; in the
+/// long form (`STEREOTRACE_TESTS=long`) a third and a ninth. Drivers take their time, and naga and Tint read all of
+/// them.
 #[test]
 fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
@@ -190,8 +191,8 @@ fn bindings_of_group_1_are_as_the_table_says() {
     }
 }
 
-/// An independent compiler's word that only what is used is there. (naga follows calls; of what a constant `if` leaves out
-/// it knows nothing.)
+/// An independent compiler's word that only what is used is there. (naga follows calls; of what a constant `if` leaves
+/// out it knows nothing.)
 #[test]
 fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
     for (kernel, with, text) in modules() {

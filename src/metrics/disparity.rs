@@ -15,9 +15,11 @@ pub struct DisparityError {
     pub pixels: usize,
     /// Of these, those for which a disparity was found, percent.
     pub found_percent: f64,
-    /// Of all that count, those that are off by more than [`BAD_PX`], or not found, percent (Middlebury's bad 0.5, 1, 2 and 4).
+    /// Of all that count, those that are off by more than [`BAD_PX`], or not found, percent (Middlebury's bad 0.5, 1,
+    /// 2 and 4).
     pub bad_percent: [f64; 4],
-    /// Of all that count, those that are off by over 3 px and over 5% of the true disparity, or not found, percent (KITTI's D1).
+    /// Of all that count, those that are off by over 3 px and over 5% of the true disparity, or not found, percent
+    /// (KITTI's D1).
     pub d1_percent: f64,
     /// Mean error of those found, pixels; 0 if there are none.
     pub mean_px: f64,
@@ -26,9 +28,10 @@ pub struct DisparityError {
 }
 
 /// Compares disparities to the true ones where `mask` says yes ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
-/// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). What is infinite or no number is not known: true ones that are not known
-/// don't count, and what was not found is bad by every measure. D1 is relative to the true disparity and means that of parallel cameras:
-/// of an off-axis pair add [`Pose::interaxial_px`](crate::Pose::interaxial_px) to both.
+/// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). What is infinite or no number is not known: true
+/// ones that are not known don't count, and what was not found is bad by every measure. D1 is relative to the true
+/// disparity and means that of parallel cameras: of an off-axis pair add
+/// [`Pose::interaxial_px`](crate::Pose::interaxial_px) to both.
 ///
 /// ```
 /// use stereotrace::metrics::compare_disparity;
@@ -82,7 +85,8 @@ mod tests {
 
     #[test]
     fn each_measure_counts_as_worked_out_by_hand() {
-        // Errors: 0, 0.5 (no more than that), 0.75, 1.5, 3.5 (of 10: 35%), 3.5 (of 100: 3.5%), 6 (of 100: 6%), not found, no number.
+        // Errors: 0, 0.5 (no more than that), 0.75, 1.5, 3.5 (of 10: 35%), 3.5 (of 100: 3.5%), 6 (of 100: 6%), not
+        // found, no number.
         let truth = [10.0, 10.0, 10.0, 10.0, 10.0, 100.0, 100.0, 8.0, 8.0];
         let found = [10.0, 10.5, 9.25, 11.5, 13.5, 96.5, 106.0, f32::INFINITY, f32::NAN];
         let error = compare_disparity(&found, &truth, &[true; 9]).unwrap();

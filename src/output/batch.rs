@@ -16,12 +16,13 @@ const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
 const MOST_LINKS: u32 = 40;
 
 /// Writes a file whole or not at all: under a temporary name in the same folder first, which then takes the place of
-/// `path`. An existing file keeps its permissions, one that is read-only stays as it is, a link still points to its file
-/// (which need not exist yet), and what is no file to replace (a pipe, a device) is written to directly. Temporary files
-/// that a killed process left in the folder are removed, at a process's first write there.
+/// `path`. An existing file keeps its permissions, one that is read-only stays as it is, a link still points to its
+/// file (which need not exist yet), and what is no file to replace (a pipe, a device) is written to directly. Temporary
+/// files that a killed process left in the folder are removed, at a process's first write there.
 ///
 /// # Errors
-/// [`Error::Io`], naming `path`, also for a named pipe that has no reader within five seconds; the file is as it was before, and the temporary one gone.
+/// [`Error::Io`], naming `path`, also for a named pipe that has no reader within five seconds; the file is as it was
+/// before, and the temporary one gone.
 pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
     let mut batch = Batch::new();
     batch.add(path, bytes)?;
@@ -86,7 +87,8 @@ impl Batch {
     }
 
     /// Gives all files their names and returns the paths, in the order in which they were added. What can fail has been
-    /// tried before: names are given one after the other, and only a process that ends in between leaves a part of them.
+    /// tried before: names are given one after the other, and only a process that ends in between leaves a part of
+    /// them.
     ///
     /// # Errors
     /// [`Error::Io`], naming the file that could not take its name. Files that were new are gone again.

@@ -7,8 +7,8 @@ use super::Batch;
 use crate::Pose;
 use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
 
-/// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
-/// world units.
+/// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z
+/// along the view, in world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
     let eye = pose.eye_position(side as f32);
@@ -29,9 +29,10 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
     }
 }
 
-/// The text of Middlebury's `calib.txt` (2014): the depth of what has disparity D is `baseline f / (D + doffs)`, the baseline in
-/// world units. Principal points are counted from the centre of the top left pixel, as `OpenCV` counts and we do not. The disparities
-/// are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it says nothing of negative ones.
+/// The text of Middlebury's `calib.txt` (2014): the depth of what has disparity D is `baseline f / (D + doffs)`, the
+/// baseline in world units. Principal points are counted from the centre of the top left pixel, as `OpenCV` counts and
+/// we do not. The disparities are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it
+/// says nothing of negative ones.
 pub fn calib_txt(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let intrinsics = pose.intrinsics();
@@ -78,7 +79,8 @@ mod tests {
         glam::{DVec3, Vec3},
     };
 
-    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. No number of it rounds.
+    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. No number of it
+    /// rounds.
     pub(super) fn pose() -> Pose {
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(256, 128);
         camera.screen_width(8.0).interaxial(0.25).pose().unwrap()

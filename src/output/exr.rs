@@ -35,20 +35,21 @@ const REC_709: Chromaticities = Chromaticities {
 };
 
 impl Batch {
-    /// Adds both views of a pair as an `OpenEXR` file of two parts, `left` and `right`, each with its attribute `view`; lossless
-    /// but for colours by [`ExrColor::Half`].
+    /// Adds both views of a pair as an `OpenEXR` file of two parts, `left` and `right`, each with its attribute `view`;
+    /// lossless but for colours by [`ExrColor::Half`].
     ///
-    /// Channels: `R`, `G`, `B`, linear light with Rec. 709's primaries ([`View::linear`]); `Z`, depth along the view direction
-    /// in world units, infinite for sky; `id.primitive` and `id.object`, 32-bit whole numbers, 0 for sky, else the id + 1. With a
-    /// ground truth of the pair also `id.material`; `disparity`, pixels; `distance`, along the ray; `N.X`, `N.Y`, `N.Z`, the shading
-    /// normal, and `Ng.X`, `Ng.Y`, `Ng.Z`, the geometric one, in the world's frame.
+    /// Channels: `R`, `G`, `B`, linear light with Rec. 709's primaries ([`View::linear`]); `Z`, depth along the view
+    /// direction in world units, infinite for sky; `id.primitive` and `id.object`, 32-bit whole numbers, 0 for sky,
+    /// else the id + 1. With a ground truth of the pair also `id.material`; `disparity`, pixels; `distance`, along
+    /// the ray; `N.X`, `N.Y`, `N.Z`, the shading normal, and `Ng.X`, `Ng.Y`, `Ng.Z`, the geometric one, in the
+    /// world's frame.
     ///
-    /// Attributes: `worldToCamera`, for row vectors, its frame the one that `OpenEXR` says (left-handed: x right, y up, z along the view);
-    /// `interaxial` and `screenDistance`, world units.
+    /// Attributes: `worldToCamera`, for row vectors, its frame the one that `OpenEXR` says (left-handed: x right, y up,
+    /// z along the view); `interaxial` and `screenDistance`, world units.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without linear light ([`Options::linear`](crate::Options::linear)), depths or ids; [`Error::Sizes`] for
-    /// a ground truth of another size; [`Error::Io`] as [`Batch::add`].
+    /// [`Error::Options`] for a pair without linear light ([`Options::linear`](crate::Options::linear)), depths or ids;
+    /// [`Error::Sizes`] for a ground truth of another size; [`Error::Io`] as [`Batch::add`].
     pub fn add_exr(
         &mut self,
         path: impl AsRef<Path>,

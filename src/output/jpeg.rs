@@ -10,11 +10,13 @@ use crate::{Error, StereoPair};
 const APP2: u8 = 0xe2;
 const APP3: u8 = 0xe3;
 
-/// What a JPS file says of itself (`VRex`'s stereoscopic descriptor): the length of the descriptor, the descriptor, and an empty comment. The
-/// descriptor's bytes are the pixels between the views, flags of which none says that the left view is on the left, the layout (side by side), and the kind (stereo).
+/// What a JPS file says of itself (`VRex`'s stereoscopic descriptor): the length of the descriptor, the descriptor, and
+/// an empty comment. The descriptor's bytes are the pixels between the views, flags of which none says that the left
+/// view is on the left, the layout (side by side), and the kind (stereo).
 const JPS_DESCRIPTOR: &[u8] = b"_JPSJPS_\0\x04\0\0\x02\x01\0\0";
 
-/// Attributes of an image in an MPO file: it is one of several views of one thing (CIPA DC-007, "Multi-Frame Image: Disparity").
+/// Attributes of an image in an MPO file: it is one of several views of one thing (CIPA DC-007, "Multi-Frame Image:
+/// Disparity").
 const DISPARITY: u32 = 0x0002_0002;
 /// The image that is shown where only one is.
 const REPRESENTATIVE: u32 = 0x2000_0000;
@@ -42,8 +44,8 @@ impl Batch {
     /// Adds a picture as a JPEG file, its colours at full resolution, of a quality of 1 to 100. Alpha is dropped.
     ///
     /// # Errors
-    /// [`Error::Options`] for another quality; [`Error::Io`] if there are not `width * height` pixels or none at all, or a
-    /// side is over 65,535 pixels, and as [`Batch::add`].
+    /// [`Error::Options`] for another quality; [`Error::Io`] if there are not `width * height` pixels or none at all,
+    /// or a side is over 65,535 pixels, and as [`Batch::add`].
     pub fn add_jpeg(&mut self, path: impl AsRef<Path>, picture: &Picture, quality: u8) -> Result<(), Error> {
         let path = path.as_ref();
         self.add(path, &picture.jpeg(path, quality)?)
@@ -61,8 +63,8 @@ impl Batch {
         self.add(path, &with_segment(&jpeg, APP3, JPS_DESCRIPTOR))
     }
 
-    /// Adds a pair as an MPO file (CIPA DC-007), as stereo cameras and televisions have it: a JPEG file of the left view, with
-    /// one of the right view behind it.
+    /// Adds a pair as an MPO file (CIPA DC-007), as stereo cameras and televisions have it: a JPEG file of the left
+    /// view, with one of the right view behind it.
     ///
     /// # Errors
     /// As [`Batch::add_jpeg`].
@@ -107,7 +109,8 @@ enum Index {
     Second,
 }
 
-/// What stands behind `MPF`: lists of fields as TIFF has them, the upper byte first. An index in the first image alone, and attributes in both.
+/// What stands behind `MPF`: lists of fields as TIFF has them, the upper byte first. An index in the first image alone,
+/// and attributes in both.
 fn mp_header(index: Index) -> Vec<u8> {
     let mut header = Fields(b"MM\0\x2a\0\0\0\x08".to_vec());
     let number = match index {

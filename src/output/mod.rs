@@ -61,8 +61,8 @@ impl View {
 }
 
 impl View {
-    /// The time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests on. `None` if the
-    /// view was rendered without costs.
+    /// The time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests on.
+    /// `None` if the view was rendered without costs.
     pub fn cost_picture(&self, white: u32) -> Option<Picture> {
         let grey = |&cost: &u32| {
             let level = (255 * u64::from(cost.min(white)) / u64::from(white.max(1))) as u8;

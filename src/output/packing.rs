@@ -21,7 +21,8 @@ pub enum Packing {
     TopBottom,
     /// The same, squeezed to the height of one view.
     HalfTopBottom,
-    /// Rows of the left and of the right eye by turns, the left eye's first: the size of a view. For polarised displays.
+    /// Rows of the left and of the right eye by turns, the left eye's first: the size of a view. For polarised
+    /// displays.
     RowInterlaced,
     /// Columns by turns, the left eye's first: the size of a view.
     ColumnInterlaced,
@@ -73,13 +74,15 @@ impl FromStr for Packing {
 }
 
 /// Puts two views into one picture. The half packings average two pixels in linear light; where their number is odd,
-/// the last one stands alone, so that the picture is one pixel larger than a view. The interlaced ones take each pixel from
-/// its own place in one of the views, without averaging: means of two rows would stand half a row off in either eye, and
-/// so differ in height between them. For displays whose first row, column or pixel is the right eye's, exchange the views. Of
-/// views of different sizes, what both have is kept: the rows beside each other, the columns below each other.
+/// the last one stands alone, so that the picture is one pixel larger than a view. The interlaced ones take each pixel
+/// from its own place in one of the views, without averaging: means of two rows would stand half a row off in either
+/// eye, and so differ in height between them. For displays whose first row, column or pixel is the right eye's,
+/// exchange the views. Of views of different sizes, what both have is kept: the rows beside each other, the columns
+/// below each other.
 ///
-/// `FFmpeg`'s `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every other row,
-/// column or pixel it makes the interlaced ones by irl, icl and chl, and with the right eye first by irr, icr and chr.
+/// `FFmpeg`'s `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every
+/// other row, column or pixel it makes the interlaced ones by irl, icl and chl, and with the right eye first by irr,
+/// icr and chr.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
         Packing::SideBySide => beside(&left.picture(), &right.picture()),

@@ -48,7 +48,8 @@ impl Batch {
     /// ([`Renderer::render_rows_async`](crate::Renderer::render_rows_async)). Nothing is kept in memory but a few rows.
     ///
     /// # Errors
-    /// What `write` returns; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the picture has.
+    /// What `write` returns; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the
+    /// picture has.
     pub fn add_png_rows(
         &mut self,
         path: impl AsRef<Path>,

@@ -13,9 +13,9 @@ use crate::{
 };
 
 impl Pose {
-    /// The camera as JSON text: `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and the matrices
-    /// `world_to_camera` and `camera_to_world`, row by row; `pose` has this struct's own fields, which [`Pose::from_json`] reads
-    /// back to the bit. `conventions` says what frames and units are.
+    /// The camera as JSON text: `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and the
+    /// matrices `world_to_camera` and `camera_to_world`, row by row; `pose` has this struct's own fields, which
+    /// [`Pose::from_json`] reads back to the bit. `conventions` says what frames and units are.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
         let intrinsics = self.intrinsics();
@@ -57,8 +57,8 @@ impl Pose {
     /// Reads what [`Pose::to_json`] wrote: its entry `pose`, which is not checked against the others.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is over 16 MiB; [`Error::Parse`],
-    /// naming the line or the field, if it is no JSON or no pose.
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is over 16 MiB;
+    /// [`Error::Parse`], naming the line or the field, if it is no JSON or no pose.
     pub fn from_json(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let limits = Limits::default();
@@ -81,8 +81,8 @@ fn length(value: f32) -> Value {
 
 fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
-    // The axes are at right angles and of unit length up to their rounding; the inverse is that of what is written. glam's columns are our
-    // rows, in and out.
+    // The axes are at right angles and of unit length up to their rounding; the inverse is that of what is written.
+    // glam's columns are our rows, in and out.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
     json!({
         "fx": fx,

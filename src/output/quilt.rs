@@ -3,7 +3,8 @@
 use super::Picture;
 use crate::{Error, Views};
 
-/// All views in one picture, as light-field displays take them: left to right as the rig has them, the bottom row first.
+/// All views in one picture, as light-field displays take them: left to right as the rig has them, the bottom row
+/// first.
 ///
 /// # Errors
 /// [`Error::Rig`] if `columns * rows` is not the number of views.
@@ -26,7 +27,8 @@ pub fn quilt(views: &Views, columns: u32, rows: u32) -> Result<Picture, Error> {
     Ok(Picture { width: across as u32, height: tall as u32, rgba8 })
 }
 
-/// The name by which players know how a quilt is divided: `NAME_qsCxRaA.png`, with A the width of a view over its height.
+/// The name by which players know how a quilt is divided: `NAME_qsCxRaA.png`, with A the width of a view over its
+/// height.
 pub fn quilt_name(name: &str, views: &Views, columns: u32, rows: u32) -> String {
     let [width, height] = views.pose.size.map(f64::from);
     // As few digits as say it: 1.5, 0.75, 1.7778.

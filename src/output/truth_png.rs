@@ -17,11 +17,13 @@ const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 impl Batch {
     /// Adds disparities as a grey PNG file of 16 bits, as KITTI has them: `round(256 d)`, and 0 where `is_valid` says
     /// no. As by KITTI's own code, a disparity so small that it would round to 0 is 1. Of an eye's truth
-    /// `disp_occ` has [`EyeTruth::surfaces`] and `disp_noc` [`EyeTruth::surfaces_of_both`]; as in KITTI, sky is not valid.
+    /// `disp_occ` has [`EyeTruth::surfaces`] and `disp_noc` [`EyeTruth::surfaces_of_both`]; as in KITTI, sky is not
+    /// valid.
     ///
     /// # Errors
-    /// [`Error::Io`], naming the pixel, for a valid disparity that this file can't hold: zero or negative, as off-axis cameras
-    /// have it on the screen and behind it, or 256 and more; for lists that are not `width * height` long; and as [`Batch::add`].
+    /// [`Error::Io`], naming the pixel, for a valid disparity that this file can't hold: zero or negative, as off-axis
+    /// cameras have it on the screen and behind it, or 256 and more; for lists that are not `width * height` long;
+    /// and as [`Batch::add`].
     pub fn add_kitti_disparity(
         &mut self,
         path: impl AsRef<Path>,
@@ -47,8 +49,8 @@ impl Batch {
     /// Adds ids as a grey PNG file of 16 bits: 0 where nothing is ([`MISS`]), else the id + 1.
     ///
     /// # Errors
-    /// [`Error::Io`], naming an id over 65,534, which does not fit; for a list that is not `width * height` long; and as
-    /// [`Batch::add`].
+    /// [`Error::Io`], naming an id over 65,534, which does not fit; for a list that is not `width * height` long; and
+    /// as [`Batch::add`].
     pub fn add_ids_png(&mut self, path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
         let path = path.as_ref();
         check_count(path, width, height, ids.len())?;
@@ -66,8 +68,9 @@ impl Batch {
         self.add_grey16(path, width, height, &ids.iter().map(sample).collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// Adds who sees what an eye sees, as Middlebury's `mask0nocc.png` has it: 255 where the other eye sees the same point, 128
-    /// where it does not, be it hidden or out of its picture. 0, for unknown, is nowhere. Sky is a point like any other.
+    /// Adds who sees what an eye sees, as Middlebury's `mask0nocc.png` has it: 255 where the other eye sees the same
+    /// point, 128 where it does not, be it hidden or out of its picture. 0, for unknown, is nowhere. Sky is a point
+    /// like any other.
     ///
     /// # Errors
     /// [`Error::Io`] for a list that is not `width * height` long, and as [`Batch::add`].
@@ -88,8 +91,8 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, grey.collect())
     }
 
-    /// Adds what the other eye does not see, and why: 0 where it sees the point, 255 where something hides it, 128 where it lies outside
-    /// the other picture.
+    /// Adds what the other eye does not see, and why: 0 where it sees the point, 255 where something hides it, 128
+    /// where it lies outside the other picture.
     ///
     /// # Errors
     /// As [`Batch::add_nocc_mask`].

@@ -1,9 +1,9 @@
-//! Adaptive samples of some rows of a view: which cells between samples are divided, and what colour pixels have (Whitted 1980; Adelson
-//! & Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
+//! Adaptive samples of some rows of a view: which cells between samples are divided, and what colour pixels have
+//! (Whitted 1980; Adelson & Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
 //!
-//! Samples of level l stand on a lattice: 2^l from pixel to pixel, the first one in the picture's top left corner, the last ones on its
-//! right and lower border. So a cell of level 0 is a pixel with a sample in each corner, and its neighbours share them. A cell whose
-//! corners differ is divided into four of the next level.
+//! Samples of level l stand on a lattice: 2^l from pixel to pixel, the first one in the picture's top left corner, the
+//! last ones on its right and lower border. So a cell of level 0 is a pixel with a sample in each corner, and its
+//! neighbours share them. A cell whose corners differ is divided into four of the next level.
 
 use crate::{View, camera::Parallax, frame::wanted::Mask};
 
@@ -93,7 +93,8 @@ impl Cells {
         cells.map(|at| self.is_there(level, at) && self.differs(level, at, tolerance)).collect()
     }
 
-    /// The cells of another view that show what differing ones of this show, and so may differ as well: added to what is divided there.
+    /// The cells of another view that show what differing ones of this show, and so may differ as well: added to what
+    /// is divided there.
     pub(crate) fn seen_by(
         &self,
         other: &Self,
@@ -134,8 +135,8 @@ impl Cells {
         self.levels[level as usize].divided = divided;
     }
 
-    /// The samples of a level that cells of the one before want, in rows of the picture from `first` on: where cells are divided, five
-    /// new ones each, or, with `again`, the four corners as well.
+    /// The samples of a level that cells of the one before want, in rows of the picture from `first` on: where cells
+    /// are divided, five new ones each, or, with `again`, the four corners as well.
     pub(crate) fn wanted(&self, level: u32, first: u32, again: bool) -> Mask {
         let [samples_across, samples_down] = self.samples(level);
         let mut mask = Mask::new(samples_across, first..first + samples_down);
@@ -168,8 +169,8 @@ impl Cells {
         (0..self.size[0]).map(move |column| self.color(0, [column, row]).map(|value| value as f32))
     }
 
-    /// What the samples of each pixel cost, row by row; those on a border between two count for the one to the right and below. Without
-    /// costs there are none.
+    /// What the samples of each pixel cost, row by row; those on a border between two count for the one to the right
+    /// and below. Without costs there are none.
     pub(crate) fn costs(&self) -> Vec<u32> {
         let mut costs = Vec::new();
         for (level, samples) in (0..).zip(&self.levels) {

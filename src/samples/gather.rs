@@ -8,8 +8,8 @@ use crate::{
     frame::{Rows, ViewRows},
 };
 
-/// Filters a picture's samples as they come, row after row: it holds no more of them than the rows of pixels that a row of samples is
-/// part of, three at most.
+/// Filters a picture's samples as they come, row after row: it holds no more of them than the rows of pixels that a row
+/// of samples is part of, three at most.
 pub(crate) struct Gather {
     side: u32,
     /// Of the picture, in pixels.
@@ -53,8 +53,8 @@ struct Sums {
 }
 
 impl Gather {
-    /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
-    /// samples do that stand there, or to the right of there and below.
+    /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top
+    /// down; without it the samples do that stand there, or to the right of there and below.
     pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<Centres>) -> Self {
         let jitter = Jitter::of(options);
         let columns_of = |stratum: u32| {

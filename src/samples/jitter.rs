@@ -1,4 +1,5 @@
-//! Where jittered samples stand: beside the middles of their cells, each row by an offset of its own (docs/DESIGN.md, section 3; shaders/shared/jitter.wgsl).
+//! Where jittered samples stand: beside the middles of their cells, each row by an offset of its own (docs/DESIGN.md,
+//! section 3; shaders/shared/jitter.wgsl).
 
 use super::side_of;
 use crate::{Options, layout, random::pcg};
@@ -38,7 +39,8 @@ impl Jitter {
         0.5 - 0.5 / self.side as f32
     }
 
-    /// Which of the strata of a cell's width the samples of a row stand in: the rank of the row's hash among those of its pixel's rows.
+    /// Which of the strata of a cell's width the samples of a row stand in: the rank of the row's hash among those of
+    /// its pixel's rows.
     pub(crate) fn stratum(&self, row: u32) -> u32 {
         let (first, own) = (row / self.side * self.side, (self.hash(row), row));
         (first..first + self.side).filter(|&other| (self.hash(other), other) < own).count() as u32

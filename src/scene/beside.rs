@@ -1,4 +1,5 @@
-//! What some meshes have beside their triangles: lists as long as the scene's triangles, or empty where no mesh has any.
+//! What some meshes have beside their triangles: lists as long as the scene's triangles, or empty where no mesh has
+//! any.
 
 use std::ops::Range;
 
@@ -22,7 +23,8 @@ pub(super) struct Beside {
 }
 
 impl Beside {
-    /// Puts a mesh's lists in the place of those of the object `replaced`, if there is one. `triangles` is how many the scene had before.
+    /// Puts a mesh's lists in the place of those of the object `replaced`, if there is one. `triangles` is how many the
+    /// scene had before.
     pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
         let count = mesh.triangles.len();
         // Counted, since a look at all objects for each that is added would take the square of their number.
@@ -78,8 +80,8 @@ impl Scene {
         self.textures().get(cutout.0 as usize)
     }
 
-    /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles without; empty
-    /// where no mesh has any.
+    /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles
+    /// without; empty where no mesh has any.
     pub fn colors(&self) -> &[[Vec3; 3]] {
         &self.beside.colors
     }

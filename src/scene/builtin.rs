@@ -1,5 +1,5 @@
-//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, five of ellipsoids, and three
-//! spheres on an infinite ground.
+//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, five of
+//! ellipsoids, and three spheres on an infinite ground.
 
 mod hall;
 mod marble;
@@ -47,7 +47,8 @@ pub enum Builtin {
     Spheres,
     /// A vaulted hall of columns with arches, banners and a tiled floor.
     Hall,
-    /// The same with a floor of polished marble, shining metal, balls of glass and chrome, and lamps that throw soft shadows.
+    /// The same with a floor of polished marble, shining metal, balls of glass and chrome, and lamps that throw soft
+    /// shadows.
     HallFinished,
     /// A picket fence before a wall: every slat uncovers a strip of wall.
     Fence,
@@ -57,7 +58,8 @@ pub enum Builtin {
     Near,
     /// Sheets that point at the left eye: edges to the left eye, surfaces to the right one.
     Grazing,
-    /// Twelve ellipsoids and eight spheres at random over a checkerboard ([`RandomObjects`]), after Adelson and Hodges 1993.
+    /// Twelve ellipsoids and eight spheres at random over a checkerboard ([`RandomObjects`]), after Adelson and Hodges
+    /// 1993.
     Random20,
     /// A hundred ellipsoids over a checkerboard.
     Random100,

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::{Error, message::counted};
 
-/// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
-/// pixels long. DESIGN, section 2, has the measurements.
+/// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is
+/// 5000 pixels long. DESIGN, section 2, has the measurements.
 const COARSE_STEP: f32 = 1e-4;
 
 /// What a [`Material`] may have of each.

@@ -7,8 +7,9 @@ use glam::Vec3;
 
 use super::Scene;
 
-/// The connected component of each primitive, as the least primitive id in it. Triangles hang together where corners have equal
-/// positions (welded, whatever the file's own vertices and groups); every sphere, ellipsoid and plane is its own.
+/// The connected component of each primitive, as the least primitive id in it. Triangles hang together where corners
+/// have equal positions (welded, whatever the file's own vertices and groups); every sphere, ellipsoid and plane is its
+/// own.
 pub(crate) fn of(scene: &Scene) -> Vec<u32> {
     let triangles = scene.triangles();
     let mut above: Vec<u32> = (0..scene.primitive_count() as u32).collect();

@@ -7,9 +7,9 @@ use bytemuck::cast_slice;
 use super::{Beside, Scene, Sky, TextureKind, mesh::Object};
 
 impl Scene {
-    /// Hands everything that pictures depend on to `sink`, as bytes, piece by piece: equal scenes make equal bytes, whatever files they came from,
-    /// and scenes that differ make others. A hash of them says whether a picture, or a data set's item, is of the same scene. Another
-    /// version of the library may make others.
+    /// Hands everything that pictures depend on to `sink`, as bytes, piece by piece: equal scenes make equal bytes,
+    /// whatever files they came from, and scenes that differ make others. A hash of them says whether a picture, or
+    /// a data set's item, is of the same scene. Another version of the library may make others.
     ///
     /// ```
     /// use std::hash::{DefaultHasher, Hasher};
@@ -68,7 +68,8 @@ impl Scene {
     }
 }
 
-/// What an object is written as: the number of its name, its first primitive, and whether it has texture coordinates and colours.
+/// What an object is written as: the number of its name, its first primitive, and whether it has texture coordinates
+/// and colours.
 type Written = (usize, u32, bool, bool);
 
 /// The names that differ, and the objects by them: thousands of objects may share one long name.

@@ -7,7 +7,8 @@ use glam::DVec2;
 /// 100,000 spikes of random length take 340 steps a corner. What takes more has corners that meet by the thousand.
 const STEPS_PER_CORNER: usize = 500;
 
-/// Cuts off one ear after the other: a triangle of a corner and its neighbours into which nothing of the polygon reaches.
+/// Cuts off one ear after the other: a triangle of a corner and its neighbours into which nothing of the polygon
+/// reaches.
 pub(super) fn cut_ears(points: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut ring = Ring::new(points);
     let mut ears = Vec::with_capacity(points.len() - 2);
@@ -46,9 +47,9 @@ struct Ring<'a> {
     /// The corners before and behind each.
     neighbours: Vec<[usize; 2]>,
     is_cut: Vec<bool>,
-    /// Boxes around the corners at which the polygon doesn't turn left; if anything reaches into an ear, one of them does.
-    /// The root is 1, 2n and 2n + 1 are below n, and the leaves stand from `points.len()` on, those close to each other
-    /// together.
+    /// Boxes around the corners at which the polygon doesn't turn left; if anything reaches into an ear, one of them
+    /// does. The root is 1, 2n and 2n + 1 are below n, and the leaves stand from `points.len()` on, those close to
+    /// each other together.
     boxes: Vec<[DVec2; 2]>,
     /// The corner of each leaf, and the leaf of each corner.
     corner_of: Vec<usize>,

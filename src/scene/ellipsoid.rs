@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use super::{MaterialId, Scene, Stamp, checks::check_coordinate};
 use crate::Error;
 
-/// The longest semi-axis of an ellipsoid may be so many times the shortest. Flatter ones are surfaces or lines to f32: DESIGN, section 2, has
-/// the measurements.
+/// The longest semi-axis of an ellipsoid may be so many times the shortest. Flatter ones are surfaces or lines to f32:
+/// DESIGN, section 2, has the measurements.
 pub const MAX_ASPECT: f32 = 1e4;
 
 /// The shortest semi-axis that an ellipsoid may have, in world units: the squares of less would vanish in f32.
@@ -29,7 +29,8 @@ pub const MIN_SEMI_AXIS: f32 = 1e-15;
 pub struct Ellipsoid {
     /// World position of its centre.
     pub center: Vec3,
-    /// Where the map takes the axes of the unit sphere, a column each. Where they stand at right angles they are the ellipsoid's semi-axes.
+    /// Where the map takes the axes of the unit sphere, a column each. Where they stand at right angles they are the
+    /// ellipsoid's semi-axes.
     pub axes: Mat3,
     /// Its material.
     pub material: MaterialId,
@@ -46,8 +47,8 @@ impl Ellipsoid {
         Self::new(center, Mat3::from_diagonal(radii), material)
     }
 
-    /// Its semi-axes, longest or not: the columns, turned among themselves until they stand at right angles, which changes no point of the surface
-    /// (one-sided Jacobi rotations, Hestenes 1958).
+    /// Its semi-axes, longest or not: the columns, turned among themselves until they stand at right angles, which
+    /// changes no point of the surface (one-sided Jacobi rotations, Hestenes 1958).
     pub(crate) fn semi_axes(&self) -> [DVec3; 3] {
         let mut columns = [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis].map(Vec3::as_dvec3);
         for (i, j) in [(0, 1), (1, 2), (2, 0)].repeat(SWEEPS) {
@@ -95,9 +96,9 @@ impl Ellipsoid {
 /// Rounds of rotations: they converge by their squares, so that few are needed.
 const SWEEPS: usize = 10;
 
-/// What takes an offset from an ellipsoid's centre to the offset from a sphere's: a matrix of three rows, each along a semi-axis, and the sphere's
-/// radius, which is the longest semi-axis. Rows at right angles keep the rounding of one semi-axis from the others; a sphere's matrix is the
-/// identity, so that it is met as a sphere to the last bit.
+/// What takes an offset from an ellipsoid's centre to the offset from a sphere's: a matrix of three rows, each along a
+/// semi-axis, and the sphere's radius, which is the longest semi-axis. Rows at right angles keep the rounding of one
+/// semi-axis from the others; a sphere's matrix is the identity, so that it is met as a sphere to the last bit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToSphere {
     pub(crate) rows: [Vec3; 3],
@@ -121,8 +122,9 @@ impl Scene {
     /// Adds an ellipsoid as an object of its own.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a centre or axes that are not finite or too large, for semi-axes below [`MIN_SEMI_AXIS`] or of which the longest is over
-    /// [`MAX_ASPECT`] times the shortest, as where `axes` has no inverse, and for a material that is not there.
+    /// [`Error::Scene`] for a centre or axes that are not finite or too large, for semi-axes below [`MIN_SEMI_AXIS`] or
+    /// of which the longest is over [`MAX_ASPECT`] times the shortest, as where `axes` has no inverse, and for a
+    /// material that is not there.
     pub fn add_ellipsoid(&mut self, ellipsoid: Ellipsoid) -> Result<(), Error> {
         self.check_ellipsoid(self.ellipsoids.len(), &ellipsoid)?;
         self.ellipsoids.push(ellipsoid);
@@ -170,7 +172,8 @@ mod tests {
         Ellipsoid::new(random.point(1.0), turn * Mat3::from_diagonal(radii), MaterialId(0))
     }
 
-    /// Of ten thousand ellipsoids of any axes the surface as mapped is that of the columns, and the box holds it and no more.
+    /// Of ten thousand ellipsoids of any axes the surface as mapped is that of the columns, and the box holds it and no
+    /// more.
     #[test]
     fn the_map_takes_the_surface_to_a_sphere_and_the_box_touches_it() {
         let mut random = Random::new(5);

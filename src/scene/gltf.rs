@@ -1,8 +1,9 @@
 //! Reads glTF 2.0 files, as text (.gltf) and binary (.glb).
 //!
-//! The crate `gltf-json` gives the JSON its types. Its parent `gltf` also walks through them, but takes indices, lengths and kinds of cameras on
-//! trust and panics where they are wrong, also in its own validation; so here each index goes through [`Document`] and each length through
-//! accessors.rs. Nodes are walked without recursion, and each may be reached once.
+//! The crate `gltf-json` gives the JSON its types. Its parent `gltf` also walks through them, but takes indices,
+//! lengths and kinds of cameras on trust and panics where they are wrong, also in its own validation; so here each
+//! index goes through [`Document`] and each length through accessors.rs. Nodes are walked without recursion, and each
+//! may be reached once.
 
 mod accessors;
 mod cameras;

@@ -10,7 +10,8 @@ pub const MAX_SOFT_LIGHTS: usize = 16;
 /// The largest [`LightShape::Directional`] radius: all of the sky but for a rim.
 const MOST_ANGLE: f32 = 1.5;
 
-/// A light without falloff: all of it that is seen from a place is as bright there as from any other (thesis, chapter 4).
+/// A light without falloff: all of it that is seen from a place is as bright there as from any other (thesis, chapter
+/// 4).
 ///
 /// ```
 /// use stereotrace::{Light, glam::Vec3};
@@ -33,7 +34,8 @@ pub struct Light {
 }
 
 /// What throws light. Lights are not seen themselves. All but points light by as many rays as
-/// [`Options::shadow_rays`](crate::Options::shadow_rays) says, which end at places spread over them, so that shadows have a penumbra.
+/// [`Options::shadow_rays`](crate::Options::shadow_rays) says, which end at places spread over them, so that shadows
+/// have a penumbra.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -76,7 +78,8 @@ impl Light {
         Self { position: position.into(), intensity, shape: LightShape::Rectangle { half_width, half_height } }
     }
 
-    /// Infinitely far off in a direction, of any length but 0; the disc's radius is an angle in radians, 0 for sharp shadows.
+    /// Infinitely far off in a direction, of any length but 0; the disc's radius is an angle in radians, 0 for sharp
+    /// shadows.
     pub fn directional(towards: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
         Self { position: towards.into(), intensity, shape: LightShape::Directional { radius } }
     }

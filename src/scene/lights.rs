@@ -15,14 +15,15 @@ const BEFORE_OBSTACLE: f32 = 0.9;
 impl Scene {
     /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k`
     /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle,
-    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`, `d` being the screen's distance or, where that is infinite, the target's;
-    /// where the eyes are inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does
-    /// not end up behind a wall. `ambient` becomes 0.15 where it is `None`, and stays what it is where it was given. The
-    /// lights add up to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
+    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`, `d` being the screen's distance or, where that is infinite, the
+    /// target's; where the eyes are inside the scene's bounding box, it is moved into that box shrunk by a tenth,
+    /// so that it does not end up behind a wall. `ambient` becomes 0.15 where it is `None`, and stays what it is
+    /// where it was given. The lights add up to 0.85, so that with an ambient light of 0.15 white stays short of
+    /// burning out.
     ///
-    /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
-    /// light would be inside a sphere or an ellipsoid that the eyes are not in, or behind a plane, it keeps its place beside the eyes, drawn
-    /// towards them to nine tenths of the way to the first thing between.
+    /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and
+    /// where a light would be inside a sphere or an ellipsoid that the eyes are not in, or behind a plane, it keeps
+    /// its place beside the eyes, drawn towards them to nine tenths of the way to the first thing between.
     ///
     /// # Errors
     /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`](super::MAX_LIGHTS).

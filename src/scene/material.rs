@@ -28,8 +28,8 @@ pub enum Finish {
         index: f32,
         /// Share of the light that comes through, linear RGB, 0 to 1. MTL's `Tf`.
         transmission: Vec3,
-        /// The angle of view says how much is reflected, by the share of [`Material::specular`], and what is left comes through
-        /// (`illum` 7). Else all of it comes through but for what is reflected totally.
+        /// The angle of view says how much is reflected, by the share of [`Material::specular`], and what is left
+        /// comes through (`illum` 7). Else all of it comes through but for what is reflected totally.
         fresnel: bool,
     },
 }
@@ -53,9 +53,9 @@ pub struct Material {
     pub albedo: Vec3,
     /// The albedo is multiplied by this texture's colour; its alpha says nothing. MTL's `map_Kd`.
     pub texture: Option<TextureId>,
-    /// Where this texture's alpha is below a half there is no surface: no ray meets it there, and light passes. The texture's nearest pixel
-    /// says, without a filter. A checkerboard's alpha is its colours' brightness. Triangles only; those without texture coordinates
-    /// are in the lower left pixel. MTL's `map_d`.
+    /// Where this texture's alpha is below a half there is no surface: no ray meets it there, and light passes. The
+    /// texture's nearest pixel says, without a filter. A checkerboard's alpha is its colours' brightness.
+    /// Triangles only; those without texture coordinates are in the lower left pixel. MTL's `map_d`.
     pub cutout: Option<TextureId>,
     /// The share of what is behind the surface that it hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
     pub opacity: f32,
@@ -63,7 +63,8 @@ pub struct Material {
     pub specular: Vec3,
     /// Phong's exponent: the larger, the smaller a highlight; 0 to 10000. MTL's `Ns`.
     pub exponent: f32,
-    /// Whether highlights are of as much light as [`Material::specular`] says, as [`Material::normalised`] has it. MTL's are not.
+    /// Whether highlights are of as much light as [`Material::specular`] says, as [`Material::normalised`] has it.
+    /// MTL's are not.
     pub normalised: bool,
     /// Radiance that it gives off by itself, linear RGB. It lights nothing else. MTL's `Ke`.
     pub emission: Vec3,
@@ -127,12 +128,15 @@ impl Material {
         self
     }
 
-    /// Whether highlights conserve energy, so that [`Material::specular`] is the share of a light that they send on. A light of intensity I then adds
-    /// `I specular (n + 2)/2 max(0, r·v)ⁿ max(0, n·l)` for the exponent n (Lafortune & Willems 1994, "Using the Modified Phong Reflectance
-    /// Model": a reflectance of `specular (n + 2)/2π max(0, r·v)ⁿ`, alike in both directions), whose sum over all directions is `specular` where light comes
-    /// straight from above, and less the more of the lobe the surface cuts off. Albedo and specular may then be at most 1 together in each channel. By MTL's
-    /// Phong, where nothing is said, it is `I specular max(0, r·v)ⁿ`, of which straight above `2 specular / (n + 1)` of the light comes back: of small highlights hardly
-    /// any, of exponents below 1 more than `specular`. What mirrors and glass reflect of their surroundings stays what it is; lights' highlights on them change alike.
+    /// Whether highlights conserve energy, so that [`Material::specular`] is the share of a light that they send on. A
+    /// light of intensity I then adds `I specular (n + 2)/2 max(0, r·v)ⁿ max(0, n·l)` for the exponent n (Lafortune
+    /// & Willems 1994, "Using the Modified Phong Reflectance Model": a reflectance of `specular (n + 2)/2π max(0,
+    /// r·v)ⁿ`, alike in both directions), whose sum over all directions is `specular` where light comes
+    /// straight from above, and less the more of the lobe the surface cuts off. Albedo and specular may then be at most
+    /// 1 together in each channel. By MTL's Phong, where nothing is said, it is `I specular max(0, r·v)ⁿ`, of which
+    /// straight above `2 specular / (n + 1)` of the light comes back: of small highlights hardly any, of exponents
+    /// below 1 more than `specular`. What mirrors and glass reflect of their surroundings stays what it is; lights'
+    /// highlights on them change alike.
     pub fn normalised(mut self, normalised: bool) -> Self {
         self.normalised = normalised;
         self
@@ -165,8 +169,8 @@ impl Material {
         self.finish != Finish::Matte || self.opacity < 1.0
     }
 
-    /// The most that it sends back of the light of each channel: what it scatters, and what it reflects and lets through. Highlights that don't conserve energy
-    /// are left out.
+    /// The most that it sends back of the light of each channel: what it scatters, and what it reflects and lets
+    /// through. Highlights that don't conserve energy are left out.
     pub(super) fn most_returned(&self) -> Vec3 {
         let (albedo, reflected) = (self.albedo, self.specular);
         match self.finish {
@@ -184,7 +188,8 @@ impl Material {
         if self.most_returned().max_element() <= 1.0 {
             return false;
         }
-        // What is let through is a share of what is not reflected: with all of it k times as much, k (a + r + t) - k² r t is to be 1.
+        // What is let through is a share of what is not reflected: with all of it k times as much, k (a + r + t) - k² r
+        // t is to be 1.
         let passed = match self.finish {
             Finish::Glass { transmission, fresnel: false, .. } => transmission,
             _ => Vec3::ZERO,

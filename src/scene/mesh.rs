@@ -26,7 +26,8 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Mesh {
-    /// The object's name, or empty. Clones and the scene share it: a file may give one long name to thousands of objects.
+    /// The object's name, or empty. Clones and the scene share it: a file may give one long name to thousands of
+    /// objects.
     pub name: Arc<str>,
     /// World positions.
     pub positions: Vec<Vec3>,
@@ -44,8 +45,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Flat triangles of a scene's grey, without a name: world positions, and the corners of each triangle as indices into
-    /// them.
+    /// Flat triangles of a scene's grey, without a name: world positions, and the corners of each triangle as indices
+    /// into them.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, materials: vec![MaterialId::default()], ..Self::default() }
     }
@@ -163,8 +164,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
-    /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, a normal, texture coordinate or
-    /// colour that is not finite, a colour that is negative, or a material that is not there.
+    /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, a normal, texture
+    /// coordinate or colour that is not finite, a colour that is negative, or a material that is not there.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let (first, dropped) = (self.triangles.len(), self.dropped);
         self.push_mesh(mesh)?;

@@ -62,7 +62,8 @@ use crate::Limits;
 use crate::input::Files;
 use crate::{Error, camera::MAX_WORLD_COORDINATE};
 
-/// Coordinates relative to [`Scene::origin`] that are larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
+/// Coordinates relative to [`Scene::origin`] that are larger than this (in world units) are refused: past it the box
+/// tests of the traversal overflow f32.
 pub const MAX_COORDINATE: f32 = 1e8;
 
 /// The least length, in world units, of a scene's longest side: the products of an intersection would vanish in f32.
@@ -146,10 +147,12 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1 without
-    /// lights, and 0.15 with them, or they would add to what is white already. See [`Scene::rendered_ambient`]. Frames lit by the sky have none.
+    /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1
+    /// without lights, and 0.15 with them, or they would add to what is white already. See
+    /// [`Scene::rendered_ambient`]. Frames lit by the sky have none.
     pub ambient: Option<Vec3>,
-    /// What a ray sees that hits nothing. It lights surfaces where [`Options::sky_rays`](crate::Options::sky_rays) asks it to.
+    /// What a ray sees that hits nothing. It lights surfaces where [`Options::sky_rays`](crate::Options::sky_rays)
+    /// asks it to.
     pub sky: Sky,
     origin: DVec3,
     materials: Vec<Material>,
@@ -220,18 +223,20 @@ impl Scene {
         Ok(())
     }
 
-    /// Reads a scene from an OBJ file and the MTL files it names. A face of n corners becomes n - 2 triangles: a fan from
-    /// its first corner, or ears cut off where it is concave; one that crosses itself or is far from flat is fanned and
-    /// logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. Colours of vertices (`v x y z r g b`) are taken as
-    /// sRGB. Textures (`map_Kd`, `map_d`) are read with the feature `textures`, those of materials that are used. What pictures
-    /// don't show of a file is logged once a file: highlights, lines and points, and the like; a mirror or glass without a
-    /// diffuse colour takes its specular one. DESIGN, section 8, has all that is read of an MTL. The scene has no lights yet: see
+    /// Reads a scene from an OBJ file and the MTL files it names. A face of n corners becomes n - 2 triangles: a fan
+    /// from its first corner, or ears cut off where it is concave; one that crosses itself or is far from flat is
+    /// fanned and logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. Colours of
+    /// vertices (`v x y z r g b`) are taken as sRGB. Textures (`map_Kd`, `map_d`) are read with the feature
+    /// `textures`, those of materials that are used. What pictures don't show of a file is logged once a file:
+    /// highlights, lines and points, and the like; a mirror or glass without a diffuse colour takes its specular
+    /// one. DESIGN, section 8, has all that is read of an MTL. The scene has no lights yet: see
     /// [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is wrong: numbers that don't parse or are not
-    /// finite, indices out of range, no faces at all, textures that can't be read.
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than
+    /// [`Limits`] says; [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is
+    /// wrong: numbers that don't parse or are not finite, indices out of range, no faces at all, textures that
+    /// can't be read.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_obj_with(path, &ObjOptions::default())
@@ -255,14 +260,16 @@ impl Scene {
         obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
-    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its nodes show them, with base colours,
-    /// metal and roughness, emission, masks and transparency as our materials have them. `docs/FORMATS.md` has the rules; what pictures don't show is
-    /// logged once. [`SceneFile::open`] has its cameras too.
+    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its
+    /// nodes show them, with base colours, metal and roughness, emission, masks and transparency as our materials
+    /// have them. `docs/FORMATS.md` has the rules; what pictures don't show is logged once. [`SceneFile::open`] has
+    /// its cameras too.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is larger than [`Limits`] says, or
-    /// has more triangles; [`Error::Parse`], naming the item, if its content is wrong: JSON that is none, indices and lengths out of range, numbers that are not
-    /// finite, nodes with two parents, extensions that it requires and that are not known, no triangles at all, textures that can't be read.
+    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is
+    /// larger than [`Limits`] says, or has more triangles; [`Error::Parse`], naming the item, if its content is
+    /// wrong: JSON that is none, indices and lengths out of range, numbers that are not finite, nodes with two
+    /// parents, extensions that it requires and that are not known, no triangles at all, textures that can't be read.
     #[cfg(feature = "gltf")]
     pub fn from_gltf(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_gltf_with(path, &SceneOptions::default())
@@ -277,14 +284,16 @@ impl Scene {
         gltf::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options).map(|file| file.scene)
     }
 
-    /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture
-    /// coordinates of vertices, and faces, which become triangles as those of an OBJ do. It is grey, where its vertices have no colours.
-    /// `docs/FORMATS.md` has all that is read; what is not is logged once. The scene has no lights yet: see [`Scene::place_lights`].
+    /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB)
+    /// and texture coordinates of vertices, and faces, which become triangles as those of an OBJ do. It is grey,
+    /// where its vertices have no colours. `docs/FORMATS.md` has all that is read; what is not is logged once. The
+    /// scene has no lights yet: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming element and line where they are known, if its content is wrong: a header that is none, numbers that are
-    /// missing or not finite, corners out of range, no faces at all, as in clouds of points.
+    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than
+    /// [`Limits`] says; [`Error::Parse`], naming element and line where they are known, if its content is wrong: a
+    /// header that is none, numbers that are missing or not finite, corners out of range, no faces at all, as in
+    /// clouds of points.
     #[cfg(feature = "ply")]
     pub fn from_ply(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_ply_with(path, &SceneOptions::default())
@@ -299,7 +308,8 @@ impl Scene {
         ply::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
-    /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.
+    /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with
+    /// them.
     pub fn rendered_ambient(&self) -> Vec3 {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
@@ -311,8 +321,8 @@ impl Scene {
         self.origin
     }
 
-    /// Sets [`Scene::origin`]. What was added keeps its positions relative to the origin, so that it moves along. Lights
-    /// stay where they are in the world.
+    /// Sets [`Scene::origin`]. What was added keeps its positions relative to the origin, so that it moves along.
+    /// Lights stay where they are in the world.
     ///
     /// # Errors
     /// [`Error::Scene`] for a coordinate that is not a number within ±1e13 ([`MAX_WORLD_COORDINATE`]).
@@ -421,8 +431,8 @@ impl Scene {
         self.mesh_objects.len() + self.ball_count() + self.planes.len()
     }
 
-    /// The object of a primitive: meshes count first, in the order they were added, then spheres, ellipsoids and planes.
-    /// [`MISS`](crate::MISS) for numbers out of range.
+    /// The object of a primitive: meshes count first, in the order they were added, then spheres, ellipsoids and
+    /// planes. [`MISS`](crate::MISS) for numbers out of range.
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
         if primitive as usize >= self.primitive_count() {

@@ -1,4 +1,5 @@
-//! Scenes that change from picture to picture: [`Renderer::update`](crate::Renderer::update) brings the change to the device.
+//! Scenes that change from picture to picture: [`Renderer::update`](crate::Renderer::update) brings the change to the
+//! device.
 
 use std::{
     ops::Range,
@@ -27,10 +28,11 @@ impl Stamp {
 }
 
 impl Scene {
-    /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and again adds up
-    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`], [`Scene::set_sphere`],
-    /// [`Scene::set_ellipsoid`] or [`Scene::set_plane`]. Triangles that it
-    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does. A plane's texture is turned and scaled as its u axis is, and not sheared.
+    /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and
+    /// again adds up its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`],
+    /// [`Scene::set_sphere`], [`Scene::set_ellipsoid`] or [`Scene::set_plane`]. Triangles that it
+    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does. A plane's texture is turned and scaled
+    /// as its u axis is, and not sheared.
     ///
     /// ```
     /// use stereotrace::{MaterialId, Scene, Sphere, glam::{Affine3A, Vec3}};
@@ -44,9 +46,10 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Scene`] for an object that is not there, where a coordinate becomes infinite, no number or larger than
-    /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor that is not the same
-    /// in all directions, or sheared: what may become an ellipsoid is to be added as one. Of an ellipsoid's map the errors are those of
-    /// [`Scene::add_ellipsoid`], of a plane those of [`Scene::add_plane`]. The scene then stays as it was.
+    /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor
+    /// that is not the same in all directions, or sheared: what may become an ellipsoid is to be added as one. Of
+    /// an ellipsoid's map the errors are those of [`Scene::add_ellipsoid`], of a plane those of
+    /// [`Scene::add_plane`]. The scene then stays as it was.
     pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
         match self.place_of(object)? {
             Place::Sphere(index) => {
@@ -80,12 +83,12 @@ impl Scene {
         }
     }
 
-    /// Puts another mesh in the place of a mesh, as the same object. Where the number of triangles changes, so do the ids of all
-    /// primitives behind them, and the scene must be updated by [`Update::Rebuild`](crate::Update).
+    /// Puts another mesh in the place of a mesh, as the same object. Where the number of triangles changes, so do the
+    /// ids of all primitives behind them, and the scene must be updated by [`Update::Rebuild`](crate::Update).
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is no mesh. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is no mesh. The scene then stays
+    /// as it was.
     pub fn set_mesh(&mut self, object: u32, mesh: &Mesh) -> Result<(), Error> {
         let range = match self.place_of(object)? {
             Place::Triangles(range) => range,
@@ -102,11 +105,12 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes, ellipsoids behind those.
+    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes, ellipsoids
+    /// behind those.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is no sphere. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is no sphere. The scene then
+    /// stays as it was.
     pub fn set_sphere(&mut self, object: u32, sphere: Sphere) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Sphere(index) => index,
@@ -121,8 +125,8 @@ impl Scene {
     /// Puts another ellipsoid in the place of an ellipsoid, as the same object.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and for an object that is not there or is no ellipsoid. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and for an object that is not there or is no ellipsoid. The scene
+    /// then stays as it was.
     pub fn set_ellipsoid(&mut self, object: u32, ellipsoid: Ellipsoid) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Ellipsoid(index) => index,
@@ -137,8 +141,8 @@ impl Scene {
     /// Puts another plane in the place of a plane, as the same object: planes count behind all others.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_plane`], and for an object that is not there or is no plane. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_plane`], and for an object that is not there or is no plane. The scene then
+    /// stays as it was.
     pub fn set_plane(&mut self, object: u32, plane: Plane) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Plane(index) => index,
@@ -230,7 +234,8 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; only by one factor does it stay a sphere"))
 }
 
-/// Normals go by the cofactors: by the inverse transposed, but for a factor, and they are there where the inverse is not.
+/// Normals go by the cofactors: by the inverse transposed, but for a factor, and they are there where the inverse is
+/// not.
 fn transformed_normal(normal: Vec3, transform: &Affine3A) -> Vec3 {
     let [x, y, z] = axes(transform);
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];

@@ -34,8 +34,8 @@ const WHITE: &str = " 1 1 1";
 /// What is wrong, and on which line, counted from 1.
 type Fault = (usize, String);
 
-/// A run of faces that belong together: it ends at each `o` and `g`, at each `s` where normals are made, and where faces with and
-/// without normals or texture coordinates meet.
+/// A run of faces that belong together: it ends at each `o` and `g`, at each `s` where normals are made, and where
+/// faces with and without normals or texture coordinates meet.
 #[derive(Clone, Copy)]
 struct Section {
     /// How many `o` lines came before.
@@ -240,8 +240,8 @@ fn split_keyword(line: &str) -> (&str, &str) {
     (keyword, rest.trim())
 }
 
-/// Numbers without the comment behind them. `1.#INF` and `-1.#IND` are what some compilers print for numbers that are none,
-/// and no 1 with a comment.
+/// Numbers without the comment behind them. `1.#INF` and `-1.#IND` are what some compilers print for numbers that are
+/// none, and no 1 with a comment.
 fn without_comment(numbers: &str) -> &str {
     let comment = numbers.match_indices('#').find(|(at, _)| !numbers[..*at].ends_with('.'));
     comment.map_or(numbers, |(at, _)| &numbers[..at])
@@ -330,7 +330,8 @@ impl Prepared {
         }
     }
 
-    /// tobj counts colours on their own: of vertices with and without, it gives some another's. So where one has a colour, all others get white.
+    /// tobj counts colours on their own: of vertices with and without, it gives some another's. So where one has a
+    /// colour, all others get white.
     fn vertex(&mut self, rest: &str, line: usize) -> Result<(), Fault> {
         let numbers = rest.split_whitespace().count();
         if numbers == 6 && !self.has_colors {

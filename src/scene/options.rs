@@ -16,8 +16,8 @@ pub enum MissingTextures {
     Warn,
 }
 
-/// What becomes of files outside the scene file's folder that the scene file, or an MTL file of it, names. Files in the folder and below it are
-/// always read. Links count by where they lead.
+/// What becomes of files outside the scene file's folder that the scene file, or an MTL file of it, names. Files in the
+/// folder and below it are always read. Links count by where they lead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum OutsideFiles {
@@ -71,14 +71,15 @@ impl SceneOptions {
         self
     }
 
-    /// Whether files may lie outside the scene file's folder, as textures in `../textures`. They are refused where nothing is said. Of scenes in
-    /// memory it says nothing: these have only the files that they are given.
+    /// Whether files may lie outside the scene file's folder, as textures in `../textures`. They are refused where
+    /// nothing is said. Of scenes in memory it says nothing: these have only the files that they are given.
     pub fn outside_files(mut self, outside: OutsideFiles) -> Self {
         self.outside_files = outside;
         self
     }
 
-    /// What messages say that [`SceneOptions::outside_files`] is set by: a program's own option. That method where nothing is said.
+    /// What messages say that [`SceneOptions::outside_files`] is set by: a program's own option. That method where
+    /// nothing is said.
     pub fn outside_option_name(mut self, name: &'static str) -> Self {
         self.outside_option_name = Some(name);
         self
@@ -90,10 +91,10 @@ impl SceneOptions {
         SceneFolder::of(scene, (self.outside_files == OutsideFiles::Refuse).then_some(option))
     }
 
-    /// Smooth normals for objects without any: edges across which the normals of triangles are less than so many degrees
-    /// apart are smooth, within an OBJ's smoothing groups (`s`) where it has them; faces under `s off` stay flat. See
-    /// [`Mesh::smooth`](crate::Mesh::smooth). Modellers take 30. Without an angle, as where nothing is said, such objects are
-    /// flat.
+    /// Smooth normals for objects without any: edges across which the normals of triangles are less than so many
+    /// degrees apart are smooth, within an OBJ's smoothing groups (`s`) where it has them; faces under `s off` stay
+    /// flat. See [`Mesh::smooth`](crate::Mesh::smooth). Modellers take 30. Without an angle, as where nothing is
+    /// said, such objects are flat.
     pub fn crease_angle(mut self, degrees: Option<f32>) -> Self {
         self.crease_angle = degrees;
         self

@@ -10,8 +10,8 @@ use crate::Error;
 /// A scene can have at most so many planes: every ray is tested against all of them.
 pub const MAX_PLANES: usize = 8;
 
-/// How far from where a ray begins it meets a plane, in world units: what is farther is seen as sky. So a plane's points, seen from
-/// a scene's coordinates ([`MAX_COORDINATE`](super::MAX_COORDINATE)), are where eyes may be.
+/// How far from where a ray begins it meets a plane, in world units: what is farther is seen as sky. So a plane's
+/// points, seen from a scene's coordinates ([`MAX_COORDINATE`](super::MAX_COORDINATE)), are where eyes may be.
 pub const PLANE_REACH: f32 = 1e8;
 
 /// Sides of a plane's tile in world units.
@@ -21,13 +21,13 @@ const UPRIGHT: f64 = 0.5;
 /// A share of a vector's length that is taken for nothing: below it the rounding of its coordinates says what is left.
 const NOTHING: f64 = 1e-6;
 
-/// An infinite plane. It has two sides, as triangles have, and no extent: it counts for no scene's bounds. A plane of glass is the face of
-/// a half-space that is all glass, on the side that its normal points away from. A ray that begins exactly in the plane does not meet it, so that an
-/// eye there sees what is on both sides.
+/// An infinite plane. It has two sides, as triangles have, and no extent: it counts for no scene's bounds. A plane of
+/// glass is the face of a half-space that is all glass, on the side that its normal points away from. A ray that begins
+/// exactly in the plane does not meet it, so that an eye there sees what is on both sides.
 ///
 /// A texture on it fills squares side by side. A point at `offset` from [`Plane::point`] has the texture coordinates
-/// `u = offset · û / tile` and `v = offset · (n × û) / tile`: n is the unit normal, û the unit vector along what lies in the plane of
-/// [`Plane::u_axis`].
+/// `u = offset · û / tile` and `v = offset · (n × û) / tile`: n is the unit normal, û the unit vector along what lies
+/// in the plane of [`Plane::u_axis`].
 ///
 /// ```
 /// use stereotrace::{MaterialId, Plane, Scene, glam::Vec3};
@@ -43,8 +43,8 @@ const NOTHING: f64 = 1e-6;
 pub struct Plane {
     /// A world position on it: there texture coordinates are 0.
     pub point: Vec3,
-    /// Its normal, of any length but 0. What is traced is the plane of the unit normal's rounding to f32, which is off by up to 1e-7 of
-    /// the distance from `point`.
+    /// Its normal, of any length but 0. What is traced is the plane of the unit normal's rounding to f32, which is off
+    /// by up to 1e-7 of the distance from `point`.
     pub normal: Vec3,
     /// Where a texture's right is, of any length but 0. What of it does not lie in the plane does not count.
     pub u_axis: Vec3,
@@ -55,9 +55,9 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane through a world position, by its normal, of any length but 0. A texture on it fills squares of a unit's side. On grounds, up
-    /// to 60 degrees steep, its right is the world's +x, and on level ones that are seen from above its top is at -z; on walls, seen from
-    /// where the normal points, its right is right and its top is up.
+    /// A plane through a world position, by its normal, of any length but 0. A texture on it fills squares of a unit's
+    /// side. On grounds, up to 60 degrees steep, its right is the world's +x, and on level ones that are seen from
+    /// above its top is at -z; on walls, seen from where the normal points, its right is right and its top is up.
     pub fn new(point: Vec3, normal: Vec3, material: MaterialId) -> Self {
         let unit = normal.as_dvec3().normalize_or_zero();
         let is_wall = unit.y.abs() <= UPRIGHT;
@@ -121,8 +121,8 @@ impl Scene {
     /// Adds an infinite plane as an object of its own.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a point that is not finite or too large, a normal or u axis that is not finite or 0, a u axis along the
-    /// normal, a tile out of range, a material that is not there, and for more than [`MAX_PLANES`].
+    /// [`Error::Scene`] for a point that is not finite or too large, a normal or u axis that is not finite or 0, a u
+    /// axis along the normal, a tile out of range, a material that is not there, and for more than [`MAX_PLANES`].
     pub fn add_plane(&mut self, plane: Plane) -> Result<(), Error> {
         self.check_plane(self.planes.len(), &plane)?;
         self.planes.push(plane);

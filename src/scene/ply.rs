@@ -1,7 +1,7 @@
 //! Reads PLY files: text, and binary of either byte order.
 //!
-//! The header says what follows (header.rs); values.rs takes numbers off the body one by one, so that nothing is reserved for what a
-//! header promises and the file has not.
+//! The header says what follows (header.rs); values.rs takes numbers off the body one by one, so that nothing is
+//! reserved for what a header promises and the file has not.
 
 mod header;
 mod values;

@@ -11,8 +11,9 @@ use crate::{Error, message::counted};
 #[cfg(feature = "sky")]
 use crate::{Limits, input};
 
-/// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and columns
-/// go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the pixels.
+/// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and
+/// columns go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the
+/// pixels.
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -39,8 +40,8 @@ impl SkyMap {
     /// A picture of `width * height` colours, row-major, linear RGB.
     ///
     /// # Errors
-    /// [`Error::Scene`] if their number is another, the width is odd (a pole's opposite column is half a width away) or a
-    /// colour is negative or not finite.
+    /// [`Error::Scene`] if their number is another, the width is odd (a pole's opposite column is half a width away) or
+    /// a colour is negative or not finite.
     pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, Error> {
         let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
         if !is_map(width, height) || pixels.len() as u64 != u64::from(width) * u64::from(height) {
@@ -87,13 +88,13 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
-    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). With the feature `exr` also `OpenEXR` (linear): one part
-    /// with channels R, G and B, where light below 0 becomes 0. Its size is checked before it is decoded; decoding takes 12 bytes a pixel,
-    /// beside what the format itself needs.
+    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). With the feature `exr` also
+    /// `OpenEXR` (linear): one part with channels R, G and B, where light below 0 becomes 0. Its size is checked
+    /// before it is decoded; decoding takes 12 bytes a pixel, beside what the format itself needs.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
-    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or no sky.
+    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than
+    /// [`Limits`] says, as a file or in pixels, [`Error::Parse`] if it is no such picture or no sky.
     #[cfg(feature = "sky")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())

@@ -1,9 +1,9 @@
 //! Smooth normals for meshes whose files give none.
 //!
-//! Around each vertex the triangles fall into fans: neighbours across an edge whose normals are less than the crease angle
-//! apart belong to one. A fan has one normal at the vertex, the mean of its triangles' weighted by their angles there, so that it
-//! does not depend on how faces were split. Vertices are told apart by their positions alone: those that a file has twice, for
-//! texture coordinates, are one.
+//! Around each vertex the triangles fall into fans: neighbours across an edge whose normals are less than the crease
+//! angle apart belong to one. A fan has one normal at the vertex, the mean of its triangles' weighted by their angles
+//! there, so that it does not depend on how faces were split. Vertices are told apart by their positions alone: those
+//! that a file has twice, for texture coordinates, are one.
 
 use glam::{DVec3, Vec3};
 
@@ -17,8 +17,9 @@ const FLAT: f32 = 1e-6;
 
 impl Mesh {
     /// Gives it normals, in the place of those it has: edges across which the normals of triangles are less than
-    /// `crease_degrees` apart are smooth, the others stay sharp. Triangles whose corners all have their own normal stay flat,
-    /// and a mesh of nothing else gets none. Triangles must wind alike: an edge between two that don't is sharp.
+    /// `crease_degrees` apart are smooth, the others stay sharp. Triangles whose corners all have their own normal stay
+    /// flat, and a mesh of nothing else gets none. Triangles must wind alike: an edge between two that don't is
+    /// sharp.
     ///
     /// # Errors
     /// [`Error::Scene`] for an angle that is not within 0 to 180, and for a corner that is out of range.
@@ -45,8 +46,8 @@ pub(super) fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or_zero().as_vec3()
 }
 
-/// Three normals a triangle, zeros for flat ones, or none where all are flat. Triangles of different `groups`, as far as these
-/// go, are never one fan, and those of group 0 are flat.
+/// Three normals a triangle, zeros for flat ones, or none where all are flat. Triangles of different `groups`, as far
+/// as these go, are never one fan, and those of group 0 are flat.
 pub(super) fn smooth_normals(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -112,8 +113,8 @@ fn face_normal(corners: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// The corners at each vertex, as triangle and corner of it, of the triangles that are wanted; and where those of each vertex
-/// begin.
+/// The corners at each vertex, as triangle and corner of it, of the triangles that are wanted; and where those of each
+/// vertex begin.
 fn corners_around(
     vertices: &[u32],
     triangles: &[[u32; 3]],

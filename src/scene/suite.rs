@@ -45,12 +45,13 @@ pub enum Trial {
     /// Thousands of curved strands, 0.1 to 0.5 pixels wide, on a ball: nearly every pixel is an edge, and the two
     /// eyes' samples seldom meet the same strand.
     Hair,
-    /// Crowns of squares that masks cut leaves out of: their shadows are dapples, many of them narrower than the distance between
-    /// the left eye's samples.
+    /// Crowns of squares that masks cut leaves out of: their shadows are dapples, many of them narrower than the
+    /// distance between the left eye's samples.
     Foliage,
     /// Cables over a street, far from what they throw their shadows on.
     Cables,
-    /// A plate with fins and bars that are narrower than a pixel or little wider, close to what they throw their shadows on.
+    /// A plate with fins and bars that are narrower than a pixel or little wider, close to what they throw their
+    /// shadows on.
     Strips,
     /// A thin wall between the eyes, from their plane into the depth. Each eye sees one side of it and one half of
     /// the scene, so that the left view holds next to nothing of the right one.
@@ -64,22 +65,22 @@ pub enum Trial {
     /// Pairs of plates a thousandth and a hundred-thousandth of their distance apart, the front ones with holes.
     /// Verification rays that end short of their point, or parallax, can't tell one plate from the other.
     Plates,
-    /// Surfaces in the same place in two colours: a mesh twice, a sphere twice, quads that overlap in a plane. Only the rule
-    /// for equal distances says which one is seen, and both eyes and all kernels must keep to it.
+    /// Surfaces in the same place in two colours: a mesh twice, a sphere twice, quads that overlap in a plane. Only the
+    /// rule for equal distances says which one is seen, and both eyes and all kernels must keep to it.
     Coincident,
     /// Walls of large panels beside finely divided ones, whose vertices lie on (or just off) the large panels' edges:
     /// rays slip through cracks that one eye sees and the other does not.
     TJunctions,
-    /// Triangles of 10,000 units and of 0.0001 in one picture. Tolerances that are fixed numbers, or shares of the scene's size,
-    /// are too large for the one or too small for the other.
+    /// Triangles of 10,000 units and of 0.0001 in one picture. Tolerances that are fixed numbers, or shares of the
+    /// scene's size, are too large for the one or too small for the other.
     MixedSizes,
     /// Floor, wall, ball, spheres and box at a thousandth of their size: tolerances in world units are too large here.
     ScaleSmall,
-    /// The same at a million times their size: tolerances in world units are too small here, and products of coordinates
-    /// are large.
+    /// The same at a million times their size: tolerances in world units are too small here, and products of
+    /// coordinates are large.
     ScaleLarge,
-    /// The same 100,000 units away from the origin along each axis, where f32 places vertices and rays half a pixel apart:
-    /// a point that is computed twice is not in the same place twice.
+    /// The same 100,000 units away from the origin along each axis, where f32 places vertices and rays half a pixel
+    /// apart: a point that is computed twice is not in the same place twice.
     FarOff,
     /// Things near and far from eyes half a picture apart: half of the left view lands outside the right one, and
     /// many left samples compete for one pixel.
@@ -87,9 +88,9 @@ pub enum Trial {
     /// The left eye within a ball with a window, the right eye outside it, and both within a sphere around it all.
     /// Parallax reaches the width of many pictures, and the right view's surroundings are hidden from the left eye.
     Inside,
-    /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. What the left eye sees behind it
-    /// lands where it stands, without a gap, so that a method which traces gaps alone shows the wall through it: figure 14 of Adelson
-    /// and Hodges 1993, the one case in which they say that theirs fails.
+    /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. What the left eye
+    /// sees behind it lands where it stands, without a gap, so that a method which traces gaps alone shows the wall
+    /// through it: figure 14 of Adelson and Hodges 1993, the one case in which they say that theirs fails.
     Wings,
 }
 
@@ -204,7 +205,8 @@ impl Trial {
         }
     }
 
-    /// The same with what makes a picture dear: every second of its materials is half a mirror, and its lights are balls of a 200th of its diagonal.
+    /// The same with what makes a picture dear: every second of its materials is half a mirror, and its lights are
+    /// balls of a 200th of its diagonal.
     pub fn rich_scene(self) -> Scene {
         let mut scene = self.scene();
         for index in (1..scene.materials().len() as u32).step_by(2) {

@@ -14,7 +14,8 @@ use crate::{Error, message::counted};
 #[cfg(feature = "textures")]
 use crate::{Limits, input};
 
-/// Pixels that a side of a texture may have at most, and squares that a checkerboard's may: what every WebGPU adapter holds.
+/// Pixels that a side of a texture may have at most, and squares that a checkerboard's may: what every WebGPU adapter
+/// holds.
 pub const MAX_TEXTURE_SIDE: u32 = 8192;
 
 /// Index of a [`Texture`] in its [`Scene`].
@@ -66,10 +67,11 @@ impl std::fmt::Debug for TextureKind {
     }
 }
 
-/// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as OBJ has it: the
-/// centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Spheres and ellipsoids have it around them, to be
-/// read from outside: its middle at +z, its right half at +x, its top at +y, of an ellipsoid these are
-/// its semi-axes, and where two of a turned one are equally long, any two at right angles are. Cloning shares the pixels.
+/// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as OBJ
+/// has it: the centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Spheres and ellipsoids
+/// have it around them, to be read from outside: its middle at +z, its right half at +x, its top at +y, of an ellipsoid
+/// these are its semi-axes, and where two of a turned one are equally long, any two at right angles are. Cloning shares
+/// the pixels.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Texture, Wrap, glam::Vec3};
@@ -98,8 +100,8 @@ impl Texture {
     /// A picture, row-major from the top left: red, green and blue in sRGB, and alpha. It is repeated beyond its edges.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a side of no pixels or over [`MAX_TEXTURE_SIDE`], and where the number of pixels is another than
-    /// `width * height`.
+    /// [`Error::Scene`] for a side of no pixels or over [`MAX_TEXTURE_SIDE`], and where the number of pixels is another
+    /// than `width * height`.
     pub fn image(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, Error> {
         let check = || {
             check_size(width, height)?;
@@ -115,11 +117,12 @@ impl Texture {
         Ok(Self::of(TextureKind::Image { size: [width, height], pixels: Arc::new(pixels) }))
     }
 
-    /// A checkerboard of `squares` by `squares` over texture coordinates of 0 to 1: the first colour where the numbers of a
-    /// square's column and row are both even or both odd, linear RGB. No memory goes into pixels.
+    /// A checkerboard of `squares` by `squares` over texture coordinates of 0 to 1: the first colour where the numbers
+    /// of a square's column and row are both even or both odd, linear RGB. No memory goes into pixels.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a colour that is negative or not finite, and for no squares or more than [`MAX_TEXTURE_SIDE`].
+    /// [`Error::Scene`] for a colour that is negative or not finite, and for no squares or more than
+    /// [`MAX_TEXTURE_SIDE`].
     pub fn checkerboard(first: Vec3, second: Vec3, squares: u32) -> Result<Self, Error> {
         let check = || {
             check_color("the first colour", first)?;
@@ -137,13 +140,15 @@ impl Texture {
         Self { kind, wrap: Wrap::default() }
     }
 
-    /// Reads a PNG or JPEG file, taken as sRGB; with the feature `more-textures` also BMP, GIF (its first picture), TGA (by the ending of its
-    /// name), TIFF and WebP. What has no alpha is opaque, and 16 bits a channel are rounded to 8. Its size is
-    /// checked before it is decoded, which takes up to 16 bytes a pixel beside what the format itself needs; 4 stay.
+    /// Reads a PNG or JPEG file, taken as sRGB; with the feature `more-textures` also BMP, GIF (its first picture), TGA
+    /// (by the ending of its name), TIFF and WebP. What has no alpha is opaque, and 16 bits a channel are rounded
+    /// to 8. Its size is checked before it is decoded, which takes up to 16 bytes a pixel beside what the format
+    /// itself needs; 4 stay.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
-    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or has a side over [`MAX_TEXTURE_SIDE`].
+    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than
+    /// [`Limits`] says, as a file or in pixels, [`Error::Parse`] if it is no such picture or has a side over
+    /// [`MAX_TEXTURE_SIDE`].
     #[cfg(feature = "textures")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
@@ -200,8 +205,8 @@ impl Texture {
         Self::decode_counted(path, source, limits, &mut 0)
     }
 
-    /// Reads a picture that is, or is part of, the file `path`. `counted` becomes the number of pixels that are decoded, also of one that turns out to
-    /// be broken.
+    /// Reads a picture that is, or is part of, the file `path`. `counted` becomes the number of pixels that are
+    /// decoded, also of one that turns out to be broken.
     #[cfg(feature = "textures")]
     pub(super) fn decode_counted(
         path: &std::path::Path,

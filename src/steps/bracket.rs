@@ -97,8 +97,8 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
     steps
 }
 
-/// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
-/// nothing listed.)
+/// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is
+/// launched, or nothing listed.)
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(search(wide), view, Launch::Listed(Found, TO_SEARCH))];

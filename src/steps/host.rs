@@ -76,7 +76,8 @@ async fn size_slots(driver: &mut Driver<'_>, depth: u32, view: usize) -> Result<
     Ok(rows)
 }
 
-/// Nearest and farthest depth of a view's source in the rows at work; the farthest is infinite as soon as one pixel is sky.
+/// Nearest and farthest depth of a view's source in the rows at work; the farthest is infinite as soon as one pixel is
+/// sky.
 async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32), Error> {
     let (gpu, frame): (&Gpu, _) = (driver.gpu, driver.frames[view]);
     let words = frame.row_end as usize * layout::COUNTERS;

@@ -1,4 +1,5 @@
-//! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
+//! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis,
+//! 3.1.3).
 
 use super::{edges, soft, step};
 use crate::{

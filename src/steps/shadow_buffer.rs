@@ -1,4 +1,5 @@
-//! Shadow-buffers on the device: filled where none is kept, object by object, and kept with the uploaded scene (`docs/SHADOW-BUFFER.md`).
+//! Shadow-buffers on the device: filled where none is kept, object by object, and kept with the uploaded scene
+//! (`docs/SHADOW-BUFFER.md`).
 
 #[cfg(test)]
 mod tests;
@@ -356,7 +357,8 @@ impl Drop for Filling<'_> {
 }
 
 impl Texture {
-    /// All zeros. Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
+    /// All zeros. Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every
+    /// timestamp too early.
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         use wgpu::TextureUsages as Usages;
 

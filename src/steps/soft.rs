@@ -1,5 +1,6 @@
-//! Light that is asked for by many rays: lights that are not points, and ambient light, or the sky's, that surroundings keep off. A view's hits come first; then
-//! each source is asked, some rays at a time, so that no thread has more to do than an adapter grants it; then the view is shaded.
+//! Light that is asked for by many rays: lights that are not points, and ambient light, or the sky's, that surroundings
+//! keep off. A view's hits come first; then each source is asked, some rays at a time, so that no thread has more to do
+//! than an adapter grants it; then the view is shaded.
 
 use super::step;
 use crate::{

@@ -1,5 +1,6 @@
-//! First hits of a view by a T-buffer: primitives are projected, and drawn one by one over the pixels that they may cover, twice, first for the nearest t,
-//! then for whose it is; then each pixel is read (docs/T-BUFFER.md). What comes after a view's hits need not know.
+//! First hits of a view by a T-buffer: primitives are projected, and drawn one by one over the pixels that they may
+//! cover, twice, first for the nearest t, then for whose it is; then each pixel is read (docs/T-BUFFER.md). What comes
+//! after a view's hits need not know.
 
 use super::{resolve::TRACE_LISTED, step};
 use crate::{
@@ -139,8 +140,8 @@ mod tests {
             );
         }
     }
-    /// Triangles that stand there three times under turned corners: their t are equal, and of many the smallest id stands behind the others
-    /// in the tree.
+    /// Triangles that stand there three times under turned corners: their t are equal, and of many the smallest id
+    /// stands behind the others in the tree.
     #[test]
     fn of_equal_t_the_smaller_id_wins_wherever_it_stands_in_the_tree() {
         let mut random = Random::new(21);

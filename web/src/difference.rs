@@ -2,8 +2,8 @@
 
 use stereotrace::{View, output::Picture};
 
-/// What is alike is grey and dark, as a view to go by. What differs is yellow where a channel is a step of 255 apart, and redder the more it
-/// is: red from 64 steps on. Views of one size.
+/// What is alike is grey and dark, as a view to go by. What differs is yellow where a channel is a step of 255 apart,
+/// and redder the more it is: red from 64 steps on. Views of one size.
 pub(crate) fn picture(view: &View, truth: &View) -> Picture {
     let shown = |(a, b): (&[u8; 4], &[u8; 4])| {
         let apart = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);

@@ -1,4 +1,5 @@
-//! The library's errors as JavaScript's: an `Error` whose text is the library's and whose `name` says what a program may do about it.
+//! The library's errors as JavaScript's: an `Error` whose text is the library's and whose `name` says what a program
+//! may do about it.
 
 use js_sys::Error as JsError;
 use stereotrace::Error;

@@ -1,5 +1,6 @@
-//! The library in browsers, by WebGPU: classes over the library's, whose arrays are JavaScript's. `package/types.d.ts` has the types of
-//! plain objects (cameras, options, statistics), and docs for who calls; wasm-bindgen adds the classes' own.
+//! The library in browsers, by WebGPU: classes over the library's, whose arrays are JavaScript's. `package/types.d.ts`
+//! has the types of plain objects (cameras, options, statistics), and docs for who calls; wasm-bindgen adds the
+//! classes' own.
 //!
 //! ```text
 //! scene.rs     Scene: built in, read from dropped files, or made in code
@@ -36,7 +37,8 @@ fn start() {
     std::panic::set_hook(Box::new(|panic| messages::complain(&panic.to_string())));
 }
 
-/// Renders a pair on a renderer that all calls share. Without a camera it is the scene's own, 640x480. Rejects as `Renderer.render` does.
+/// Renders a pair on a renderer that all calls share. Without a camera it is the scene's own, 640x480. Rejects as
+/// `Renderer.render` does.
 #[wasm_bindgen(unchecked_return_type = "Pair")]
 pub async fn render(
     scene: &Scene,

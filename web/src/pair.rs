@@ -35,7 +35,8 @@ impl Pair {
         image(&self.eye(eye)?.picture())
     }
 
-    /// Both eyes in one picture for coloured glasses, mixed in linear light; `"dubois"`, for red and cyan, where nothing is said.
+    /// Both eyes in one picture for coloured glasses, mixed in linear light; `"dubois"`, for red and cyan, where
+    /// nothing is said.
     pub fn anaglyph(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "AnaglyphName")] kind: Option<String>,
@@ -52,26 +53,28 @@ impl Pair {
         image(&self.0.packed(named(packing)?))
     }
 
-    /// Where each right pixel came from: green were taken over from the left view, red and yellow ones traced, grey ones traced without
-    /// looking at it.
+    /// Where each right pixel came from: green were taken over from the left view, red and yellow ones traced, grey
+    /// ones traced without looking at it.
     #[wasm_bindgen(js_name = retraceMap)]
     pub fn retrace_map(&self) -> Result<ImageData, JsValue> {
         image(&self.0.retrace_picture())
     }
 
-    /// How right pixels got their shadows by `bracket`: green were taken over, red ones traced. Undefined by other methods.
+    /// How right pixels got their shadows by `bracket`: green were taken over, red ones traced. Undefined by other
+    /// methods.
     #[wasm_bindgen(js_name = shadowMap, unchecked_return_type = "ImageData | undefined")]
     pub fn shadow_map(&self) -> Result<JsValue, JsValue> {
         self.0.shadow_picture().map_or(Ok(JsValue::UNDEFINED), |picture| Ok(image(&picture)?.into()))
     }
 
-    /// Depths of an eye's pixels along the view direction, world units, row by row from the top; `Infinity` where there is sky.
+    /// Depths of an eye's pixels along the view direction, world units, row by row from the top; `Infinity` where there
+    /// is sky.
     pub fn depth(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
         Ok(self.eye(eye)?.depth.clone())
     }
 
-    /// Disparities of an eye's pixels, left column less right column of the point that is seen, in pixels: above 0 before the screen. Empty
-    /// of eyes that are toed in.
+    /// Disparities of an eye's pixels, left column less right column of the point that is seen, in pixels: above 0
+    /// before the screen. Empty of eyes that are toed in.
     pub fn disparity(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
         self.eye(eye)?;
         Ok(if eye == "left" { self.0.disparity() } else { self.0.right_disparity() })

@@ -25,8 +25,8 @@ thread_local! {
     static COMMON: RefCell<Option<Renderer>> = const { RefCell::new(None) };
 }
 
-/// Renders pairs and views; keeps the device, kernels and uploaded scenes from picture to picture. Pictures that are asked for at once are
-/// rendered one after the other.
+/// Renders pairs and views; keeps the device, kernels and uploaded scenes from picture to picture. Pictures that are
+/// asked for at once are rendered one after the other.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Renderer {
@@ -57,9 +57,9 @@ impl Renderer {
 
     /// Renders a pair. Without a camera it is the scene's own, 640x480.
     ///
-    /// Rejects with an error whose `name` is `NoAdapterError` where the browser has no WebGPU or no adapter, `LimitError` for what the adapter
-    /// can't hold, `AbortError` where `options.signal` was aborted, `DeviceLostError` where the device was lost twice, `TypeError` for a
-    /// wrong field; the text names the value.
+    /// Rejects with an error whose `name` is `NoAdapterError` where the browser has no WebGPU or no adapter,
+    /// `LimitError` for what the adapter can't hold, `AbortError` where `options.signal` was aborted,
+    /// `DeviceLostError` where the device was lost twice, `TypeError` for a wrong field; the text names the value.
     #[wasm_bindgen(unchecked_return_type = "Pair")]
     pub async fn render(
         &self,
@@ -76,8 +76,8 @@ impl Renderer {
         Ok(Pair(self.with_scene(&scene.shared, frame).await?))
     }
 
-    /// Renders a row of `count` eyes from left to right, an interaxial between neighbours, the camera in their middle: few are traced, and the
-    /// others made from them. Rejects as `render` does.
+    /// Renders a row of `count` eyes from left to right, an interaxial between neighbours, the camera in their middle:
+    /// few are traced, and the others made from them. Rejects as `render` does.
     #[wasm_bindgen(unchecked_return_type = "Views")]
     pub async fn views(
         &self,

@@ -32,7 +32,8 @@ const MOST_TRIANGLES: u64 = 4 << 20;
 /// What messages say that these limits are raised by.
 const ELSEWHERE: &str = "reading it with the library outside a browser";
 
-/// What is rendered: shapes, materials, lights and a sky. World coordinates are right-handed, y up; colours are linear light.
+/// What is rendered: shapes, materials, lights and a sky. World coordinates are right-handed, y up; colours are linear
+/// light.
 #[wasm_bindgen]
 pub struct Scene {
     pub(crate) shared: Rc<Shared>,
@@ -93,12 +94,14 @@ impl Scene {
         Ok(Self::of(builtin.scene(), Vec::new(), Some(builtin)))
     }
 
-    /// Reads a scene from files: OBJ with its MTL files and textures, glTF 2.0 (.gltf with its buffers and textures, or .glb) or PLY. `files` is
-    /// an object of file contents by path. `main` is the path of the scene's own file, and may be left out where just one file ends in .obj,
-    /// .gltf, .glb or .ply. What it names is found by its path, or where files come without folders by its name.
+    /// Reads a scene from files: OBJ with its MTL files and textures, glTF 2.0 (.gltf with its buffers and textures, or
+    /// .glb) or PLY. `files` is an object of file contents by path. `main` is the path of the scene's own file, and
+    /// may be left out where just one file ends in .obj, .gltf, .glb or .ply. What it names is found by its path,
+    /// or where files come without folders by its name.
     ///
-    /// glTF files bring lights and cameras. Scenes of other files have no lights: see `placeLights`. Throws an error that names the file, and
-    /// where it can the line, for what can't be read; a texture that is missing is left out, with a word in `warnings`.
+    /// glTF files bring lights and cameras. Scenes of other files have no lights: see `placeLights`. Throws an error
+    /// that names the file, and where it can the line, for what can't be read; a texture that is missing is left
+    /// out, with a word in `warnings`.
     #[wasm_bindgen(js_name = fromFiles)]
     pub fn from_files(
         #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array>")] files: &JsValue,
@@ -140,8 +143,8 @@ impl Scene {
         })
     }
 
-    /// The camera that goes with the scene, for pictures of this size: a built-in scene's, the first one of its file, or one from which all of
-    /// the scene is seen.
+    /// The camera that goes with the scene, for pictures of this size: a built-in scene's, the first one of its file,
+    /// or one from which all of the scene is seen.
     #[wasm_bindgen(unchecked_return_type = "Camera")]
     pub fn camera(&self, width: u32, height: u32) -> Result<JsValue, JsValue> {
         camera::written(&self.own_camera(width, height)?)
@@ -229,7 +232,8 @@ impl Scene {
         self.shared.change(|scene| scene.place_lights(count as usize, &camera)).map_err(raised)
     }
 
-    /// Sets the light that reaches all surfaces from everywhere: a colour, or nothing for the rule's 0.15 (1 without lights).
+    /// Sets the light that reaches all surfaces from everywhere: a colour, or nothing for the rule's 0.15 (1 without
+    /// lights).
     #[wasm_bindgen(js_name = setAmbient)]
     pub fn set_ambient(
         &self,

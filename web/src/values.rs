@@ -30,8 +30,8 @@ pub(crate) fn read<T: DeserializeOwned>(what: &str, value: JsValue) -> Result<T,
     })
 }
 
-/// Refuses fields that a type has not: serde-wasm-bindgen asks objects for those alone that it has. (Of an object within another it says nothing:
-/// that is read by itself.)
+/// Refuses fields that a type has not: serde-wasm-bindgen asks objects for those alone that it has. (Of an object
+/// within another it says nothing: that is read by itself.)
 fn check_fields<T: DeserializeOwned>(what: &str, value: &JsValue) -> Result<(), JsValue> {
     let mut fields = Fields(None);
     let _ = T::deserialize(&mut fields);

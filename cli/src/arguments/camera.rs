@@ -41,13 +41,15 @@ pub(crate) struct CameraArguments {
     /// Turn the eyes towards each other: both are traced, and points stand higher in one picture than in the other
     #[arg(long)]
     toe_in: bool,
-    /// Calibration of a rectified pair, Middlebury's calib.txt or KITTI's: focal lengths, principal points, baseline and size are the file's
+    /// Calibration of a rectified pair, Middlebury's calib.txt or KITTI's: focal lengths, principal points, baseline
+    /// and size are the file's
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
     pub(super) calib: Option<PathBuf>,
     /// World units of one of that file's units of length, millimetres or metres
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
     calib_scale: f32,
-    /// Choose interaxial and screen for a display WIDTH metres wide that is seen from DISTANCE metres, so that depth is as strong as it may be
+    /// Choose interaxial and screen for a display WIDTH metres wide that is seen from DISTANCE metres, so that depth
+    /// is as strong as it may be
     #[arg(long, value_name = "WIDTH:DISTANCE", value_parser = display, conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"])]
     pub(super) comfort: Option<Display>,
 }
@@ -119,8 +121,8 @@ impl CameraArguments {
             camera = camera.vertical_fov_degrees(degrees);
         }
         if let Some(distance) = self.screen {
-            // Pixels are the parallax at infinity, which parallel cameras have none of: what the camera had stays, in world units. What is wrong with
-            // it is said later.
+            // Pixels are the parallax at infinity, which parallel cameras have none of: what the camera had stays, in
+            // world units. What is wrong with it is said later.
             if let (true, Ok(pose)) = (distance.is_infinite() && self.interaxial_px.is_none(), camera.pose()) {
                 camera = camera.interaxial(pose.interaxial);
             }

@@ -10,7 +10,8 @@ use super::values::{above_zero, ambient, light};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct LightArguments {
-    /// Place a light, in world units and linear light, in place of the scene's own; with a radius it is a ball. May be given again
+    /// Place a light, in world units and linear light, in place of the scene's own; with a radius it is a ball. May be
+    /// given again
     #[arg(long, value_name = "X,Y,Z[:R,G,B[:RADIUS]]", value_parser = light, allow_hyphen_values = true, conflicts_with = "lights")]
     light: Vec<Light>,
     /// Place N lights around the eyes [default: the scene's own; a soft one for a file without, 5 with --plain]
@@ -19,7 +20,8 @@ pub(crate) struct LightArguments {
     /// Make lights balls of this radius, in world units: shadows get a penumbra
     #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true)]
     light_radius: Option<f32>,
-    /// Light from all around, linear: one number, or red, green and blue [default: the scene's; 0.15, or 1 where there are no lights]
+    /// Light from all around, linear: one number, or red, green and blue [default: the scene's; 0.15, or 1 where there
+    /// are no lights]
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
     /// Sky: a PNG, JPEG, HDR or EXR file (equirectangular), or `procedural` [default: the scene's]
@@ -39,7 +41,8 @@ impl LightArguments {
         self.lights.is_some()
     }
 
-    /// Puts the lights that are asked for in place of the scene's, by `otherwise` where none are, and gives all their size.
+    /// Puts the lights that are asked for in place of the scene's, by `otherwise` where none are, and gives all their
+    /// size.
     pub(crate) fn place(
         &self,
         scene: &mut Scene,

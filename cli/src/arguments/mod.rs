@@ -62,7 +62,8 @@ pub(crate) struct Global {
     /// Print what was done as one JSON object in place of a table
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// What to render with: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the fastest]
+    /// What to render with: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the
+    /// fastest]
     #[arg(long, value_name = "NAME", global = true)]
     adapter: Option<String>,
 }

@@ -13,20 +13,24 @@ const CREASE_ANGLE: f32 = 30.0;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading files")]
 pub(crate) struct ReadingArguments {
-    /// Where a file has no normals, edges are smooth that turn by less than DEG degrees, or none: off [default: 30; off for glTF, as its specification says]
+    /// Where a file has no normals, edges are smooth that turn by less than DEG degrees, or none: off [default: 30;
+    /// off for glTF, as its specification says]
     #[arg(long, value_name = "DEG|off", value_parser = crease_angle, allow_hyphen_values = true)]
     crease_angle: Option<CreaseAngle>,
     /// What becomes of textures that can't be read: error, or warn and go on without them
     #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
     missing_textures: MissingTextures,
-    /// World position that a scene file's coordinates are stored relative to: none for 0, auto for the middle of a file that
-    /// lies farther away than 8 times its size. Cameras, lights and ground truth stay in world coordinates
+    /// World position that a scene file's coordinates are stored relative to: none for 0, auto for the middle of a
+    /// file that lies farther away than 8 times its size. Cameras, lights and ground truth stay in world
+    /// coordinates
     #[arg(long, value_name = "auto|none|X,Y,Z", default_value = "auto", value_parser = origin, allow_hyphen_values = true)]
     origin: Origin,
-    /// Files outside the scene file's folder that the scene names, as textures in ../textures: refuse, or allow if you trust the scene
+    /// Files outside the scene file's folder that the scene names, as textures in ../textures: refuse, or allow if you
+    /// trust the scene
     #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]
     outside_files: OutsideFiles,
-    /// Largest scene, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    /// Largest scene, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16
+    /// for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
     /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.388608, which is 4096x2048]

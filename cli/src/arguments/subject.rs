@@ -25,7 +25,8 @@ const REACH: f32 = 0.1;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Subject {
-    /// An OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME with one of the built-in scenes, which `stereotrace info` lists
+    /// An OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME with one of the built-in scenes, which `stereotrace
+    /// info` lists
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
     /// Show a file without what flatters it: seen from the front in the light of points before black, a sample a pixel
@@ -170,8 +171,8 @@ impl Subject {
         Ok((scene, cameras))
     }
 
-    /// The camera of the file of cameras, of the scene file, of the built-in scene, or one that fits the object, with those parts
-    /// replaced that have an option of their own.
+    /// The camera of the file of cameras, of the scene file, of the built-in scene, or one that fits the object, with
+    /// those parts replaced that have an option of their own.
     fn stereo_camera(
         &self,
         scene: &Scene,
@@ -192,7 +193,8 @@ impl Subject {
         Ok(camera)
     }
 
-    /// Places the lights: those that are asked for, or those of the file of cameras, or of the scene, or some that show it well.
+    /// Places the lights: those that are asked for, or those of the file of cameras, or of the scene, or some that show
+    /// it well.
     fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
         let builtin = self.builtin()?;
         let otherwise = |scene: &mut Scene| {

@@ -31,7 +31,8 @@ pub(crate) struct Arguments {
         default_value = "bracket,verified,atomic,buffer-2e,es-isler"
     )]
     methods: Vec<Method>,
-    /// Pictures of each that are timed, the methods by turns; the median counts. One more before them compiles the kernels
+    /// Pictures of each that are timed, the methods by turns; the median counts. One more before them compiles the
+    /// kernels
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     #[command(flatten)]

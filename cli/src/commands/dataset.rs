@@ -45,7 +45,8 @@ pub(crate) struct Arguments {
     /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
     #[arg(long, value_name = "N", conflicts_with_all = ["orbit", "path"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pairs: Option<u32>,
-    /// Reject places from which anything has so many pixels of disparity, to either side [default: a fifth of the width, at most 256 for kitti]
+    /// Reject places from which anything has so many pixels of disparity, to either side [default: a fifth of the
+    /// width, at most 256 for kitti]
     #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
     max_disparity: Option<f32>,
     /// Reject places that are nearer to a surface, in world units [default: twice the interaxial]
@@ -54,7 +55,8 @@ pub(crate) struct Arguments {
     /// Write each pair's linear colours, depths, disparities, normals and ids as OpenEXR too, into exr/
     #[arg(long)]
     exr: bool,
-    /// Render only these pairs of the data set, as 0..50 for the first 50: each is the same whoever else makes the others
+    /// Render only these pairs of the data set, as 0..50 for the first 50: each is the same whoever else makes the
+    /// others
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     items: Option<Range<u32>>,
     /// The folder

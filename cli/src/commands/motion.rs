@@ -16,7 +16,8 @@ pub(super) struct MotionArguments {
     /// Go once around the target in N pictures
     #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     pub(super) orbit: Option<u32>,
-    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without, one a picture
+    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without,
+    /// one a picture
     #[arg(long, value_name = "FILE")]
     pub(super) path: Option<PathBuf>,
 }

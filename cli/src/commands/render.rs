@@ -23,8 +23,8 @@ const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// File to write: as .png or .jpg the anaglyph, or the packing that is asked for; as .jps, .mpo or .exr both eyes. Or a folder, for left, right,
-    /// anaglyph and what else is asked for
+    /// File to write: as .png or .jpg the anaglyph, or the packing that is asked for; as .jps, .mpo or .exr both eyes.
+    /// Or a folder, for left, right, anaglyph and what else is asked for
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
     /// Render by naive too, and say how exact the right eye is
@@ -34,7 +34,8 @@ pub(crate) struct Arguments {
     /// method made it, and both eyes' time views (PNG); into a folder
     #[arg(long)]
     dump: bool,
-    /// Write what stereo vision asks for: disparities, who sees what, depths, distances, normals, ids, calibration; into a folder
+    /// Write what stereo vision asks for: disparities, who sees what, depths, distances, normals, ids, calibration;
+    /// into a folder
     #[arg(long)]
     ground_truth: bool,
     /// Render again whenever a file that is read changes, until you stop it
@@ -68,7 +69,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     once(arguments, &target, global)
 }
 
-/// Renders now and after each change, until the program is stopped. What fails is said, and the next change is waited for.
+/// Renders now and after each change, until the program is stopped. What fails is said, and the next change is waited
+/// for.
 fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let files = arguments.subject.files();
     if files.is_empty() {
@@ -151,8 +153,8 @@ fn add_pictures(
     Ok(())
 }
 
-/// Adds all that is known of both views. KITTI's disparities only of parallel cameras: off-axis they are below 0 behind the screen, which
-/// these files can't hold.
+/// Adds all that is known of both views. KITTI's disparities only of parallel cameras: off-axis they are below 0 behind
+/// the screen, which these files can't hold.
 fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
     for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
         let (width, height) = (eye.width, eye.height);

@@ -33,8 +33,9 @@ pub(crate) struct Arguments {
     /// Render only these pictures of the sequence, as 0..24 for the first 24
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
-    /// A folder, for left_0000.png, right_0000.png and anaglyph_0000.png (or a packing) of each; or names with a number for one picture
-    /// each, like film/frame_%04d.png; or - for raw RGB pictures on standard output, one behind the other
+    /// A folder, for left_0000.png, right_0000.png and anaglyph_0000.png (or a packing) of each; or names with a
+    /// number for one picture each, like film/frame_%04d.png; or - for raw RGB pictures on standard output, one
+    /// behind the other
     #[arg(long, short, value_name = "DIR|NAMES|-", default_value = "out")]
     out: PathBuf,
     /// Render pictures again that are there, whatever they were made with
@@ -196,8 +197,9 @@ impl Names {
     }
 }
 
-/// Writes what the pictures are made with, unless the folder has the same already: then the pictures that are there are this sequence's. No others may be there, unless they are to be
-/// overwritten; then they go first, so that an interrupted sequence has none of them.
+/// Writes what the pictures are made with, unless the folder has the same already: then the pictures that are there are
+/// this sequence's. No others may be there, unless they are to be overwritten; then they go first, so that an
+/// interrupted sequence has none of them.
 fn keep(
     record: &Value,
     folder: &Path,

@@ -1,4 +1,5 @@
-//! `views`: any number of views of one scene from left to right, as pictures of their own or as a quilt for a light-field display.
+//! `views`: any number of views of one scene from left to right, as pictures of their own or as a quilt for a
+//! light-field display.
 
 use std::{error::Error, fmt::Write, path::PathBuf, time::Instant};
 

@@ -12,8 +12,8 @@ const LEAST_SLANT: f64 = 0.03;
 /// What a step of the wheel leaves of the distance to the screen.
 const ZOOM: f64 = 0.9;
 
-/// Where the eyes are and how they look, in f64, so that many small moves add up to what they are. The middle of the screen, where
-/// parallax is zero, is what they look at and turn around.
+/// Where the eyes are and how they look, in f64, so that many small moves add up to what they are. The middle of the
+/// screen, where parallax is zero, is what they look at and turn around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     eye: DVec3,
@@ -111,15 +111,16 @@ impl Place {
         self.eye = middle - self.forward * self.reach;
     }
 
-    /// Moves the eyes so that what is on the screen goes to the right and downwards by so many pixels of a picture of this height.
+    /// Moves the eyes so that what is on the screen goes to the right and downwards by so many pixels of a picture of
+    /// this height.
     pub(super) fn pan(&mut self, right: f64, down: f64, height: u32) {
         let pixel = 2.0 * self.reach * (0.5 * f64::from(self.fov)).to_radians().tan() / f64::from(height.max(1));
         let up = self.right().cross(self.forward);
         self.eye += pixel * (up * down - self.right() * right);
     }
 
-    /// Goes towards the middle of the screen by so many steps of the wheel. The interaxial shrinks with the distance, so that
-    /// what is seen there keeps its depth.
+    /// Goes towards the middle of the screen by so many steps of the wheel. The interaxial shrinks with the distance,
+    /// so that what is seen there keeps its depth.
     pub(super) fn zoom(&mut self, steps: f64) {
         let (middle, factor) = (self.middle(), ZOOM.powf(steps));
         self.reach *= factor;

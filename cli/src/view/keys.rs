@@ -100,7 +100,8 @@ pub(super) fn name(key: &Key, ctrl: bool) -> Option<String> {
     Some(if ctrl { format!("ctrl+{name}") } else { name })
 }
 
-/// Where a key flies to while it is held: right, up and ahead. By its place, so that other keyboards have the same cross.
+/// Where a key flies to while it is held: right, up and ahead. By its place, so that other keyboards have the same
+/// cross.
 pub(super) fn flight(key: PhysicalKey) -> Option<[f64; 3]> {
     let PhysicalKey::Code(code) = key else { return None };
     let letter = match code {

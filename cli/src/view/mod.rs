@@ -1,12 +1,13 @@
 //! `view`: a window with a live pair.
 //!
-//! Two threads with a device each: `work` renders and never draws, `window` draws and never renders, so the window answers however long a
-//! frame takes, and each device may be lost on its own. Frames go through the host, which is a copy of some megabytes and lets every option be
-//! shown, whatever adapter renders. `control` moves the eyes, `settings` says what is shown, `show` shows it, `screen` is the surface,
-//! `panel` the text and `status` what it says, `save` writes pictures, `replay` takes a person's place.
+//! Two threads with a device each: `work` renders and never draws, `window` draws and never renders, so the window
+//! answers however long a frame takes, and each device may be lost on its own. Frames go through the host, which is a
+//! copy of some megabytes and lets every option be shown, whatever adapter renders. `control` moves the eyes,
+//! `settings` says what is shown, `show` shows it, `screen` is the surface, `panel` the text and `status` what it says,
+//! `save` writes pictures, `replay` takes a person's place.
 //!
-//! The text is of a bitmap font: a library of panels and sliders would be twenty crates more, want a newer Rust, and bring fonts
-//! under licences of their own.
+//! The text is of a bitmap font: a library of panels and sliders would be twenty crates more, want a newer Rust, and
+//! bring fonts under licences of their own.
 
 mod control;
 mod keys;

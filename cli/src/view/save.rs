@@ -178,8 +178,8 @@ pub(super) fn quoted(words: &[OsString]) -> String {
     Vec::from_iter(words).join(" ")
 }
 
-/// Writes a pair as its mode shows it: one picture, or a folder of both eyes where one is shown at a time. Each time under a new
-/// name, whole or not at all.
+/// Writes a pair as its mode shows it: one picture, or a folder of both eyes where one is shown at a time. Each time
+/// under a new name, whole or not at all.
 pub(super) fn write(
     settings: &Settings,
     pair: &StereoPair,
@@ -245,7 +245,8 @@ mod tests {
         }
     }
 
-    /// Of a command line of `view`, what is shown after the eyes moved; and what the command line says that is then printed.
+    /// Of a command line of `view`, what is shown after the eyes moved; and what the command line says that is then
+    /// printed.
     fn shown_and_made_again(line: &[&str], change: impl FnOnce(&mut Settings)) -> [image::RgbaImage; 2] {
         let folder = Folder::new("view");
         let line = [&["stereotrace", "view", "--adapter", "software"], line].concat();

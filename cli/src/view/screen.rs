@@ -1,4 +1,5 @@
-//! The window's surface and the device that draws into it: another than the one that renders, so that neither waits for the other.
+//! The window's surface and the device that draws into it: another than the one that renders, so that neither waits for
+//! the other.
 
 use std::{
     error::Error,

@@ -117,7 +117,8 @@ impl Settings {
         self.place != self.begin.place || self.size() != self.begin.size
     }
 
-    /// The camera of a whole frame. Where nothing has been moved it is the command line's own, so that pictures are the same to the bit.
+    /// The camera of a whole frame. Where nothing has been moved it is the command line's own, so that pictures are the
+    /// same to the bit.
     pub(super) fn camera(&self) -> StereoCamera {
         if self.is_moved() { self.camera_of(self.size()) } else { self.begin.camera }
     }

@@ -4,8 +4,8 @@
 // reads   panel         text with its alpha, sRGB-encoded, from the window's top left corner on
 
 struct Shown {
-    // What each encoded byte is in linear light, four to a vector. Drivers decode textures by approximations, and where matrices subtract
-    // one channel from another in the dark, these show.
+    // What each encoded byte is in linear light, four to a vector. Drivers decode textures by approximations, and where
+    // matrices subtract one channel from another in the dark, these show.
     decoded: array<vec4f, 64>,
     of_left: mat3x3f,
     of_right: mat3x3f,

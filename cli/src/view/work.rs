@@ -1,7 +1,7 @@
 //! The thread that renders, on a device of its own: however long a frame takes, the window answers.
 //!
-//! While things move it makes drafts: a sample a pixel, few rays of soft light, and as many pixels as fit [`DRAFT`]. When they have stood still
-//! for [`STILL`] comes the whole picture, which whatever moves next ends.
+//! While things move it makes drafts: a sample a pixel, few rays of soft light, and as many pixels as fit [`DRAFT`].
+//! When they have stood still for [`STILL`] comes the whole picture, which whatever moves next ends.
 
 use std::{
     ops::ControlFlow,

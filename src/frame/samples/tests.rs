@@ -19,7 +19,8 @@ fn renderer() -> Renderer {
     renderer
 }
 
-/// Triangles and balls in the unit cube, each with a colour of its own and none lit, so that a colour says what was hit.
+/// Triangles and balls in the unit cube, each with a colour of its own and none lit, so that a colour says what was
+/// hit.
 fn colored(seed: u32, triangles: usize, balls: usize) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -138,8 +139,8 @@ fn jittered_shadow_bits_are_taken_over_as_plain_rust_does() {
     }
 }
 
-/// Of scenes of triangles and balls, large and a fraction of a sample, and of wires and slats: whatever is hit, and with all shadow rays the
-/// picture.
+/// Of scenes of triangles and balls, large and a fraction of a sample, and of wires and slats: whatever is hit, and
+/// with all shadow rays the picture.
 #[test]
 fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
     let mut renderer = renderer();

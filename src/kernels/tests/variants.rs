@@ -186,13 +186,15 @@ pub(super) fn variants() -> Vec<Variant> {
                 .map(|rule| Reading::new(rule, 0b101)),
         }
     };
-    // What the scenes of spheres alone are paired with, a scene without primitives, or of planes alone, is paired with too.
+    // What the scenes of spheres alone are paired with, a scene without primitives, or of planes alone, is paired with
+    // too.
     let spheres_alone = rows.iter().filter(|row| row[1] == 0);
     let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a tree has no tiles to bound and nothing to draw.
+/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a
+/// tree has no tiles to bound and nothing to draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {

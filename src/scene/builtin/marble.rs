@@ -1,5 +1,5 @@
-//! A hall with what pictures can show besides: marble that mirrors a little, metals that shine, balls of glass and chrome, lamps that throw soft
-//! shadows.
+//! A hall with what pictures can show besides: marble that mirrors a little, metals that shine, balls of glass and
+//! chrome, lamps that throw soft shadows.
 
 use glam::{Vec2, Vec3};
 

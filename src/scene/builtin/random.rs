@@ -11,8 +11,8 @@ const CENTER: Vec3 = Vec3::new(0.0, 2.7, 0.0);
 /// Squares of the floor, on each side.
 const SQUARES: usize = 14;
 const SQUARE_SIDE: f32 = 1.5;
-/// The longest semi-axis, as a share of the side of the cube that each object has to itself: objects fill a tenth of the box, however
-/// many they are.
+/// The longest semi-axis, as a share of the side of the cube that each object has to itself: objects fill a tenth of
+/// the box, however many they are.
 const LONGEST: f32 = 0.36;
 /// An object that finds no room so often stands where another is.
 const TRIES: usize = 2000;
@@ -34,8 +34,8 @@ pub struct RandomObjects {
     pub seed: u32,
     /// The share of spheres, 0 to 1: exactly so many, rounded. The rest are ellipsoids.
     pub sphere_share: f32,
-    /// The shares of objects that mirror and of those that are of glass, 0 to 1 together; the rest are diffuse. Their materials are named
-    /// `reflective`, `refractive` and `diffuse`.
+    /// The shares of objects that mirror and of those that are of glass, 0 to 1 together; the rest are diffuse. Their
+    /// materials are named `reflective`, `refractive` and `diffuse`.
     pub reflective_share: f32,
     /// See `reflective_share`.
     pub refractive_share: f32,
@@ -148,7 +148,8 @@ pub(super) fn camera() -> StereoCamera {
         .vertical_fov_degrees(38.0)
 }
 
-/// A rotation, all alike: a point of the ball in four dimensions, made as long as 1. Written out, so that every machine rounds alike.
+/// A rotation, all alike: a point of the ball in four dimensions, made as long as 1. Written out, so that every machine
+/// rounds alike.
 fn random_turn(random: &mut Random) -> Quat {
     loop {
         let [x, y, z, w] = [(); 4].map(|()| random.between(-1.0, 1.0));

@@ -78,8 +78,9 @@ pub(super) fn spheres() -> Scene {
     scene
 }
 
-/// Two spheres side by side on an infinite ground and a third one on both, under one lamp, as Raghuvanshi and Dhande have them in three
-/// configurations: with shadows alone, with reflections among the spheres too, and with textures besides.
+/// Two spheres side by side on an infinite ground and a third one on both, under one lamp, as Raghuvanshi and Dhande
+/// have them in three configurations: with shadows alone, with reflections among the spheres too, and with textures
+/// besides.
 pub(super) fn three_spheres(reflecting: bool, textured: bool) -> Scene {
     const RADIUS: f32 = 1.0;
     let mut scene = Scene::new();

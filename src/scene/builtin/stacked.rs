@@ -1,4 +1,5 @@
-//! Objects stacked on top of each other so that they fill the view, as in the procedural scene of Raghuvanshi and Dhande (figure 12).
+//! Objects stacked on top of each other so that they fill the view, as in the procedural scene of Raghuvanshi and
+//! Dhande (figure 12).
 
 use std::f32::consts::PI;
 
@@ -13,7 +14,8 @@ const HALF_SIDE: f32 = 1.0;
 const EYE_DISTANCE: f32 = 6.0;
 /// A row of balls that lie in the gaps of the row below is this many radii above it.
 const ROW_STEP: f32 = 1.732_050_8;
-/// Triangles are turned about their upright axes by so much, to the one and to the other side by turns: a flat sheet would have no shadows.
+/// Triangles are turned about their upright axes by so much, to the one and to the other side by turns: a flat sheet
+/// would have no shadows.
 const TURN: f32 = 0.35;
 
 /// What is stacked.
@@ -22,12 +24,13 @@ const TURN: f32 = 0.35;
 pub enum StackedKind {
     /// Spheres, each in the gap of two below.
     Spheres,
-    /// Equilateral triangles, on their sides and on their tips by turns, turned alternately by 20 degrees. Each is an object of its own.
+    /// Equilateral triangles, on their sides and on their tips by turns, turned alternately by 20 degrees. Each is an
+    /// object of its own.
     Triangles,
 }
 
-/// So many equal objects, stacked in rows from the ground up, as large as lets them fill a square view: the more, the smaller. One lamp stands
-/// before them, above and to the left, so that they throw shadows on each other.
+/// So many equal objects, stacked in rows from the ground up, as large as lets them fill a square view: the more, the
+/// smaller. One lamp stands before them, above and to the left, so that they throw shadows on each other.
 ///
 /// ```
 /// use stereotrace::scene::builtin::{StackedKind, StackedObjects};
@@ -99,7 +102,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// The largest of so many balls that fit the square in rows of which every second one, which lies in the gaps, has one ball less.
+    /// The largest of so many balls that fit the square in rows of which every second one, which lies in the gaps, has
+    /// one ball less.
     fn of_spheres(count: usize) -> Self {
         Self::largest(count, |rows| {
             let columns = (count + rows / 2).div_ceil(rows);

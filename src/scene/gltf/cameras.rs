@@ -18,8 +18,8 @@ const LEVEL: f64 = 1e-4;
 /// Pictures are at most so many times as wide as high, or as high as wide.
 const MOST_ASPECT: f32 = 16.0;
 
-/// Perspective cameras with their nodes' names. A camera of one eye has no screen: it stands through the middle of the scene's box, at least a quarter
-/// of the box's diagonal off, and a thirtieth of that is between the eyes.
+/// Perspective cameras with their nodes' names. A camera of one eye has no screen: it stands through the middle of the
+/// scene's box, at least a quarter of the box's diagonal off, and a thirtieth of that is between the eyes.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],
@@ -50,7 +50,8 @@ pub(super) fn read(
             return Err(fault(format!("its aspectRatio is {aspect}; it must be within 1/16 to 16")));
         }
         let own_up = place.transform_vector3(DVec3::Y).normalize_or_zero();
-        // A camera that looks down is level: the world's up shows it the same picture, and what turns about its up, as orbits do, stays level.
+        // A camera that looks down is level: the world's up shows it the same picture, and what turns about its up, as
+        // orbits do, stays level.
         let is_level = forward.cross(own_up).dot(DVec3::Y).abs() < LEVEL && own_up.y > LEVEL;
         let camera = StereoCamera::look_at(eye, eye + distance * forward)
             .up(if is_level { DVec3::Y } else { own_up }.as_vec3())

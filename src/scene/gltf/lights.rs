@@ -17,8 +17,9 @@ use crate::{
     },
 };
 
-/// The scene's lights. Ours have no falloff: a point's intensity is what it gives at the middle of the scene's box, or from as far off as half the box's
-/// longest side where it is nearer. All together give at most 1 to a white surface there: photometric units leave the rest to a camera's exposure.
+/// The scene's lights. Ours have no falloff: a point's intensity is what it gives at the middle of the scene's box, or
+/// from as far off as half the box's longest side where it is nearer. All together give at most 1 to a white surface
+/// there: photometric units leave the rest to a camera's exposure.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],

@@ -251,7 +251,8 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Metal and roughness as diffuse colour, highlights and mirrors. `mean` is that of the texture, which highlights don't have.
+/// Metal and roughness as diffuse colour, highlights and mirrors. `mean` is that of the texture, which highlights don't
+/// have.
 fn surface(base: Vec3, mean: Vec3, (metal, roughness): (f32, f32), clear: f32, ior: Option<f32>) -> Material {
     let is_mirror = roughness <= MIRROR_ROUGHNESS;
     let rough = if is_mirror { 0.0 } else { roughness };

@@ -105,7 +105,8 @@ fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     }
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = place.matrix3;
     let sign = place.matrix3.determinant().signum();
-    // The inverse's transpose but for its length: normals stay upright where a matrix stretches, and exist where it flattens.
+    // The inverse's transpose but for its length: normals stay upright where a matrix stretches, and exist where it
+    // flattens.
     let upright = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
     if place.matrix3 != DMat3::IDENTITY {
         for normals in &mut mesh.normals {

@@ -8,7 +8,8 @@ use serde::Deserialize;
 use super::document::Document;
 use crate::Error;
 
-/// The parts of a node that place it, in f64. gltf-json has them in f32, which rounds places far from the world's origin.
+/// The parts of a node that place it, in f64. gltf-json has them in f32, which rounds places far from the world's
+/// origin.
 #[derive(Deserialize)]
 pub(super) struct Shifts {
     matrix: Option<Box<[f64; 16]>>,
@@ -25,8 +26,9 @@ pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
     serde_json::from_slice::<File>(json).map(|file| file.nodes)
 }
 
-/// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the order of the file.
-/// Without a default scene the first one is taken, and without any all nodes that are nobody's children.
+/// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the
+/// order of the file. Without a default scene the first one is taken, and without any all nodes that are nobody's
+/// children.
 pub(super) fn walk(
     document: &Document,
     mut visit: impl FnMut(usize, &Node, DAffine3) -> Result<(), Error>,
@@ -42,8 +44,8 @@ pub(super) fn walk(
         }
     };
     let mut visited = vec![false; root.nodes.len()];
-    // The lists that are gone through, one below the other, each with whose it is and where that stands. Not the nodes themselves: a list may have
-    // one millions of times.
+    // The lists that are gone through, one below the other, each with whose it is and where that stands. Not the nodes
+    // themselves: a list may have one millions of times.
     let mut lists = vec![(roots.iter(), None::<usize>, DAffine3::IDENTITY)];
     while let Some((list, parent, place)) = lists.last_mut() {
         let (parent, place) = (*parent, *place);

@@ -148,7 +148,8 @@ impl<'a> Textures<'a> {
         self.added((picture.number, picture.texture.wrap, None), picture.texture.clone())
     }
 
-    /// The number of a picture that is cut out below an alpha; `None` where it is one picture too many and that is no error.
+    /// The number of a picture that is cut out below an alpha; `None` where it is one picture too many and that is no
+    /// error.
     pub(super) fn cutout(
         &mut self,
         picture: &Picture,

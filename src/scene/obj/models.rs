@@ -20,8 +20,8 @@ pub(super) struct Joined {
     pub(super) clamped_colors: usize,
 }
 
-/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. `placements` are those
-/// of each material's texture.
+/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. `placements`
+/// are those of each material's texture.
 pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placements: &[Placement]) -> Joined {
     let Prepared { sections, names, .. } = prepared;
     let mut lines = prepared.polygon_lines.iter().copied();
@@ -84,8 +84,8 @@ fn add_model(
     mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first_vertex + corner)));
     let material = model.material_id.map_or(MaterialId(0), |index| MaterialId(index as u32 + 1));
     mesh.materials.resize(mesh.triangles.len(), material);
-    // Fewer than positions: some corner has none, and the list no longer says which. What models before this one lack is
-    // filled in.
+    // Fewer than positions: some corner has none, and the list no longer says which. What models before this one lack
+    // is filled in.
     let (normals, _) = model.normals.as_chunks::<3>();
     if normals.len() == positions.len() {
         mesh.normals.resize(before, [Vec3::ZERO; 3]);

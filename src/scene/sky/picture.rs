@@ -100,7 +100,8 @@ fn colors(
     if sample > size_of::<Vec3>() {
         return Err(no_sky(format!("pixels of {}", counted(sample, "byte", "bytes"))));
     }
-    // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
+    // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is
+    // gone.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels);
     decoder.read_image(&mut bytes[..count as usize * sample]).map_err(said)?;

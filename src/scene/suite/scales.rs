@@ -93,8 +93,8 @@ pub(super) fn mixed_sizes_camera() -> StereoCamera {
 /// Balls of millimetres before spheres of metres on a ground of kilometres.
 pub(super) fn mixed_sizes() -> Scene {
     const HUGE: f32 = 1e4;
-    /// Its triangles have sides of about 0.0003. There are few of them: against a scene so large the traversal tells them
-    /// apart badly, and a driver's bound on a thread's loops is not far.
+    /// Its triangles have sides of about 0.0003. There are few of them: against a scene so large the traversal tells
+    /// them apart badly, and a driver's bound on a thread's loops is not far.
     const BALL_RADIUS: f32 = 0.002;
     const GRAINS: usize = 1500;
     let mut scene = Scene::new();

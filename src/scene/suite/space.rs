@@ -1,4 +1,5 @@
-//! Where the eyes are: on two sides of a wall, over an endless floor, far apart, within things, beside what the other one sees.
+//! Where the eyes are: on two sides of a wall, over an endless floor, far apart, within things, beside what the other
+//! one sees.
 
 use std::f32::consts::PI;
 
@@ -63,7 +64,8 @@ pub(super) fn septum() -> Scene {
 pub(super) fn checkerboard() -> Scene {
     const TILES: usize = 200;
     const TILE: f32 = 1.25;
-    /// The light ones are raised so much; the dark ones are the ground between them, which spares half of the triangles.
+    /// The light ones are raised so much; the dark ones are the ground between them, which spares half of the
+    /// triangles.
     const RELIEF: f32 = 0.01;
     /// The nearest row begins below the picture.
     const NEAR_CORNER: Vec3 = Vec3::new(-0.5 * TILE * TILES as f32, 0.0, -2.0);
@@ -175,7 +177,8 @@ pub(super) fn wings() -> Scene {
     const DEPTH: f32 = 4.4;
     let mut scene = stage();
     let stripes = [[214, 60, 120], [250, 230, 140]].map(|srgb| paint(&mut scene, "stripe", srgb));
-    // Where the lines from the eyes to the screen's right edge pass: only the right eye's picture reaches beyond the left eye's line.
+    // Where the lines from the eyes to the screen's right edge pass: only the right eye's picture reaches beyond the
+    // left eye's line.
     let line = |eye: f32| eye + (0.5 * WIDTH * SCREEN - eye) * DEPTH / SCREEN;
     let [of_left, of_right] = [line(-0.5 * INTERAXIAL), line(0.5 * INTERAXIAL)];
     let radius = 0.42 * (of_right - of_left);

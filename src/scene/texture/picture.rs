@@ -36,8 +36,8 @@ fn check_format(format: Option<ImageFormat>) -> Result<(), String> {
     }
 }
 
-/// Reads a picture of a format that [`check_format`] knows, of several the first: its width and height, and its pixels. Messages name `path`.
-/// `counted` becomes the number of pixels before they are decoded.
+/// Reads a picture of a format that [`check_format`] knows, of several the first: its width and height, and its pixels.
+/// Messages name `path`. `counted` becomes the number of pixels before they are decoded.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,

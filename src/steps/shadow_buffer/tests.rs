@@ -9,8 +9,8 @@ use crate::{
     random::Random,
 };
 
-/// A texel's direction rounds otherwise on the device, whose sine need not be the host's. Where its ray grazes a surface t is off by a multiple of that,
-/// relative to it.
+/// A texel's direction rounds otherwise on the device, whose sine need not be the host's. Where its ray grazes a
+/// surface t is off by a multiple of that, relative to it.
 const GRAZING: f32 = 1e-3;
 
 fn renderer() -> Renderer {
@@ -48,7 +48,8 @@ impl Tables {
     }
 }
 
-/// Boxes of triangles, spheres, an infinite ground and a board of which every other square is cut out, around the origin.
+/// Boxes of triangles, spheres, an infinite ground and a board of which every other square is cut out, around the
+/// origin.
 fn scene(planes: bool, seed: u32) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -159,7 +160,8 @@ fn tables_that_are_drawn_in_bands_are_whole() {
     }
 }
 
-/// Within a texel that is not marked brute force finds nothing before the plane of what it shows, but the very ball that has its outline there.
+/// Within a texel that is not marked brute force finds nothing before the plane of what it shows, but the very ball
+/// that has its outline there.
 #[test]
 fn nothing_stands_before_what_an_unmarked_texel_shows() {
     let renderer = renderer();
@@ -262,7 +264,8 @@ fn lights_that_have_no_table_are_left_out() {
     assert_eq!(renderer.render(&uploaded, &camera, &options).unwrap().statistics.shadow_buffer, Default::default());
 }
 
-/// By the hybrid rule lists hold whatever touches a texel, by the others what covers a middle: what is drawn on middles is the same.
+/// By the hybrid rule lists hold whatever touches a texel, by the others what covers a middle: what is drawn on middles
+/// is the same.
 #[test]
 fn rules_show_the_same_primitives() {
     let renderer = renderer();

@@ -59,8 +59,8 @@ pub(crate) fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
     Gpu::from_device(device, queue).unwrap()
 }
 
-/// A renderer on the shared device, lent to a test. Tests of a file share renderers, so that pipelines are built once; those of
-/// other files are dropped, since thousands of pipelines take gigabytes.
+/// A renderer on the shared device, lent to a test. Tests of a file share renderers, so that pipelines are built once;
+/// those of other files are dropped, since thousands of pipelines take gigabytes.
 #[track_caller]
 pub(crate) fn renderer() -> Lent {
     renderer_by(Traversal::of(&gpu()))

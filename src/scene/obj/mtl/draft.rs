@@ -31,7 +31,8 @@ pub(super) struct Draft {
     transmission: Option<Vec3>,
     exponent: Option<f32>,
     index: Option<f32>,
-    /// `d`, and `Tr`, which is its opposite and counts where there is no `d`: some programs write 1 for opaque in both.
+    /// `d`, and `Tr`, which is its opposite and counts where there is no `d`: some programs write 1 for opaque in
+    /// both.
     dissolve: Option<f32>,
     transparency: Option<f32>,
     illumination: Option<u32>,
@@ -115,7 +116,8 @@ impl Draft {
         }
     }
 
-    /// By the illumination model. Maya writes model 4 for all its materials: it is glass where anything else says so too.
+    /// By the illumination model. Maya writes model 4 for all its materials: it is glass where anything else says so
+    /// too.
     fn finish_of(&self, bounds: &mut Bounds) -> Finish {
         let fresnel = match self.illumination {
             Some(3 | 8) => return Finish::Mirror { fresnel: false },

@@ -24,7 +24,8 @@ pub(super) struct Textures<'a> {
     pub(super) textures: Vec<Texture>,
     /// By file, and whether it is clamped and its brightness is its alpha.
     ids: HashMap<(PathBuf, bool, bool), TextureId>,
-    /// What is known of each file. Nothing is found out twice: thousands of materials may name one picture of many pixels.
+    /// What is known of each file. Nothing is found out twice: thousands of materials may name one picture of many
+    /// pixels.
     read: HashMap<PathBuf, Known>,
 }
 

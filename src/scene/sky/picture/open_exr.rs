@@ -21,7 +21,8 @@ const LEAST_BLOCK_BYTES: u64 = 16 << 20;
 /// All of a block's channels are decompressed, also those that are not looked at.
 const MOST_CHANNELS: usize = 128;
 
-/// Reads a picture. The file's display window is the sky, black where the file has no pixels. Light below 0, which filters leave, becomes 0.
+/// Reads a picture. The file's display window is the sky, black where the file has no pixels. Light below 0, which
+/// filters leave, becomes 0.
 pub(super) fn decode(
     path: &Path,
     mut source: impl BufRead + Seek,
