@@ -91,7 +91,7 @@ impl CameraPath {
         let aperture = match (a.aperture, b.aperture) {
             (Aperture::VerticalFov(a), Aperture::VerticalFov(b)) => Aperture::VerticalFov(linear(a, b)),
             (Aperture::ScreenWidth(a), Aperture::ScreenWidth(b)) => Aperture::ScreenWidth(linear(a, b)),
-            (a, _) => a, // `new` takes no others
+            (a, _) => a, // `new` refuses other pairs
         };
         let interaxial = match (a.interaxial, b.interaxial) {
             (Interaxial::World(a), Interaxial::World(b)) => Interaxial::World(linear(a, b)),

@@ -52,7 +52,7 @@ impl Scene {
                 check("sky".into(), check_color("nadir", *nadir))?;
                 check("sky".into(), check_color("zenith", *zenith))?;
             }
-            Sky::Map(_) => {} // checked when it was made
+            Sky::Map(_) => {} // its constructor checked it
         }
         for (index, material) in self.materials.iter().enumerate() {
             check(format!("material {index} '{}'", material.name), self.check_surface(material))?;

@@ -7,7 +7,7 @@ use super::{Scene, checks::check_coordinate};
 /// Maximum number of lights in a scene that are not points. Their shadows are stored for each pixel.
 pub const MAX_SOFT_LIGHTS: usize = 16;
 
-/// Largest [`LightShape::Directional`] radius: nearly half of the sky.
+/// Largest [`LightShape::Directional`] radius: nearly a hemisphere.
 const MOST_ANGLE: f32 = 1.5;
 
 /// A light without falloff: a fully visible light is equally bright at any distance (thesis, chapter 4).

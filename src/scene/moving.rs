@@ -225,7 +225,7 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     let is_equal = lengths.iter().all(|length| (length - scale).abs() <= ROUND * scale);
     let is_square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|dot| dot.abs() <= ROUND * scale * scale);
     if !scale.is_finite() || (is_equal && is_square) {
-        return Ok(scale); // what is not finite is refused with the coordinates
+        return Ok(scale); // the check of coordinates refuses non-finite values
     }
     let [x, y, z] = lengths;
     let shear = if is_square { "" } else { ", and sheared" };
