@@ -200,7 +200,7 @@ mod tests {
                 }
             }
         }
-        // A tile is read whole; the file changes its size to a larger one.
+        // A tile is read whole. The changed files claim larger tiles than the limit.
         let bytes = encoded(TILES, &["R", "G", "B"], [0, 0], [4, 2], [4, 2], |_, _| 0.5);
         assert_eq!(read(&bytes).unwrap().size(), [4, 2]);
         let name = b"tiles\0tiledesc\0";
