@@ -37,8 +37,8 @@ pub const FAR: f32 = 3.4e38;
 /// Average distance between human eyes in metres (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
 
-/// Field of view: a vertical angle in degrees, the width of the screen rectangle, or focal lengths and the mean
-/// principal point of both eyes in pixels.
+/// Field of view: a vertical angle in degrees, the width of the screen rectangle, or focal lengths and the eyes' mean
+/// principal point in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aperture {
     VerticalFov(f32),
@@ -77,10 +77,10 @@ enum Interaxial {
 
 /// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
-/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`. They stand at `eye ∓ r
-/// e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`; points on it have zero
-/// parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer ones have
-/// disparity `f_px e / Z`.
+/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`. They stand at
+/// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`; points on it have
+/// zero parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer ones
+/// have disparity `f_px e / Z`.
 ///
 /// [`Intrinsics`] describe a calibrated pair, [`Convergence::ToeIn`] a toed-in one. Setters accept any value;
 /// [`StereoCamera::pose`] and every render check them.

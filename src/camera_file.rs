@@ -10,10 +10,13 @@ use serde_json::{Map, Value};
 use crate::{CameraPath, Convergence, Error, Light, Limits, Scene, StereoCamera, camera::Intrinsics, input};
 
 impl StereoCamera {
-    /// Reads the camera `name` from a JSON file. The file is an object of cameras by name. Each camera has `eye` (the
-    /// midpoint between the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance`
-    /// (world units, or `"inf"` for parallel cameras) and `eye_separation` (world units). The picture is `width` x
-    /// `height` pixels.
+    /// Reads the camera `name` from a JSON file. The file is an object of cameras by name. The picture is
+    /// `width` x `height` pixels. Each camera has
+    ///
+    /// - `eye` (the midpoint between the eyes), `target` and `up`: three numbers each,
+    /// - `vfov_deg`: degrees,
+    /// - `screen_distance`: world units, or `"inf"` for parallel cameras,
+    /// - `eye_separation`: world units.
     ///
     /// Alternative fields:
     ///

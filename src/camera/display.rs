@@ -99,8 +99,8 @@ impl StereoCamera {
     ///
     /// A point at depth Z has the parallax `p(Z) = e f (1/d - 1/Z)` in widths of the display, with the focal length `f`
     /// in widths of the picture. Let `N` and `F` be the nearest and farthest depth, and `v` the viewing distance. The
-    /// largest parallax behind the display is `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)`, in front of it `B =
-    /// min(1%, 2 v tan 0.5° / width)`. The interaxial is the least of
+    /// largest parallax behind the display is `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)`, in front of it
+    /// `B = min(1%, 2 v tan 0.5° / width)`. The interaxial is the least of
     ///
     /// - `(A + B) / (f (1/N - 1/F))`: the range of parallax,
     /// - `A / (f (1/2N - 1/F))`, if that is above 0: the screen is no farther than `2N`,

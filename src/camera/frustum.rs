@@ -65,7 +65,7 @@ impl Parallax {
         Self { scale_px: apart * self.scale_px, ..self }
     }
 
-    /// Returns the magnitude of the derivative of parallax by `1/Z`, in pixels times world units.
+    /// Returns the decrease of parallax per unit of `1/Z`, in pixels times world units.
     pub(crate) fn reach(self) -> f64 {
         f64::from(self.scale_px) * f64::from(self.distance)
     }
@@ -90,8 +90,8 @@ impl Pose {
     /// It is `e_px` at infinity, 0 on the screen and `-e_px` at `d/2`. Between parallel cameras it is `-f_px e / Z`: 0
     /// at infinity, negative nearer.
     ///
-    /// For toed-in eyes it holds for points on the axis between them, at a depth along it: `e_px (1 - d/Z) / (1 + e²/(4
-    /// d Z))`. Elsewhere use [`Pose::project`].
+    /// For toed-in eyes it holds for points on the axis between them, at a depth along it:
+    /// `e_px (1 - d/Z) / (1 + e²/(4 d Z))`. Elsewhere use [`Pose::project`].
     pub fn parallax_px(&self, z: f32) -> f32 {
         self.parallax().px(z) / self.toe_in_divisor(z.into()) as f32
     }
@@ -139,8 +139,8 @@ impl Pose {
         f64::from(self.interaxial) + self.baseline_rounding().x
     }
 
-    /// Projects a point in world coordinates into an eye's picture (-1 left, +1 right, 0 the midpoint). The result is
-    /// `[x, y, Z]`: x and y in pixels from the top left corner, with pixel centres at halves, and the depth `Z` along
+    /// Projects a point in world coordinates into an eye's picture (-1 left, +1 right, 0 the midpoint). Returns
+    /// `[x, y, Z]`. x and y are pixels from the top left corner, with pixel centres at halves. `Z` is the depth along
     /// the eye's view direction.
     pub fn project(&self, point: impl Into<DVec3>, side: f32) -> [f32; 3] {
         self.project_from_eye(point.into() - self.eye_position(side), side).map(|value| value as f32)

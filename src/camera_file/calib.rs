@@ -75,8 +75,8 @@ impl StereoCamera {
     /// Reads a pair from a KITTI calibration. The file has the projection matrices `P0` to `P3` (object, odometry and
     /// scene flow), or `P_rect_00` to `P_rect_03` (`calib_cam_to_cam.txt`), 12 numbers each.
     ///
-    /// `cameras` are the left and the right one: `[2, 3]` are the colour cameras. `size` is the picture's, `[width,
-    /// height]`; it must agree with `S_rect` if the file has it.
+    /// `cameras` are the left and the right one: `[2, 3]` are the colour cameras. `size` is the picture's,
+    /// `[width, height]`; it must agree with `S_rect` if the file has it.
     ///
     /// World units are metres times `scale`. Eye positions and pixel centres follow [`StereoCamera::from_middlebury`].
     /// `P = K [I | t]` puts a camera at `-t`: the baseline is the cameras' distance along x. The colour cameras also

@@ -13,8 +13,9 @@ const BEFORE_OBSTACLE: f32 = 0.9;
 
 impl Scene {
     /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k`
-    /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle, and `ρ = d
-    /// (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at infinity.
+    /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle, and
+    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at
+    /// infinity.
     ///
     /// If the eyes are inside the scene's bounding box, the light is moved into that box shrunk by a tenth. So it does
     /// not end up behind a wall. If `ambient` is `None` it becomes 0.15. The lights add up to 0.85, so with an ambient

@@ -136,8 +136,8 @@ impl Material {
     /// Phong Reflectance Model"). For light from straight above, its sum over all directions is `specular`. It is less
     /// where the surface cuts off a part of the lobe. Albedo plus specular may then be at most 1 in each channel.
     ///
-    /// By default, MTL's Phong adds `I specular max(0, r·v)ⁿ`. Of light from straight above it returns `2 specular / (n
-    /// + 1)`: hardly any for small highlights, more than `specular` for exponents below 1.
+    /// By default, MTL's Phong adds `I specular max(0, r·v)ⁿ`. From straight above it returns the light's share
+    /// `2 specular / (n + 1)`: hardly any for small highlights, more than `specular` for exponents below 1.
     ///
     /// Reflections of the surroundings in mirrors and glass don't change, but lights' highlights on them do.
     pub fn normalised(mut self, normalised: bool) -> Self {

@@ -272,9 +272,8 @@ impl Scene {
     /// # Errors
     /// - [`Error::Io`] if the file or one that it names can't be read or is no regular file.
     /// - [`Error::TooLarge`] if a file or the number of triangles exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`], naming the item, if the content is wrong. Examples are invalid JSON, indices and lengths out
-    ///   of range, numbers that are not finite, nodes with two parents, unknown required extensions, no triangles, and
-    ///   unreadable textures.
+    /// - [`Error::Parse`], naming the item, if the content is wrong. Examples are invalid JSON, indices out of range,
+    ///   infinite numbers, nodes with two parents, unknown required extensions, no triangles, and unreadable textures.
     #[cfg(feature = "gltf")]
     pub fn from_gltf(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_gltf_with(path, &SceneOptions::default())

@@ -1,9 +1,8 @@
 //! Reads OBJ and MTL files.
 //!
-//! tobj parses the numbers. However, its errors name no line, it panics on some files, it reads `l` lines of three
-//! points as faces, and it doesn't distinguish `o` from `g`. So [`prepare`] processes the text first: it checks every
-//! index and keeps only lines that tobj reads correctly. tobj can only split faces into fans, so they are split here
-//! (../polygon.rs).
+//! tobj parses the numbers. Its errors name no line, and it panics on some files. It reads `l` lines of three points as
+//! faces and doesn't distinguish `o` from `g`. So [`prepare`] processes the text first. It checks every index and keeps
+//! only lines that tobj reads correctly. tobj can only split faces into fans, so they are split here (../polygon.rs).
 
 mod checks;
 mod models;
@@ -91,7 +90,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
     let (text, _) = read_text(files, path, &options.limits)?;
     let mut warnings = Warnings::new(path);
-    // Of a bad number and a bad index, the message names the one on the earlier line.
+    // If both a number and an index are bad, the message names the one on the earlier line.
     let origin = options.origin.choose(|| bounds_of(vertices(&text)));
     let prepared = prepare(&text, options.crease_angle.is_some(), origin, &mut warnings).map_err(|bad_index| {
         let bad_number = find_bad_number(&text, origin).filter(|bad_number| bad_number.0 <= bad_index.0);

@@ -11,7 +11,7 @@ const FARTHEST: f64 = 8.0;
 #[non_exhaustive]
 pub enum Origin {
     /// The world's origin, unless the coordinates lie more than 8 times their extent away from it. Then it is the
-    /// centre of their bounding box, rounded to a power of ten of at most the extent.
+    /// centre of their bounding box, rounded to multiples of a power of ten of at most the extent.
     #[default]
     Auto,
     /// The world's origin.

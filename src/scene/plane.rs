@@ -10,8 +10,8 @@ use crate::Error;
 /// Maximum number of planes in a scene. Every ray tests all of them.
 pub const MAX_PLANES: usize = 8;
 
-/// Largest distance from a ray's origin at which it hits a plane, in world units; beyond it the sky is seen. It equals
-/// [`MAX_COORDINATE`](super::MAX_COORDINATE), so visible points of a plane lie where eyes may stand.
+/// Largest distance from a ray's origin at which it hits a plane, in world units; beyond it the sky is seen. So hits
+/// seen from within [`MAX_COORDINATE`](super::MAX_COORDINATE) lie where eyes may stand.
 pub const PLANE_REACH: f32 = 1e8;
 
 /// Range of a plane's tile sides, in world units.
@@ -25,8 +25,8 @@ const NOTHING: f64 = 1e-6;
 /// bounds a half-space of glass, on the side opposite to its normal. A ray that begins exactly in the plane does not
 /// hit it, so an eye there sees both sides.
 ///
-/// A texture fills adjacent squares. A point at `offset` from [`Plane::point`] has the texture coordinates `u = offset
-/// · û / tile` and `v = offset · (n × û) / tile`. Here n is the unit normal, and û the normalised part of
+/// A texture fills adjacent squares. A point at `offset` from [`Plane::point`] has the texture coordinates
+/// `u = offset · û / tile` and `v = offset · (n × û) / tile`. Here n is the unit normal, and û the normalised part of
 /// [`Plane::u_axis`] in the plane.
 ///
 /// ```

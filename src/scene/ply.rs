@@ -1,7 +1,7 @@
 //! Reads PLY files: text, and binary of either byte order.
 //!
-//! header.rs reads the header. values.rs reads the numbers of the body one by one, so no memory is reserved for counts
-//! in a header that the file does not contain.
+//! header.rs reads the header. values.rs reads the body's numbers one by one. So a header with false counts reserves no
+//! memory.
 
 mod header;
 mod values;

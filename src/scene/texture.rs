@@ -101,8 +101,8 @@ impl Texture {
     /// beyond its edges.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a side of 0 or over [`MAX_TEXTURE_SIDE`] pixels, and if the number of pixels is not `width
-    /// * height`.
+    /// [`Error::Scene`] for a side of 0 or over [`MAX_TEXTURE_SIDE`] pixels, and if the number of pixels is not
+    /// `width * height`.
     pub fn image(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, Error> {
         let check = || {
             check_size(width, height)?;

@@ -18,8 +18,9 @@ const LEVEL: f64 = 1e-4;
 /// Largest ratio of a picture's sides.
 const MOST_ASPECT: f32 = 16.0;
 
-/// Reads perspective cameras with their nodes' names. A glTF camera has no screen. It is placed at the centre of the
-/// scene's box, but at least a quarter of the box's diagonal away. The interaxial is a thirtieth of that distance.
+/// Reads perspective cameras with their nodes' names. A glTF camera has no screen. The screen is placed at the centre
+/// of the scene's box, but at least a quarter of the box's diagonal away. The interaxial is a thirtieth of that
+/// distance.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],

@@ -25,8 +25,8 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
         self.inner.read(bytes)
     }
 
-    /// Reads bytes and counts run marks, which may replace pixels. For each consecutive mark the crate multiplies by
-    /// 256. It panics when a `usize` overflows: at the eighth mark, with 32 bits at the fourth.
+    /// Reads bytes and counts run marks, which may replace pixels. Each consecutive mark multiplies the run by 256. The
+    /// crate panics when a `usize` overflows: at the eighth mark, with 32 bits at the fourth.
     fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
         self.inner.read_exact(bytes)?;
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
