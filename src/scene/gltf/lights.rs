@@ -18,8 +18,8 @@ use crate::{
 };
 
 /// Returns the scene's lights. Lights here have no falloff. A point light gets its intensity at the centre of the
-/// scene's box, at a distance of at least half the box's longest side. Together, the lights are scaled to at most 1 on a
-/// white surface there, since photometric units rely on a camera's exposure.
+/// scene's box, at a distance of at least half the box's longest side. Together, the lights are scaled to at most 1 on
+/// a white surface there, since photometric units rely on a camera's exposure.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],

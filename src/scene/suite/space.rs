@@ -1,5 +1,5 @@
-//! Unusual positions of the eyes: on two sides of a wall, over an endless floor, far apart, inside objects, or beside an
-//! object that one eye misses.
+//! Unusual positions of the eyes: on two sides of a wall, over an endless floor, far apart, inside objects, or beside
+//! an object that one eye misses.
 
 use std::f32::consts::PI;
 
