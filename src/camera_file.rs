@@ -40,8 +40,8 @@ impl StereoCamera {
     /// # Errors
     /// - [`Error::Io`] if the file can't be read or is no regular file.
     /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`], naming the line or the camera and its field, if the file is UTF-16 or not JSON, or if the
-    ///   camera is missing or invalid.
+    /// - [`Error::Parse`], naming the line or the camera and its field, if the file is UTF-16 or not JSON. Also
+    ///   if the camera is missing or invalid.
     /// - [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         Self::from_json_within(path, name, width, height, &Limits::default())

@@ -122,8 +122,8 @@ impl Rows {
     }
 
     fn largest(count: usize, of_rows: impl Fn(usize) -> Self) -> Self {
-        // More than four times a square's number of rows gives smaller objects, since a row is at least half as high as
-        // an object is wide.
+        // More than four times a square's number of rows gives smaller objects: a row is at least half as high as an
+        // object is wide.
         let most = 4 * count.isqrt() + 4;
         let all = (1..=most.min(count.max(1))).map(of_rows);
         all.max_by(|a, b| a.half.total_cmp(&b.half)).unwrap_or(Self { columns: 1, rows: 1, half: HALF_SIDE })
