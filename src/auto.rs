@@ -82,7 +82,8 @@ pub(crate) struct Seen {
 impl CostModel {
     /// Share of the shadow bits outside gaps in which left samples disagree: 2 to 8% on meshes and halls.
     const DISAGREED: f32 = 0.05;
-    /// The same for soft light rays, without and with reuse of shares, from the counts of studies/notes/bracket.md.
+    /// [`Self::DISAGREED`] for soft light rays, without and with reuse of shares, from the counts of
+    /// studies/notes/bracket.md.
     const DISAGREED_SOFT: [f32; 2] = [0.74, 0.1];
     /// Cost of a soft light ray of a pixel list relative to one of a whole picture. Neighbours trace these rays in the
     /// same order.

@@ -289,7 +289,7 @@ impl FreePoses<'_> {
     }
 }
 
-/// Renders the views of a rig in one call, blocking: see [`render_views_async`].
+/// Opens a device, uploads the scene and renders the views of a rig, and blocks: see [`render_views_async`].
 ///
 /// # Errors
 /// As [`render_views_async`].
@@ -297,7 +297,7 @@ pub fn render_views(scene: &Scene, rig: &Rig) -> Result<Views, Error> {
     block_on(render_views_async(scene, rig))
 }
 
-/// Renders a stereo pair in one call, blocking: see [`render_stereo_async`].
+/// Opens a device, uploads the scene and renders a stereo pair, and blocks: see [`render_stereo_async`].
 ///
 /// # Errors
 /// As [`render_stereo_async`].

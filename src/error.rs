@@ -45,7 +45,7 @@ pub enum Error {
     #[non_exhaustive]
     #[error("{what} needs {needed} but this adapter's {limit} is {allowed}; {remedy}")]
     Limit {
-        /// What is too large.
+        /// The resource that is too large.
         what: String,
         /// Its size, with its unit.
         needed: String,
@@ -62,7 +62,7 @@ pub enum Error {
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What is too large, with its size.
+        /// Description of the size.
         size: String,
         /// The limit.
         limit: u64,
@@ -86,14 +86,14 @@ pub enum Error {
     Samples {
         /// The requested number.
         samples: u32,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A rig that can't be rendered, or a quilt that its views don't fill.
     #[non_exhaustive]
     #[error("invalid rig: {reason}")]
     Rig {
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// Views, or a view and its camera, differ in size.
@@ -120,7 +120,7 @@ pub enum Error {
     Ray {
         /// Its index in the list.
         index: usize,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A scene element that can't be rendered.
@@ -129,7 +129,7 @@ pub enum Error {
     Scene {
         /// The element, as `mesh 'table', vertex 12`.
         element: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// An option with an invalid value.
@@ -138,7 +138,7 @@ pub enum Error {
     Options {
         /// The option's name.
         option: &'static str,
-        /// What is wrong with its value.
+        /// The reason.
         reason: String,
     },
     /// An unknown name.
@@ -160,13 +160,13 @@ pub enum Error {
         path: PathBuf,
         /// The line, counted from 1, if known.
         line: Option<usize>,
-        /// What is wrong there.
+        /// The reason.
         reason: String,
         /// The error of a parser, a decoder or a content check.
         source: Option<Source>,
     },
-    /// A file could not be read or written. The system refused, the path is no regular file, the file is not among
-    /// those in memory, or the content does not fit the file type.
+    /// A file could not be read or written. The system refused, the path is not a regular file, the file is not among
+    /// those in memory, or its type can't hold the content.
     #[non_exhaustive]
     #[error("{}: {source}", shown(path))]
     Io {

@@ -225,8 +225,8 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
     let sum: f64 = shares.iter().sum();
     let blend = normals.iter().zip(shares).map(|(normal, share)| *normal * (share / sum)).sum::<DVec3>();
-    // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as it may
-    // be for degenerate triangles.
+    // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as with
+    // slivers.
     let is_usable = blend.length_squared() > 1e-6;
     if !is_usable {
         return flat;

@@ -47,7 +47,7 @@ impl LargePrimitives {
 }
 
 /// Returns whether a point's projection onto a triangle's plane lies in the triangle's box or close to it. Distant
-/// triangles seen edge-on don't matter, since t is limited to the corners' t there.
+/// triangles seen edge-on don't matter, since t is clamped to the corners' t.
 fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a).normalize_or_zero();

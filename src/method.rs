@@ -18,7 +18,7 @@ pub enum Method {
     Ideal,
     /// A right pixel reuses the nearest left sample that lands in it, selected by atomicMax (thesis, 3.1.2.2).
     Atomic(Check),
-    /// The same, with all samples kept in a 3D buffer that is searched for the nearest (thesis, 3.1.2.1).
+    /// [`Method::Atomic`], but with all samples kept in a 3D buffer that is searched for the nearest (thesis, 3.1.2.1).
     Buffer(BufferDepth, Check),
     /// A right pixel reuses the last sample of Adelson & Hodges' left-to-right sweep. The sweep also clears gaps, which
     /// are traced. All other pixels are trusted.

@@ -238,7 +238,7 @@ impl Options {
     ///
     /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) count all rays.
     /// Depth, ids and pixel sources are not filtered: they come from one ray through the pixel's centre. Without jitter
-    /// that is the middle sample of odd grids (9, 25, 49). Other grids have no sample there, so a picture of one sample
+    /// that is the middle sample of odd grids (9, 25, 49). Other grids have no sample there. So a picture of one sample
     /// is rendered as well, and kept until the rows of the other are done. [`GBuffer::None`] skips that picture. Then
     /// [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) come from the middle cell, or from
     /// the cell right of and below the middle.
@@ -256,16 +256,16 @@ impl Options {
     /// Enables adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and Refraction with
     /// Multiple Rays Per Pixel").
     ///
-    /// A sample stands in each pixel corner, shared by the neighbouring pixels. A pixel is divided into four, with five
-    /// more samples, if the displayed colours of its corners differ by more than the tolerance in some channel. It is
-    /// also divided if another view divides the cell that shows the same point. Cells are divided again in the same
-    /// way. A pixel's colour is the mean of its parts, in linear light.
+    /// A sample stands in each pixel corner, shared by the neighbouring pixels. A pixel whose displayed corners differ
+    /// by more than the tolerance in some channel is divided into four, with five more samples. It is also divided if
+    /// another view divides the cell that shows the same point. Cells are divided again in the same way. A pixel's
+    /// colour is the mean of its parts, in linear light.
     ///
     /// It requires one sample per pixel, the filter `Box`, and [`Method::Naive`], [`Method::Ideal`],
     /// [`Method::Bracket`] or [`Method::Auto`]. Other settings are errors. Source views trace the corners of a divided
-    /// cell again, a quarter of their rays, because the samples that others reuse are not kept between levels. Depth,
-    /// ids and pixel sources come from one more ray through the pixel's centre. With [`GBuffer::None`] that ray is not
-    /// traced, and pixel and shadow sources are those of the sample in the upper left corner.
+    /// cell again, since samples for reuse are not kept between levels. That is a quarter of their rays. Depth, ids and
+    /// pixel sources come from one more ray through the pixel's centre. With [`GBuffer::None`] that ray is not traced,
+    /// and pixel and shadow sources are those of the sample in the upper left corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
         self

@@ -10,8 +10,8 @@ use crate::{
 };
 
 /// Number of views that makes two traced views better than one: each other view then has a nearer source, and most have
-/// traced views on both sides, which leaves far fewer shadow rays. With 45 views, each other view costs 0.074 of a
-/// traced one instead of 0.126 in the hall, and 0.049 instead of 0.059 for the dragon.
+/// traced views on both sides, which leaves far fewer shadow rays. With 45 views, each other view then costs 0.074 of a
+/// traced one in the hall (0.049 for the dragon), instead of 0.126 (0.059).
 const FOR_TWO: usize = 24;
 
 /// Distance of two traced views from the ends of their group, as a share of the group's width.
@@ -23,8 +23,8 @@ pub const MAX_VIEWS: usize = 1024;
 /// Eyes on one line behind one screen, for multi-view displays and light fields. A pair is a rig of two; [`Rig::mono`]
 /// is a rig of one eye.
 ///
-/// An eye stands at `eye + r o e`, with the camera's midpoint `eye`, its right axis `r`, its interaxial `e` and the
-/// eye's offset `o`. All eyes look through the same screen rectangle, so the parallax between two of them is
+/// An eye stands at `eye + r o e`. `eye` is the camera's midpoint, `r` its right axis, `e` its interaxial, and `o` the
+/// eye's offset. All eyes look through the same screen rectangle, so the parallax between two of them is
 /// `(o_b - o_a) e_px (1 - d/Z)`, of either sign. For parallel cameras it is `(o_a - o_b) f_px e / Z`.
 ///
 /// Some views are traced. Each other view is made from the nearest traced one, its source. Toed-in eyes can be rendered

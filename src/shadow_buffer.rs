@@ -46,8 +46,8 @@ pub enum ShadowRule {
     /// (`docs/SHADOW-BUFFER.md`). Without a margin the shadows equal those of rays, except for occluders less than 2⁻¹⁸
     /// of the light's distance off a surface.
     Hybrid {
-        /// Distance in texel widths, at least 0. An occluder less than this in front of a texel's plane is ignored, and
-        /// a point of a curved surface may lie this far behind the plane. Occluders this close to a surface may cast no
+        /// Distance in texel widths, at least 0. An occluder less than this in front of a texel's plane is ignored. A
+        /// point of a curved surface may lie this far behind the plane. Occluders this close to a surface may cast no
         /// shadow on it.
         margin: f32,
     },

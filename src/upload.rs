@@ -170,8 +170,8 @@ impl UploadedScene {
 
 impl Renderer {
     /// Builds a scene's BVH with a given effort and uploads it. If the scene does not fit the adapter's storage
-    /// bindings it is stored in textures, and vice versa. A warning is logged, once per renderer, for a scene so far
-    /// from the origin that the f32 step there exceeds a ten-thousandth of its longest side.
+    /// bindings it is stored in textures, and vice versa. A warning is logged, once per renderer, if the f32 step at
+    /// the scene's distance from the origin exceeds a ten-thousandth of its longest side.
     ///
     /// # Errors
     /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene too large for the adapter,

@@ -14,10 +14,10 @@ pub enum Visibility {
     #[default]
     Rays,
     /// Projects each primitive onto the pixels, tests it against their rays, and keeps the nearest t of each pixel
-    /// (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer", section II; docs/T-BUFFER.md).
-    /// This traces no primary rays ([`Rays::primary`](crate::Rays::primary)). Each primitive is projected once per view
-    /// and band of rows ([`Work::nodes`](crate::Work::nodes)). On software adapters the picture is identical, to the
-    /// bit.
+    /// (docs/T-BUFFER.md). The method is from Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and
+    /// shadow-buffer", section II. This traces no primary rays ([`Rays::primary`](crate::Rays::primary)). Each
+    /// primitive is projected once per view and band of rows ([`Work::nodes`](crate::Work::nodes)). On software
+    /// adapters the picture is identical, to the bit.
     ///
     /// Rays are traced nevertheless
     ///

@@ -42,8 +42,9 @@ impl Batch {
     /// - `R`, `G`, `B`: linear light with Rec. 709's primaries ([`View::linear`]);
     /// - `Z`: depth along the view direction in world units, infinite for sky;
     /// - `id.primitive`, `id.object`: 32-bit whole numbers, 0 for sky, else the id + 1;
-    /// - with a ground truth of the pair, also `id.material`, `disparity` in pixels, `distance` along the ray, the
-    ///   shading normal `N.X`, `N.Y`, `N.Z` and the geometric normal `Ng.X`, `Ng.Y`, `Ng.Z`, in the world frame.
+    /// - with a ground truth of the pair, also `id.material`, `disparity` in pixels and `distance` along the ray;
+    /// - with a ground truth, the shading normal `N.X`, `N.Y`, `N.Z` and the geometric normal `Ng.X`, `Ng.Y`, `Ng.Z` in
+    ///   the world frame.
     ///
     /// Attributes: `worldToCamera`, for row vectors, in `OpenEXR`'s frame (left-handed: x right, y up, z along the
     /// view); `interaxial` and `screenDistance` in world units.

@@ -11,8 +11,8 @@ const APP2: u8 = 0xe2;
 const APP3: u8 = 0xe3;
 
 /// Marker content of a JPS file (`VRex`'s stereoscopic descriptor): the descriptor's length, the descriptor, and an
-/// empty comment. The descriptor's bytes are the pixels between the views, flags (none says that the left view is on
-/// the left), the layout (side by side), and the type (stereo).
+/// empty comment. The descriptor's bytes are the pixels between the views, flags, the layout (side by side), and the
+/// type (stereo). No flag says that the left view is on the left.
 const JPS_DESCRIPTOR: &[u8] = b"_JPSJPS_\0\x04\0\0\x02\x01\0\0";
 
 /// Attribute of an MPO image that is one of several views of a scene (CIPA DC-007, "Multi-Frame Image: Disparity").
