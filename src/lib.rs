@@ -37,8 +37,8 @@
 //! StereoCamera ─▶ trace_left     one thread a pixel or block of 2x2: closest hit, shade, keep depth and primitive
 //!              ─▶ reproject      atomicMax of the left column into the right-eye index buffer
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
-//!                                 (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky,
-//!                                 trace_bounded, shade_tiles and shade_listed for resolve_right)
+//!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky,
+//!                                trace_bounded, shade_tiles and shade_listed for resolve_right)
 //!              ─▶ take_over      copies reused pixels from their source
 //!              (repeated for each band of rows)
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
