@@ -67,9 +67,9 @@ impl Rig {
         Self { camera, offsets, traced: None }
     }
 
-    /// Sets the traced views, as indices into the offsets. By default there is one for each [`Rig::REACH`] of the
-    /// picture's width to both sides, and two if one would serve 24 views or more. With `bracket`, a view between two
-    /// traced ones queries both for shadow bits, the nearer one first.
+    /// Sets the traced views, as indices into the offsets. By default as few views are traced as keep every other view
+    /// within [`Rig::REACH`] of its source, but two where one would serve 24 views or more. With `bracket`, a view
+    /// between two traced ones queries both for shadow bits, the nearer one first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self
@@ -170,7 +170,7 @@ impl Rig {
     }
 }
 
-/// Returns for each view the nearest traced view on the other side than its source, or else its source.
+/// Returns for each view the nearest traced view on the opposite side from its source, or else its source.
 fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     let second = |(view, &source): (usize, &usize)| {
         let side = (offsets[source] - offsets[view]).signum();
@@ -191,7 +191,7 @@ pub(crate) struct Eyes {
     pub(crate) offsets: Vec<f32>,
     /// Source of each view; a traced view is its own source.
     pub(crate) sources: Vec<usize>,
-    /// Second source of each view: the nearest traced view on its other side, or else its source.
+    /// Second source of each view: the nearest traced view on the opposite side from its source, or else its source.
     pub(crate) seconds: Vec<usize>,
 }
 

@@ -28,7 +28,7 @@ use rayon::{
 /// Maximum number of node pairs on a path from the root.
 pub(crate) const MAX_DEPTH: u32 = 240;
 /// Nodes that the passes may visit: `WORK` per box, plus `WORK_BESIDES`. Scenes need 3 to 5 per box, random large boxes
-/// 9. The surplus of a few hundred equal boxes is small compared with the allowance.
+/// need 9. The surplus of a few hundred equal boxes is small compared with the allowance.
 const WORK: usize = 32;
 const WORK_BESIDES: usize = 1 << 21;
 /// Passes before a tree that came out too deep is merged in pairs: the fewest that keep most of PLOC's choices.
