@@ -137,8 +137,8 @@ impl PassTimes {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The method that made the pair: the requested one, [`Method::Ideal`] if the interaxial is 0, the choice of
-    /// [`Method::Auto`], or [`Method::Naive`] if rendered [in steps](Self::in_steps).
+    /// The method that made the pair: the requested one, [`Method::Ideal`] if the interaxial is 0 and views share their
+    /// noise, the choice of [`Method::Auto`], or [`Method::Naive`] if rendered [in steps](Self::in_steps).
     pub method: Method,
     /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,
