@@ -68,8 +68,8 @@ impl Rig {
     }
 
     /// Sets the traced views, as indices into the offsets. By default as few views are traced as keep every other view
-    /// within [`Rig::REACH`] of its source, but two where one would serve 24 views or more. With `bracket`, a view
-    /// between two traced ones queries both for shadow bits, the nearer one first.
+    /// within [`Rig::REACH`] of its source. Where one would serve 24 views or more, two are traced. With `bracket`, a
+    /// view between two traced ones queries both for shadow bits, the nearer one first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self

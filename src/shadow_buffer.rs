@@ -41,8 +41,8 @@ pub enum ShadowRule {
         /// the angle to the light, as the depth range of a texel does. At least 0.
         bias: f32,
     },
-    /// A point is lit if it lies on or in front of the plane that its texel shows, and nothing stands in front of that
-    /// plane. It is hidden if its own shadow ray hits a primitive that texels show. Otherwise a shadow ray is traced
+    /// A point is lit if nothing stands in front of its texel's plane, and the point lies on or in front of that plane.
+    /// It is hidden if its own shadow ray hits a primitive that texels show. Otherwise a shadow ray is traced
     /// (`docs/SHADOW-BUFFER.md`). Without a margin the shadows equal those of rays, except for occluders less than 2⁻¹⁸
     /// of the light's distance off a surface.
     Hybrid {

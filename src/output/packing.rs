@@ -80,8 +80,8 @@ impl FromStr for Packing {
 /// row, column or pixel is the right eye's. Views of different sizes are cut to the rows, or the columns, that both
 /// have.
 ///
-/// `FFmpeg`'s `stereo3d` has these packings as sbsl, sbs2l, sbsr, abl and ab2l, and the interlaced ones as irl, icl and
-/// chl (irr, icr and chr with the right eye first). For the latter it needs pictures halved by dropping every other
+/// `FFmpeg`'s `stereo3d` has these packings as sbsl, sbs2l, sbsr, abl and ab2l. It has the interlaced ones as irl, icl
+/// and chl, or irr, icr and chr with the right eye first. For these it needs pictures halved by dropping every other
 /// row, column or pixel.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
