@@ -1,4 +1,4 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover a few tiles, a thread each.
+// T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover a few tiles, one thread each.
 //
 // launch  one thread per entry, dispatched indirectly
 // reads   drawing

@@ -1,5 +1,6 @@
-// What stands in a light's shadow-buffer of the hybrid rule once all primitives are drawn: the plane of the nearest of
-// them and of the planes, which are not drawn, marked where another plane may stand before it (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer of the hybrid rule after all primitives are drawn. Keeps the plane of the nearest of
+// them and of the infinite planes, which are not drawn. The slot is marked where another primitive may stand before
+// that plane (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per texel of the rows at work
 // reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1

@@ -1,4 +1,4 @@
-// Pass 1 of 3: trace and shade one view, and keep what each pixel hit. `Naive` runs it for every view.
+// Pass 1 of 3: traces and shades one view, and stores what each pixel hit. `Naive` runs it for every view.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  view                            [height * width]
