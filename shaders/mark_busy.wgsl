@@ -8,7 +8,7 @@
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
-// adds    bounds          [tiles, BOUND_WORDS]  a bit for each light that is busy, and from bit 16 on for each share; cleared by the host
+// adds    bounds          [tiles, BOUND_WORDS]  a bit per busy light, and from bit 16 on per busy share; cleared by the host
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;

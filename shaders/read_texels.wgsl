@@ -4,8 +4,9 @@
 //
 // launch  one thread per texel of the rows at work
 // reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1
-// writes  texels    [rows at work][image_size.x]       q of the points x from the light on the plane, q.x = 1; the slot, or SOMETHING_BEFORE and the slot; MISS: nothing
-//                                                      hit; UNFILLED: not known
+// writes  texels    [rows at work][image_size.x]       xyz: q of the points x from the light on the plane, q.x = 1;
+//                                                      w: the slot, SOMETHING_BEFORE and the slot, MISS: nothing hit,
+//                                                      or UNFILLED: not known
 // adds    counters  [COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;
