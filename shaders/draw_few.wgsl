@@ -1,10 +1,10 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover few pixels, one thread each over
-// all their pixels. One kernel serves both passes, so that both compute the same t.
+// T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover few pixels. One thread draws all
+// pixels of a primitive. One kernel serves both passes, so that both compute the same t.
 //
 // launch  one thread per FEW_EACH entries of the few, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;

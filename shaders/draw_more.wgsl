@@ -3,7 +3,7 @@
 // launch  one thread per entry, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;

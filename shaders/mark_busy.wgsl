@@ -14,7 +14,7 @@
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
 
 // How far the tiles reach on either side, in pixels. The first is for a shadowed sample whose surface is flat for two
-// samples on both sides, the second for any busy sample whose surface is flat for one.
+// samples on both sides. The second is for any busy sample whose surface is flat for one.
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
 // A surface is flat if a sample deviates from the line between its neighbours by less than this share of their

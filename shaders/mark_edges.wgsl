@@ -1,4 +1,4 @@
-// Verification `edges` (thesis, 6.2): marks target pixels BAD whose sample lies at an edge in the source view.
+// Verification `edges` (thesis, 6.2): marks target pixels as BAD if their sample lies at an edge in the source view.
 // resolve_right lists them; all others are trusted.
 //
 // launch  one thread per pixel of the target in the rows at work

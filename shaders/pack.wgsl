@@ -1,4 +1,5 @@
-// Copies the parts of a view's pixels that the host asked for. This saves up to two thirds of the bytes to read back.
+// Copies the parts of a view's pixels that the host asked for. This saves a quarter to three quarters of the bytes to
+// read back.
 //
 // launch  one thread per pixel of the rows at work
 // reads   view    [rows * width]

@@ -17,7 +17,7 @@ const FEW_PIXELS: u32 = 32u;
 const MORE_TILES: u32 = 8u;
 // Tiles of a part. Each thread of a group draws an eighth of them.
 const PART_TILES: u32 = 64u;
-// Most parts of a primitive. The bound keeps their number within its bits.
+// Most parts of a primitive, so that the parts of all primitives can be counted.
 const MOST_PARTS: u32 = 64u;
 
 @compute @workgroup_size(LIST_WORKGROUP)

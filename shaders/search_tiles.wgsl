@@ -13,8 +13,8 @@
 @group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> lists: Lists;
 
-// A tile that tests more boxes and primitives is given up and traced, which is cheaper then: its lists would overflow
-// anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
+// A tile that tests more boxes and primitives than this is given up and traced, which is cheaper then: its lists would
+// overflow anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
 const MOST_STEPS: u32 = 1024u;
 
 // Boxes and primitives tested.

@@ -15,8 +15,8 @@
 
 const QUADRANTS: u32 = 4u;
 
-// Four tiles that take more steps together are given up. A listed block counts as an eighth of a step, since it takes a
-// round.
+// Four tiles that take more steps than this together are given up. A listed block counts as an eighth of a step, since
+// it takes a round.
 const MOST_STEPS: u32 = 4096u;
 
 // Boxes and primitives tested.

@@ -3,7 +3,7 @@
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  view                            [height * width]
 // writes  source_samples                  texture, by bracket
-// adds    counters                        [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters                        [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> view: array<Pixel>;

@@ -57,16 +57,21 @@ pub(crate) struct Kernel {
 
 use Access::{Read, Write};
 
-/// Further bindings of group 1: shadow-buffers, the mask of wanted pixels, the samples of a second source, the texture
-/// that shows a view, linear colour of the source and of the view itself, the state of work in steps (`src/lanes.rs`),
-/// and the samples of a source.
+/// Binding of shadow-buffers in group 1.
 pub(crate) const SHADOW_BINDING: u32 = 8;
+/// Binding of the mask of wanted pixels.
 pub(crate) const MASK_BINDING: u32 = 9;
+/// Binding of a second source's samples.
 pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
+/// Binding of the texture that shows a view.
 pub(crate) const PICTURE_BINDING: u32 = 11;
+/// Binding of the source's linear colour.
 const SOURCE_LINEAR_BINDING: u32 = 12;
+/// Binding of the view's own linear colour.
 const LINEAR_BINDING: u32 = 13;
+/// Binding of the state of work in steps (`src/lanes.rs`).
 pub(crate) const STEPS_BINDING: u32 = 14;
+/// Binding of a source's samples.
 pub(crate) const SAMPLES_BINDING: u32 = 15;
 
 /// Returns the limits that kernels need of a device; all other limits are taken from `others`.

@@ -1,8 +1,8 @@
 //! Pipeline variants: what kernels are specialised to, and the resulting choices for their WGSL. Only this module
 //! chooses.
 //!
-//! `src/wgsl.rs` composes a kernel's text. A feature that a scene lacks (spheres, ellipsoids, vertex normals, lights, a
-//! sky gradient, anything to hit) is not chosen, so its code is not in the kernel (DESIGN, section 6).
+//! `src/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the kernel
+//! (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to hit.
 
 mod choices;
 

@@ -59,7 +59,7 @@ fn primitive_texel(slot: u32, texel: u32) -> vec4u {
 
 @group(2) @binding(0) var table: texture_storage_2d<rgba32uint, read>;
 
-// Textures are 8192 texels wide, the smallest maximum of WebGPU devices, and filled row by row.
+// Textures are 8192 texels wide, which every WebGPU device supports, and filled row by row.
 fn texel_position(index: u32) -> vec2u {
     return vec2u(index & 8191u, index >> 13u);
 }

@@ -6,8 +6,9 @@
 // docs/ARCHITECTURE.md has the measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
-// A further share of the triangle's reach, since t's rounding grows with it. If eye and light are so close to a
-// triangle that t is computed in two f32 (LARGE), the reach is limited to that of the largest triangle without this.
+// A further share of the triangle's reach, since t's rounding grows with it. The reach is limited where eye and light
+// are so close to a triangle that t is computed in two f32 (LARGE). The limit is the reach of the largest triangle for
+// which f32 suffices.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
 // Returns the distance from its surface at which a ray begins that leaves a point seen from another one.

@@ -60,8 +60,8 @@ fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
 // For wider triangles the corners' mean direction says little.
 const WIDEST_CHORD: f32 = 1.2;
 
-// Returns a cone around the sum of the corners' directions. A cone narrower than a half-space that contains the corners
-// contains the triangle.
+// Returns a cone around the sum of the corners' directions. A cone narrower than a hemisphere contains the triangle if
+// it contains the corners.
 fn triangle_cap(primitive: Primitive) -> Cap {
     let a = normalize(primitive.a - frame.target_eye);
     let b = normalize(primitive.b - frame.target_eye);

@@ -78,8 +78,8 @@ fn near_unit(x: f32, wrap: u32) -> f32 {
     return select(x - 2.0 * floor(0.5 * x), clamp(x, -64.0, 65.0), wrap == WRAP_CLAMP);
 }
 
-// Returns the mean, around a place, of a wave that is 1 in a row's first square, -1 in its second and so on, wrapped
-// like the row.
+// Returns the mean, around a place, of a square wave: 1 in a row's first square, -1 in its second and so on. It is
+// wrapped like the row.
 fn wave_mean(place: f32, width: f32, squares: i32, wrap: u32) -> f32 {
     // For a small width, a difference of sums would cancel. Such a width holds one edge at most.
     if width < 1.0 {

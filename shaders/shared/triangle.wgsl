@@ -27,7 +27,7 @@ fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
 const DOUBT: f32 = 22.0 / 16777216.0;
 
 // Intersects rays with a triangle. The result is uncertain if rounding might decide on which side of an edge a ray
-// passes, or if the triangle is so large that t would be wrong.
+// passes. It is also uncertain if the triangle is so large that t would be wrong.
 fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found {
     let direction = rays.direction;
     let a = primitive.a - rays.origin;

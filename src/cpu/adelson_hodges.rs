@@ -14,8 +14,8 @@ pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
 /// sample's column in the sweep, from 1 on.
 ///
 /// For a target on the right each row is swept from left to right. A later sample overwrites. If two neighbours land
-/// more than one column apart, the columns strictly between lie in a gap and are cleared, and so are columns past the
-/// last sample (DESIGN, section 4). For a target on the left all is mirrored.
+/// more than one column apart, the columns strictly between lie in a gap and are cleared. Columns past the last sample
+/// are cleared too (DESIGN, section 4). For a target on the left all is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let width = frame.size()[0];
     let mut right_source = vec![0; left_depth.len()];

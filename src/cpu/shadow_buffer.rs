@@ -1,7 +1,7 @@
 //! Twin of `shaders/shared/shadow_canvas.wgsl`: maps texels of a shadow-buffer to directions and back, and fills them.
 //!
 //! The paper's theta (Raghuvanshi & Dhande, equation 4) runs from 0 to pi with `(cos theta cos phi, cos theta sin phi,
-//! sin theta)`, which covers half of the sphere twice. Its inverse (equation 7) has an arcsin, which begins at -pi/2,
+//! sin theta)`. This covers half of the sphere twice. Its inverse (equation 7) has an arcsin, which begins at -pi/2,
 //! and an arccos, which loses the sign of phi. Here theta is the angle from a pole, `(sin theta cos phi, sin theta sin
 //! phi, cos theta)`, and both angles are arctangents of two arguments.
 

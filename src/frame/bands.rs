@@ -10,7 +10,7 @@ const WHOLE: u32 = layout::WORKGROUP * layout::TILE;
 /// Rows kept above and below a band for steps that read them: the adjacent row, and more to keep tiles whole.
 const HALO: u32 = layout::TILE;
 
-/// Most pixels of all views of a band, beyond its least number of rows: 64 MiB.
+/// Most pixels of all views of a band, unless its least number of rows has more: 64 MiB.
 const VIEWS_PIXELS: u32 = 1 << 22;
 
 /// Returns the approximate pixels of a band, for up to five lights; more lights reduce it. On a software adapter this
@@ -24,7 +24,7 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
 }
 
 /// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all steps of a
-/// band can run before the next band, and data between steps takes the memory of one band, for any size of picture.
+/// band can run before the next band. Data between steps takes the memory of one band, for any size of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bands {
     height: u32,

@@ -152,8 +152,8 @@ mod tests {
         scene
     }
 
-    /// A hall with its own lights, spheres among triangles under a gradient, lights so far away that shadow rays start
-    /// at surfaces, and planes.
+    /// A hall with its own lights; spheres among triangles under a gradient; lights so far away that shadow rays start
+    /// at surfaces; and planes.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
         let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();

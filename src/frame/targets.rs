@@ -72,7 +72,7 @@ impl Target {
 /// Parameters that determine the sizes of a frame's buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
-    /// Of the picture, in pixels.
+    /// Size of the picture, in pixels.
     pub(crate) size: [u32; 2],
     pub(crate) bands: Bands,
     pub(crate) views: usize,

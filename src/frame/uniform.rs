@@ -46,9 +46,9 @@ fn pixel_side(pose: &Pose) -> f32 {
     if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
 }
 
-/// A sample vouches for a point beside it if the surface between them may recede by at most this many pixels per pixel,
-/// in units of a pixel's size on the screen. This is an angle of 88.4 degrees there, more before the screen and less
-/// beyond it.
+/// A sample vouches for a point beside it if the surface between them recedes by at most this many pixels per pixel.
+/// These are pixels of their size on the screen. This is an angle of 88.4 degrees there, more before the screen and
+/// less beyond it.
 const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 

@@ -198,7 +198,7 @@ fn nothing_stands_before_what_an_unmarked_texel_shows() {
     println!(
         "texels that are not marked, that are, and of these those that were seen to be so rightly, by light: {counts:?}"
     );
-    // Seen from inside a sphere, all other primitives lie behind its plane and are marked.
+    // Skips the light inside a sphere. The sphere has no plane for it, so everything outside the sphere is marked.
     for [unmarked, marked, rightly] in [counts[0], counts[2], counts[3]] {
         assert!(unmarked > 10 * marked && 8 * rightly > marked);
     }
