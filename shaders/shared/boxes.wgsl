@@ -29,7 +29,7 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is world
-// f32 corners in world coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
+// f32 corners in scene coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
 // distance from the ray's origin. The other layouts widen all boxes alike, which is cheaper and harmless for larger
 // boxes.
 

@@ -5,7 +5,7 @@
 // 30, the first slot below. Other links are indices of pairs. The root is pair 0.
 //! if cutouts is none
 struct Bvh {
-    grid_origin: vec3f,   // world position of grid point 0
+    grid_origin: vec3f,   // grid point 0, scene coordinates
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
     zero: u32,            // 0, unknown to compilers

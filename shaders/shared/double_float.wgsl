@@ -71,7 +71,7 @@ fn cross_two3(a: Two3, b: Two3) -> Two3 {
     return sum_two3(forth, Two3(-back.hi, -back.lo));
 }
 
-// Returns where a ray meets a triangle's plane. Corners are in world coordinates.
+// Returns where a ray meets a triangle's plane. Corners are in scene coordinates.
 fn plane_t(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
     let normal = cross_two3(difference3(b, a), difference3(c, a));
     let distance = dot_two3(normal, difference3(a, origin));

@@ -2,7 +2,7 @@
 // It is filled by drawing each primitive over the pixels that its projection may reach. Rays and tests are those of
 // traversal, so every t is the same to the bit. A ray that misses a primitive drawn over it leaves nothing.
 // docs/T-BUFFER.md has the argument.
-// Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is
+//
 // Two words a pixel: the complement of t's bits, and the primitive's slot + 1; 0 for a miss. Since t is not negative,
 // its bits are ordered like t, and their complements in reverse: the largest is the nearest.
 //

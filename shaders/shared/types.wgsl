@@ -11,7 +11,7 @@ const MISS: u32 = 0xffffffffu;
 // made. Where a view is traced, both eyes are its own. Directions have length 1 along the view axis, so a ray's t is
 // the depth Z of its hit (DESIGN, section 2).
 struct Frame {
-    source_eye: vec3f,       // world position
+    source_eye: vec3f,       // scene coordinates
     // Pixels: e_px = e w / W; f_px for parallel cameras; negative if the target is left of its source.
     parallax_px: f32,
     target_eye: vec3f,
@@ -59,7 +59,7 @@ struct Frame {
 // Takes the place of the other Frame: a light, the directions of its shadow-buffer's texels (src/cpu/shadow_buffer.rs
 // has the same), and the rows at work.
 struct Frame {
-    target_eye: vec3f,       // the light, world position
+    target_eye: vec3f,       // the light, scene coordinates
     theta_begin: f32,        // of the first row, radians
     axis_x: vec3f,           // unit: where phi is 0 on the equator
     theta_step: f32,         // per row

@@ -151,8 +151,8 @@ impl Renderer {
 }
 
 impl<'a> Levels<'a> {
+    /// # Errors
     /// [`Error::Samples`] if f32 directions cannot tell the samples of the last level apart.
-    /// [`Error::Options`] without adaptive samples.
     fn new(scene: &'a UploadedScene, eyes: &'a Eyes, options: &'a Options) -> Result<Self, Error> {
         let adaptive = options.adaptive.expect("asked for");
         eyes.with_lattice(1 << (adaptive.levels - 1))?; // the finest one is refused first
