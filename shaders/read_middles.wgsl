@@ -1,4 +1,4 @@
-// What stands in a light's shadow-buffer once all primitives are drawn: the nearest of them and of the planes, which
+// Finishes a light's shadow-buffer after all primitives are drawn: keeps the nearest of them and of the planes, which
 // are not drawn (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per block of texels (a texel, or 2x2) of the rows at work
