@@ -373,12 +373,12 @@ impl Scene {
 
     /// Adds a texture and returns its id, for ``texture`` and ``cutout`` of materials.
     ///
-    /// ``picture`` is the path of a PNG or JPEG file, or an array of uint8, ``(height, width, 3)`` or with alpha
-    /// ``(height, width, 4)``, top row first. Colours are sRGB. Sides are 1 to 8192 pixels. ``wrap`` is for texture
-    /// coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"`` mirrors every second repetition, and
-    /// ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's middle is at +z, its right half at +x, its
-    /// top at +y. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid picture or sides out
-    /// of range.
+    /// ``picture`` is the path of a PNG, JPEG, BMP, GIF, TGA, TIFF or WebP file, or an array of uint8, top row first:
+    /// ``(height, width, 3)``, or with alpha ``(height, width, 4)``. Colours are sRGB. Sides are 1 to 8192 pixels.
+    /// ``wrap`` is for texture coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"`` mirrors every
+    /// second repetition, and ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's middle is at +z,
+    /// its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an
+    /// invalid picture or sides out of range.
     #[pyo3(signature = (picture, wrap = "repeat"))]
     fn add_texture(&mut self, picture: &Bound<'_, PyAny>, wrap: &str) -> PyResult<u32> {
         let wrap = match wrap {
@@ -489,10 +489,10 @@ impl Scene {
     /// Sets the sky to an equirectangular picture (HDRI, environment map). The top row is straight up, the middle
     /// column towards -z, and columns go round to the right.
     ///
-    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR is linear), or an array of floats, ``(height,
-    /// width, 3)``, linear RGB, or ``"procedural"``: a sun and clouds over a plain, 1024 x 512 pixels. The width must
-    /// be even. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid or too large picture
-    /// and for colours that are negative or not finite.
+    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR and OpenEXR are linear), or an array of floats,
+    /// ``(height, width, 3)``, linear RGB, or ``"procedural"``: a sun and clouds over a plain, 1024 x 512 pixels. The
+    /// width must be even. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid or too large
+    /// picture and for colours that are negative or not finite.
     fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>) -> PyResult<()> {
         let map = match picture.extract::<PathBuf>() {
             // The string is the procedural sky. A file of that name is Path("procedural").
