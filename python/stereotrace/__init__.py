@@ -85,8 +85,8 @@ _renderer: Renderer | None = None
 def render(scene: Scene, camera: Camera, **options: Unpack[RenderOptions]) -> StereoPair:
     """Renders a stereo pair as ``Renderer.render`` does, with a renderer that all calls share.
 
-    The first call opens it. It uses the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest. Raises as
-    ``Renderer`` and ``Renderer.render`` do."""
+    The first call opens it, on the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else on the
+    fastest. Raises as ``Renderer`` and ``Renderer.render`` do."""
     global _renderer
     if _renderer is None:
         _renderer = Renderer()
