@@ -70,7 +70,7 @@ def _interrupted(*_: object) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Returns the exit status: 0 if the data set is complete, 1 if something is missing or wrong, 130 if interrupted."""
+    """Returns the exit status: 0 if the data set is complete, 1 if a part is missing or wrong, 130 if interrupted."""
     given = parser().parse_args(arguments)
     # SIGTERM raises an exception, so that unfinished files are removed.
     signal.signal(signal.SIGTERM, _interrupted)
