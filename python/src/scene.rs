@@ -489,7 +489,7 @@ impl Scene {
     /// Sets the sky to an equirectangular picture (HDRI, environment map). The top row is straight up, the middle
     /// column towards -z, and columns go round to the right.
     ///
-    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR and OpenEXR are linear), or an array of
+    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR and ``OpenEXR`` are linear), or an array of
     /// floats, ``(height, width, 3)``, linear RGB, or ``"procedural"``: a sun and clouds over a plain, 1024 x 512
     /// pixels. The width must be even. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid
     /// or too large picture and for colours that are negative or not finite.

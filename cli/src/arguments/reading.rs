@@ -28,14 +28,13 @@ pub(crate) struct ReadingArguments {
     /// Files that a scene names outside its own folder, such as ../textures: refuse, or allow if you trust the scene
     #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]
     outside_files: OutsideFiles,
-    /// Largest scene, JSON, texture or sky file, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    /// Largest scene, JSON, texture or sky file, and sum of MTL files, in MiB [default: 1024, 16 for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
     /// Largest sky in millions of pixels; the adapter may hold less [default: 8.388608, which is 4096x2048]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_sky: Option<Millions>,
-    /// Largest texture, and largest sum of a file's textures, in millions of pixels [default: 67.108864, which is
-    /// 8192x8192]
+    /// Largest sum of a file's textures in millions of pixels [default: 67.108864, which is 8192x8192]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_texture: Option<Millions>,
     /// Largest number of triangles in millions; each instance counts [default: 33.554432]
