@@ -1,8 +1,10 @@
-//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench --bench samples` prints tables.
+//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench --bench samples` prints
+//! tables.
 //!
-//! Naive and bracket take turns at every number of samples in one run, without depths and ids, so that all rays are samples. Times are the
-//! passes', medians of the rounds; the filter on the host is not among them. Counts and pictures are of one frame each. The error is the right
-//! view's root mean square distance from naive's of 64 samples, in linear light.
+//! Naive and bracket take turns at every number of samples in one run, without depths and ids, so that all rays are
+//! samples. Times are the passes', medians of the rounds; the filter on the host is not among them. Counts and pictures
+//! are of one frame each. The error is the right view's root mean square distance from naive's of 64 samples, in linear
+//! light.
 
 #[path = "common/mod.rs"]
 mod common;

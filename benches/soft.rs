@@ -1,9 +1,10 @@
 //! What soft light costs and how exact the second eye is: `cargo bench --bench soft` prints a table.
 //!
-//! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds. Errors are the right
-//! view's mean and root mean square distance from a converged picture, the mean of naive's over many seeds with 32 rays each, in linear
-//! light; naive's own is noise. Counts and errors are those of half the width and height. `cargo bench --bench soft -- NAME…` takes other
-//! scenes: built-in ones, those of the stability suite (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
+//! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds.
+//! Errors are the right view's mean and root mean square distance from a converged picture, the mean of naive's over
+//! many seeds with 32 rays each, in linear light; naive's own is noise. Counts and errors are those of half the width
+//! and height. `cargo bench --bench soft -- NAME…` takes other scenes: built-in ones, those of the stability suite
+//! (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -181,7 +182,8 @@ fn measure(
     Ok(())
 }
 
-/// An error as a share of naive's. Where no light but points' arrives, as the sky's in a hall without windows, naive makes none.
+/// An error as a share of naive's. Where no light but points' arrives, as the sky's in a hall without windows, naive
+/// makes none.
 fn of(error: f64, of_naive: f64) -> String {
     if of_naive > 1e-4 { format!("{:.3}", error / of_naive) } else { "-".into() }
 }

@@ -1,7 +1,7 @@
 //! What a rig of many views costs: `cargo bench --bench views` prints a table.
 //!
-//! Methods take turns in one run; times are the host's, read-back included, as medians of the rounds. `cargo bench --bench views -- NAME…`
-//! takes other scenes: built-in ones, or folders of OBJ files.
+//! Methods take turns in one run; times are the host's, read-back included, as medians of the rounds. `cargo bench
+//! --bench views -- NAME…` takes other scenes: built-in ones, or folders of OBJ files.
 
 #[path = "common/mod.rs"]
 mod common;

@@ -1,9 +1,10 @@
 //! What finding first hits costs, by rays and by a T-buffer: `cargo bench --bench visibility` prints a table a scene.
 //!
-//! Both ways take turns in one run, each at several sizes of one picture, since a T-buffer's price has a share that goes with primitives and one that goes
-//! with pixels. Scenes have no lights unless some are asked for, so that hardly more than first hits is timed. Times are the left view's passes, medians of the
-//! rounds; counts are of one frame each: nodes of the tree that rays visit or primitives that are projected, and rays' tests of primitives. `--rounds 0`
-//! prints counts alone, which are the same on every machine.
+//! Both ways take turns in one run, each at several sizes of one picture, since a T-buffer's price has a share that
+//! goes with primitives and one that goes with pixels. Scenes have no lights unless some are asked for, so that hardly
+//! more than first hits is timed. Times are the left view's passes, medians of the rounds; counts are of one frame
+//! each: nodes of the tree that rays visit or primitives that are projected, and rays' tests of primitives. `--rounds
+//! 0` prints counts alone, which are the same on every machine.
 
 #[path = "common/mod.rs"]
 mod common;

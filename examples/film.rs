@@ -1,5 +1,5 @@
-//! A film of things that move: a thousand spheres, turning about their axis, as numbered anaglyphs. The scene stays on the device; each
-//! frame brings only the change there.
+//! A film of things that move: a thousand spheres, turning about their axis, as numbered anaglyphs. The scene stays on
+//! the device; each frame brings only the change there.
 //!
 //! ```sh
 //! cargo run --release --example film -- out 24

@@ -1,12 +1,12 @@
-//! Renders a pair of a built-in scene and writes all that it knows of it, in the formats of stereo stills and of stereo vision
-//! (docs/FORMATS.md).
+//! Renders a pair of a built-in scene and writes all that it knows of it, in the formats of stereo stills and of stereo
+//! vision (docs/FORMATS.md).
 //!
 //! ```sh
 //! cargo run --release --features exr --example ground_truth -- hall 640x480 out
 //! ```
 //!
-//! The cameras are parallel, so that disparities are above 0, as KITTI wants them. With `off-axis` behind the folder the
-//! scene's own screen stays, behind which they are negative, and KITTI's files are left out.
+//! The cameras are parallel, so that disparities are above 0, as KITTI wants them. With `off-axis` behind the folder
+//! the scene's own screen stays, behind which they are negative, and KITTI's files are left out.
 
 use std::{error::Error, path::Path};
 

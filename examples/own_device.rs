@@ -1,5 +1,6 @@
-//! A pair that stays on the device: the caller's own pipeline samples both views and makes a red-cyan anaglyph of them, on the
-//! caller's own device and in the caller's own submission. A live view would show the texture that this example writes to a file.
+//! A pair that stays on the device: the caller's own pipeline samples both views and makes a red-cyan anaglyph of them,
+//! on the caller's own device and in the caller's own submission. A live view would show the texture that this example
+//! writes to a file.
 //!
 //! ```sh
 //! cargo run --release --example own_device -- out/anaglyph.png
@@ -152,7 +153,8 @@ fn draw(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, views: [&wgpu
     pass.draw(0..3, 0..1);
 }
 
-/// A buffer that has the texture's pixels once the commands have run. Its rows are a multiple of 256 bytes, as copies want them.
+/// A buffer that has the texture's pixels once the commands have run. Its rows are a multiple of 256 bytes, as copies
+/// want them.
 fn download(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> wgpu::Buffer {
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("download"),

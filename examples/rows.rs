@@ -1,4 +1,5 @@
-//! A pair of any height, its rows written as they are done: neither the device nor the host ever holds more than a band of them.
+//! A pair of any height, its rows written as they are done: neither the device nor the host ever holds more than a band
+//! of them.
 //!
 //! ```sh
 //! cargo run --release --example rows -- 16384x8192 out [METHOD]

@@ -1,5 +1,5 @@
-// Whether each ray of a list hits anything (shared/ray_list.wgsl), for users and tests. All of it at once, or
-// in as many dispatches as it takes (shared/in_steps.wgsl).
+// Finds whether each ray of a list (shared/ray_list.wgsl) hits anything, for users and tests. Runs in one dispatch or
+// in several (shared/in_steps.wgsl).
 //
 // launch  one thread per ray, or per four; in steps, until all have finished
 // updates steps     a lane per thread, in steps

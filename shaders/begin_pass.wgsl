@@ -1,4 +1,5 @@
-// Before each pass of a T-buffer: says which one it is, and how many workgroups draw what project_primitives listed. The host emptied the lists before that.
+// Runs before each pass of a T-buffer. Increments the pass number and sets how many workgroups draw the primitives that
+// project_primitives listed. The host has emptied the lists before.
 //
 // launch  one thread
 // updates drawing

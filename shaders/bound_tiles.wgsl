@@ -1,7 +1,7 @@
-// Pass 2 of 3 of `bracket`: how deep each tile of the target's pixels must be searched: as deep as any sample of the source that lands in
-// it. A ray of the target passes between two neighbours, so each sample's depth counts from where the one before landed to a pixel
-// behind it; where a gap opens between them, its two sides say how deep. Samples that hit nothing land too: their tiles have no
-// bound.
+// Pass 2 of 3 of `bracket`: the bound of each tile of the target view, by atomic maximum (docs/BRACKET.md, "The tile
+// bound"). A target ray may pass between two neighbouring samples. So each sample's depth counts from one pixel before
+// the previous sample's landing to one pixel behind its own. In a gap between them the larger of the two depths counts.
+// Samples that hit nothing land too: their tiles have no bound.
 //
 // launch  one thread per run of TILE pixels of a row of the source, in the order of a sweep
 // reads   source    [height * width]
@@ -14,7 +14,7 @@
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
 const NO_TILE: u32 = 0xffffffffu;
-// Where a sample landed that is not there, so that no gap opens behind it.
+// Landing of a sample that was left out. No gap opens behind it.
 const NOWHERE: f32 = 3.0e38;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -26,12 +26,12 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     let end = min(begin + TILE, width);
     let first_tile = row / TILE * tiles_across();
     let first_pixel = row * width;
-    // Before the first sample and behind the last one there are gaps too.
+    // There are gaps before the first sample and behind the last one too.
     let before = in_sweep(max(begin, 1u) - 1u);
     var depth_before = source[first_pixel + before].depth;
     var x_before = select(landed_at(before, depth_before), 0.0, begin == 0u);
     if is_left_out(depth_before) { x_before = NOWHERE; }
-    // Neighbours mostly land in one tile: an atomic each would be eight times as many.
+    // Neighbours mostly land in one tile. One atomic per sample would be eight times as many.
     var tile = NO_TILE;
     var deepest = 0.0;
     var unseen = 0u;
@@ -42,12 +42,12 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
         let x = landed_at(column, depth);
         let left_out = is_left_out(depth);
         let opens = x >= x_before && !left_out;
-        // What was not seen lands nowhere: beyond the last tile.
+        // A sample that was left out lands nowhere: beyond the last tile.
         let low = select(max(select(x - 1.0, x_before - 1.0, opens), 0.0), f32(width), left_out);
         let high = min(select(x + 1.0, f32(width), place + 1u == width), f32(width) - 0.5);
         let depth_between = select(depth, max(depth, depth_before), opens);
         unseen += select(0u, u32(max(high - low - 3.0, 0.0)), opens);
-        // What a sweep to the left calls low lies on the right.
+        // If columns count from the right, `low` lies on the right.
         let first = select(low, max(f32(width) - high, 0.0), is_mirrored());
         let last = select(high, min(f32(width) - low, f32(width) - 0.5), is_mirrored());
         var landed = u32(first) / TILE;
@@ -71,7 +71,8 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
     if unseen > 0u { atomicAdd(&counters[row * COUNTERS + GAP_PIXELS], unseen); }
 }
 
-// Where a sample lands, counted from where a sweep begins; bounded: near z = 0 the place does not fit an integer.
+// Returns where a sample lands, counted from the begin of the sweep. It is clamped, since near z = 0 it does not fit an
+// integer.
 fn landed_at(column: u32, depth: f32) -> f32 {
     let width = f32(frame.image_size.x);
     let x = clamp(landing_x(column, depth), -2.0, width + 2.0);

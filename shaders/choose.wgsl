@@ -1,4 +1,5 @@
-// `Auto`, between two steps of `bracket`: whether a band of the target's view costs less by it than traced, as src/auto.rs has it.
+// `Auto`, between two steps of `bracket`: decides whether a band of the target view costs less by `bracket` or traced.
+// The cost model is in src/auto.rs.
 //
 // launch  one workgroup
 // reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS and OWN_SHADOW_RAYS
@@ -20,7 +21,7 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
     var shadow = 0.0;
     var gaps = 0.0;
     for (var row = frame.row_begin + thread; row < frame.row_end; row += LIST_WORKGROUP) {
-        // Those at what mirrors show are the target's own by either way.
+        // Shadow rays from mirrored surfaces belong to the target by either method.
         let words = row * COUNTERS;
         shadow += f32(source_counters[words + SHADOW_RAYS] - source_counters[words + OWN_SHADOW_RAYS]);
         gaps += f32(counters[row * COUNTERS + GAP_PIXELS]);

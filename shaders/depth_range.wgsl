@@ -1,4 +1,5 @@
-// A view's nearest and farthest depth in each row, for a 3D buffer of Lemma 1's size (DESIGN, section 2).
+// Finds a view's nearest and farthest depth in each row. Lemma 1 gives the 3D buffer's size from them (DESIGN, section
+// 2).
 //
 // launch  one thread per row of the rows at work
 // reads   view      [height * width]
@@ -14,7 +15,7 @@ fn depth_range(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= WORKGROUP || row >= frame.row_end { return; }
     var nearest = FAR;
     var farthest = 0.0;
-    // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each width.
+    // The loop's end must not be a uniform alone: Mesa's software driver would compile the kernel anew for each width.
     let end = (row + 1u) * frame.image_size.x;
     for (var pixel = row * frame.image_size.x; pixel < end; pixel += 1u) {
         let depth = view[pixel].depth;

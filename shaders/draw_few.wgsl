@@ -1,9 +1,10 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover few pixels, each over all of these. One kernel serves both passes, so that a t of the second is that of the first.
+// T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover few pixels. One thread draws all
+// pixels of a primitive. One kernel serves both passes, so that both compute the same t.
 //
 // launch  one thread per FEW_EACH entries of the few, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;
@@ -12,7 +13,7 @@
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn draw_few(@builtin(global_invocation_id) id: vec3u) {
-    // The threads of a workgroup take neighbours, and then the next ones.
+    // The threads of a workgroup take neighbouring entries first, then the next ones.
     let first = id.y * FEW_IN_ROW + id.x / LIST_WORKGROUP * (LIST_WORKGROUP * FEW_EACH) + id.x % LIST_WORKGROUP;
     let end = min(first + LIST_WORKGROUP * FEW_EACH, atomicLoad(&drawing.few.count));
     if first >= end { return; }
@@ -32,7 +33,8 @@ fn draw_few(@builtin(global_invocation_id) id: vec3u) {
             let corner = vec2u(over.xy);
             let blocks = (vec2u(max(over.zw + 1 - over.xy, vec2i(0))) + BLOCK - 1u) / BLOCK;
             loop {
-                // What touches a shadow-buffer's texels covers the middle of none, often; and by other rounding than before it may be nothing.
+                // A primitive that touches a shadow-buffer's texels often covers no texel's middle. It may also cover
+                // nothing now, if bounds are rounded differently than in project_primitives.
                 if any(block >= blocks) { break; }
                 pixels = pixels_from(corner + block * BLOCK);
                 later = draw(primitive, slot, pixels, over.zw);

@@ -1,9 +1,9 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: primitives that cover a few tiles, a thread each.
+// T-buffer, both passes, and the marks of a shadow-buffer: draws primitives that cover a few tiles, one thread each.
 //
 // launch  one thread per entry, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;

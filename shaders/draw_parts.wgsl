@@ -1,9 +1,10 @@
-// T-buffer, both passes, and the marks of a shadow-buffer: parts of primitives that cover many tiles. The threads of a group take one tile after the other in turn.
+// T-buffer, both passes, and the marks of a shadow-buffer: draws parts of primitives that cover many tiles. The threads
+// of a group take the tiles in turn.
 //
 // launch  GROUP threads per part, dispatched indirectly
 // reads   drawing
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
-// adds    counters   [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;
@@ -20,7 +21,7 @@ fn draw_parts(@builtin(global_invocation_id) id: vec3u) {
     let primitive = primitive_at(slot);
     let over = drawn_over(primitive, canvas_at_work());
     if is_drawn_nowhere(over) { return; }
-    // Shared out anew: where drawn_over rounded otherwise before, no tile is left out.
+    // Tiles are divided anew, so none is left out if drawn_over rounds differently than in project_primitives.
     let tiles = tiles_over(over);
     let parts = part >> PARTS_BIT;
     let share = (tiles + parts - 1u) / parts;

@@ -1,4 +1,5 @@
-// Pass 2 of 3 of `Buffer`, second half: search the slots of each of the target's pixels for the largest key, the nearest.
+// Pass 2 of 3 of `Buffer`, second half: finds the largest key, which is the nearest sample, in the slots of each target
+// pixel.
 //
 // launch  one thread per pixel of the target in a band of rows
 // reads   slots  [rows * width * depth]  keys of samples, or EMPTY
@@ -14,7 +15,7 @@ fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let cell = (pixel.y - frame.row_begin) * frame.image_size.x + pixel.x;
     var nearest = 0u;
-    // The loop's end is no uniform by itself: Mesa's software driver would compile the kernel anew for each depth.
+    // The loop's end must not be a uniform alone: Mesa's software driver would compile the kernel anew for each depth.
     let end = (cell + 1u) * frame.buffer_depth;
     for (var slot = cell * frame.buffer_depth; slot < end; slot += 1u) {
         nearest = max(nearest, slots[slot]);

@@ -1,4 +1,5 @@
-// Behind a view's last step, in scenes with mirrors or glass: list its pixels that show such surfaces, for trace_mirrored.
+// Runs after a view's last step in scenes with mirrors or glass. Lists the pixels that show such surfaces, for
+// trace_mirrored.
 //
 // launch  one thread per pixel of the rows at work
 // reads   view       [height * width]

@@ -1,22 +1,24 @@
-// Pass 2 of 3 of `bracket` where shadow bits are taken over, second part: lights whose shadows are so narrow somewhere that two samples beside
-// a point don't tell what lies between them (docs/BRACKET.md).
+// Pass 2 of 3 of `bracket` where shadow bits are reused, second part: marks busy lights (docs/BRACKET.md). Their
+// shadows are so narrow somewhere that the two samples beside a point do not tell what lies between them.
 //
-// A sample is busy for a light where what it saw of it differs from what samples on both sides of it in its row saw. It lies in a shadow, or in a
-// strip of light, about as narrow as samples are apart; in other rows the samples may miss that strip. So no bit of that light is taken over in the
-// tiles around the place where the sample lands, if it is on a flat surface: others are in narrow shadows of their own.
+// A sample is busy for a light if its bit differs from samples on both sides of it in its row. It lies in a shadow, or
+// in a strip of light, about as narrow as the distance between samples. Samples of other rows may miss that strip. So
+// tiles around the sample's landing place reuse no bit of that light, if the sample is on a flat surface. Samples on
+// other surfaces lie in narrow shadows of their own.
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
-// adds    bounds          [tiles, BOUND_WORDS]  a bit for each light that is busy, and from bit 16 on for each share; cleared by the host
+// adds    bounds          [tiles, BOUND_WORDS]  a bit per busy light, and from bit 16 on per busy share; cleared by the host
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
 
-// How far the tiles reach on either side, in pixels: around a sample in the dark on a surface that is flat for two samples on both sides; around
-// one on a surface that is flat for one.
+// How far the tiles reach on either side, in pixels. The first is for a shadowed sample whose surface is flat for two
+// samples on both sides. The second is for any busy sample whose surface is flat for one.
 const REACH_OF_SHADOW: f32 = 32.0;
 const REACH_OF_LIGHT: f32 = 12.0;
-// A surface is flat if a sample is off the line between its two neighbours by less than this share of their distance.
+// A surface is flat if a sample deviates from the line between its neighbours by less than this share of their
+// distance.
 const FLAT: f32 = 1.0 / 32.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -25,7 +27,7 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
     let begin = id.x * BUSY_RUN;
     if begin >= frame.image_size.x || row >= frame.row_end { return; }
     let end = min(begin + BUSY_RUN, frame.image_size.x);
-    // A bit for each column of a sample that is busy for some light: few are.
+    // One bit for each column whose sample is busy for some light. Few are.
     var busy_columns = 0u;
     var samples = samples_around(row, begin);
     var column = begin;
@@ -42,7 +44,7 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// A sample, and two on both sides of it in its row.
+// A sample, and two on each side of it in its row.
 struct Samples {
     far_before: SourceSample,
     before: SourceSample,
@@ -61,7 +63,7 @@ fn samples_around(row: u32, column: u32) -> Samples {
     );
 }
 
-// The lights that a sample is busy for, and those of them whose shadow it lies in.
+// The lights that a sample is busy for, and the subset whose shadow it lies in.
 struct Busy {
     all: u32,
     dark: u32,
@@ -85,7 +87,7 @@ fn mark(row: u32, column: u32) {
     if is_flat(samples.far_before, samples.here, samples.far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, busy.dark); }
 }
 
-// So many columns from another; outside the picture one that was asked nothing.
+// Returns the sample `offset` columns away. Outside the picture it is one without known bits.
 fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
     let place = i32(column) + offset;
     let inside = (place >= 0) & (place < i32(frame.image_size.x));
@@ -93,13 +95,14 @@ fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
     return SourceSample(sample.depth, sample.other, select(MISS, sample.component, inside), select(0u, sample.bits, inside));
 }
 
-// The lights of which two samples of a component saw different things.
+// Returns the lights whose bits differ between two samples of one component.
 fn unlike(a: SourceSample, b: SourceSample) -> u32 {
     let asked = (a.bits & b.bits) >> 16u;
     return select(0u, asked & (a.bits ^ b.bits), a.component == b.component);
 }
 
-// Whether three samples, so many pixels from one to the next, show a flat surface: reciprocals of depth lie on a line there.
+// Returns whether three samples, `apart` pixels from one to the next, show a flat surface. The reciprocals of its
+// depths lie on a line.
 fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
     let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
     return a.component == b.component && c.component == b.component && off < FLAT * apart * length(frame.step_x);
@@ -118,8 +121,8 @@ fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
     }
 }
 
-// A bit from 16 on for each share of half and less between samples that see all of a source; or, of what is lit, of half and more between samples that
-// see nothing of it.
+// Returns a bit, from 16 on, for each busy share. Without `lit` a share of at most half is busy between samples that
+// see all of the source. With `lit` a share of at least half is busy between samples that see nothing of it.
 fn busy_shares(s: Samples, lit: bool) -> u32 {
     let beside = select(ALL_OPEN, 0u, lit);
     var busy = 0u;
@@ -140,7 +143,7 @@ fn share_in(sample: SourceSample, slot: u32) -> u32 {
     return (sample.other >> (SHARE_BITS * slot)) & UNASKED;
 }
 
-// Whether a sample is of another one's component and has such a share.
+// Returns whether a sample has the same component as another one, and this share.
 fn is_share(here: SourceSample, sample: SourceSample, slot: u32, share: u32) -> bool {
     return sample.component == here.component && share_in(sample, slot) == share;
 }

@@ -1,5 +1,5 @@
-// Verification `edges` (thesis, 6.2): pixels of the target whose sample lies at an edge of the source's view are marked BAD, for
-// resolve_right to list; all others are trusted.
+// Verification `edges` (thesis, 6.2): marks target pixels as BAD if their sample lies at an edge in the source view.
+// resolve_right lists them; all others are trusted.
 //
 // launch  one thread per pixel of the target in the rows at work
 // reads   source  [height * width]
@@ -10,7 +10,7 @@
 @group(1) @binding(1) var<storage, read> source: array<Pixel>;
 @group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
 
-// Neighbours farther apart in parallax are no one surface, pixels.
+// Neighbours whose parallax differs by more pixels than this lie on different surfaces.
 const EDGE_PX: f32 = 1.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
@@ -27,7 +27,7 @@ fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// Beyond the picture's edge nothing differs.
+// Nothing differs beyond the picture's edge.
 fn differs(hit: Pixel, at: vec2i) -> bool {
     if any(at < vec2i(0)) || any(at >= vec2i(frame.image_size)) { return false; }
     let other = source[pixel_index(vec2u(at))];

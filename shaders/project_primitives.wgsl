@@ -1,5 +1,7 @@
-// T-buffer, first part: the primitives that may cover the middle of a pixel of the rows at work (of a shadow-buffer that is marked, any part of a texel) are listed (shared/t_buffer.wgsl): those that cover few pixels,
-// those that cover a few tiles, and the others in parts. So the vectors of a software adapter that draw them are full, and both passes draw what was projected once.
+// T-buffer, first part: lists primitives that may cover the middle of a pixel of the rows at work
+// (shared/t_buffer.wgsl). For the marks of a shadow-buffer they may cover any part of a texel. There are three lists:
+// primitives that cover few pixels, those that cover a few tiles, and larger ones in parts. So the vectors of a
+// software adapter are full when they draw, and both passes draw from one projection.
 //
 // launch  one thread per primitive of the tree
 // adds    counters   [height * COUNTERS]
@@ -9,12 +11,13 @@
 @group(1) @binding(1) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(2) var<storage, read_write> drawing: Drawing;
 
-// Pixels over which all is drawn, and tiles that a thread draws over alone, the others of a vector waiting for it.
+// Most pixels of a primitive in the first list. Most tiles that a thread draws alone, while the rest of its vector
+// waits.
 const FEW_PIXELS: u32 = 32u;
 const MORE_TILES: u32 = 8u;
-// Tiles of a part, of which each thread of a group has an eighth.
+// Tiles of a part. Each thread of a group draws an eighth of them.
 const PART_TILES: u32 = 64u;
-// Parts at most, so that as many of each primitive can be counted.
+// Most parts of a primitive, so that the parts of all primitives can be counted.
 const MOST_PARTS: u32 = 64u;
 
 @compute @workgroup_size(LIST_WORKGROUP)
@@ -39,7 +42,8 @@ fn project_primitives(@builtin(global_invocation_id) id: vec3u) {
     count_view(counted_row(), 0u, 1u, 0u);
 }
 
-// Lists a primitive that covers so many tiles in parts, or as one where there is no room for more: no thread draws a whole ground.
+// Lists a primitive that covers this many tiles in parts, or whole if there is no room. So no thread draws a whole
+// ground.
 fn list_parts(slot: u32, tiles: u32) {
     var parts = clamp((tiles + PART_TILES - 1u) / PART_TILES, 1u, MOST_PARTS);
     if parts > 1u && atomicAdd(&drawing.further_parts, parts - 1u) + (parts - 1u) > FURTHER_PARTS { parts = 1u; }

@@ -1,8 +1,9 @@
-// What stands in a light's shadow-buffer once all primitives are drawn: the nearest of them and of the planes, which are not drawn
-// (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer after all primitives are drawn: keeps the nearest of them and of the planes, which
+// are not drawn (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per block of texels (a texel, or 2x2) of the rows at work
-// updates t_buffer  [rows at work][image_size.x][2]    from the nearest t's complement and a slot + 1 to t and the slot; MISS: nothing hit; UNFILLED: not known
+// updates t_buffer  [rows at work][image_size.x][2]    from the nearest t's complement and a slot + 1 to t and the
+// slot; MISS: nothing hit; UNFILLED: not known
 // adds    counters  [COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;

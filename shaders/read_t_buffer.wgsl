@@ -1,6 +1,6 @@
-// What each pixel of a view hits, as trace_hits leaves it, from a T-buffer and from the planes, which no box holds and which are not drawn: their
-// projections have no end, and each ray asks them here, as closest_hit does before it goes through the tree. A pixel that has a t and no
-// primitive is listed to be traced: two kernels of one text may round apart on some adapter.
+// Writes what each pixel of a view hits, as trace_hits does, from a T-buffer and the planes. Planes are not drawn,
+// since their projections are unbounded. Each ray tests them here, as closest_hit does before traversal. A pixel with a
+// t but no primitive is listed to be traced: on some adapters two kernels of one text may round differently.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // reads   t_buffer  [height * width * 2]
@@ -28,7 +28,7 @@ fn read_t_buffer(@builtin(global_invocation_id) id: vec3u) {
             let place = 2u * pixel_index(pixel_of_ray(pixels, ray));
             let key = t_buffer[place];
             let t = bitcast<f32>(~key);
-            // Of equal t what stands in the tree wins, whose ids are smaller than planes'.
+            // At equal t the primitive of the tree wins: its id is smaller than any plane's.
             if key != 0u && t <= of_ray(nearest.t, ray) {
                 let named = t_buffer[place + 1u];
                 nearest.t = with_ray(nearest.t, ray, select(t, 0.0, named == 0u));

@@ -1,10 +1,12 @@
-// What stands in a light's shadow-buffer of the hybrid rule once all primitives are drawn: the plane of the nearest of them and of the planes, which are not
-// drawn, marked where another plane may stand before it (docs/SHADOW-BUFFER.md).
+// Finishes a light's shadow-buffer of the hybrid rule after all primitives are drawn. Keeps the plane of the nearest of
+// them and of the infinite planes, which are not drawn. The slot is marked where another primitive may stand before
+// that plane (docs/SHADOW-BUFFER.md).
 //
 // launch  one thread per texel of the rows at work
 // reads   t_buffer  [rows at work][image_size.x][2]    the nearest t's complement and a slot + 1
-// writes  texels    [rows at work][image_size.x]       q of the points x from the light on the plane, q.x = 1; the slot, or SOMETHING_BEFORE and the slot; MISS: nothing
-//                                                      hit; UNFILLED: not known
+// writes  texels    [rows at work][image_size.x]       xyz: q of the points x from the light on the plane, q.x = 1;
+//                                                      w: the slot, SOMETHING_BEFORE and the slot, MISS: nothing hit,
+//                                                      or UNFILLED: not known
 // adds    counters  [COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;

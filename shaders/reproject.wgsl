@@ -1,10 +1,10 @@
-// Pass 2 of 3: carry each hit of the source to the target's pixel that sees the same point.
+// Pass 2 of 3: moves each source hit to the target pixel that sees the same point.
 //
 // launch  one thread per pixel of the source
 // reads   source  [height * width]
 // writes  view    [height * width]  marks: key of the sample, or EMPTY; cleared by the host
 
-// A Pixel whose marks many threads write.
+// A Pixel whose marks are written by several threads.
 struct ContestedPixel {
     depth: f32,
     slot: u32,
@@ -22,7 +22,7 @@ fn reproject(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
-    // Among the samples that land on one column, the one that comes last in the sweep is the nearest surface (DESIGN, section 2;
-    // thesis, 3.1.2.2): its key is the depth key, and max commutes, so the order of the threads does not matter.
+    // Among samples that land in one column, the last one in the sweep is the nearest (DESIGN, section 2; thesis,
+    // 3.1.2.2). So its key is the depth key. Maximum commutes, so the order of threads does not matter.
     atomicMax(&view[pixel_index(vec2u(u32(column), pixel.y))].marks, key_of(pixel.x));
 }

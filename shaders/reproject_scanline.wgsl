@@ -1,6 +1,6 @@
-// Pass 2 of 3 of `EsIsler`: each row from its far side to its near one as Adelson & Hodges 1993 do it, a thread a row (DESIGN, section 4):
-// to a target on the right, from left to right. A later sample overwrites: it is nearer. The columns that a gap opens between two
-// neighbours nobody saw: they are cleared.
+// Pass 2 of 3 of `EsIsler`: one thread sweeps each row from its far side to its near one, as in Adelson & Hodges 1993
+// (DESIGN, section 4). For a target on the right it goes from left to right. A later sample is nearer and overwrites.
+// Columns in a gap between two neighbours were not seen and are cleared.
 //
 // launch  one thread per row of the rows at work
 // reads   source  [height * width]
@@ -16,9 +16,10 @@ fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= WORKGROUP || row >= frame.row_end { return; }
     let first = i32(row * frame.image_size.x);
     let end = first + i32(frame.image_size.x);
-    // The pixel that the sample before landed on.
+    // The pixel where the previous sample landed.
     var before = landed_on(0u, first);
-    // Pixel indices, not columns: a loop whose end is a uniform is compiled anew for each width by Mesa's software driver.
+    // Loops over pixel indices, not columns: Mesa's software driver compiles a loop whose end is a uniform anew for
+    // each width.
     for (var at = first; at < end; at += 1) {
         let column = in_sweep(u32(at - first));
         let here = landed_on(column, first);
@@ -35,7 +36,7 @@ fn landed_on(column: u32, first: i32) -> i32 {
     return first + landing(column, source[first + i32(column)].depth);
 }
 
-// Of the pixels [first, end), those after one and before another, in the order of the sweep.
+// Clears those pixels of [first, end) that lie between two others, in the order of the sweep.
 fn clear_between(after: i32, before: i32, first: i32, end: i32) {
     let low = select(after, before, is_mirrored());
     let high = select(before, after, is_mirrored());

@@ -1,5 +1,6 @@
-// Pass 2 of 3 of `Buffer`, first half: store each sample's key at the target's pixel it lands on, in slot i mod depth of
-// the 3D buffer (thesis, 3.1.2.1). Slots are written by atomicMax, so that a collision has one outcome: the nearest.
+// Pass 2 of 3 of `Buffer`, first half: stores each sample's key in slot i mod depth of the 3D buffer, at the target
+// pixel where it lands (thesis, 3.1.2.1). Slots are written by atomicMax, so that a collision always keeps the nearest
+// sample.
 //
 // launch  one thread per pixel of the source in a band of rows
 // reads   source    [height * width]

@@ -1,10 +1,11 @@
-// Pass 3 of 3, first half: check what was reprojected; list what is bad or missing, which trace_listed.wgsl then traces. A list
-// keeps the few traced pixels of neighbouring threads together: traced here, they would hold up whole subgroups of reused
-// ones. Of a good pixel nothing is copied yet: take_over.wgsl follows its key.
+// Pass 3 of 3, first half: checks reprojected pixels and lists those that are bad or missing, for trace_listed.wgsl.
+// The list keeps the few traced pixels of neighbouring threads together. Traced here, they would delay whole subgroups
+// of reused ones. Good pixels are copied later, by take_over.wgsl.
 //
 // launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
 // reads   source    [height * width]    a point's depth is the same for both eyes
-// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by mark_edges); of what is listed depth
+// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by
+// mark_edges); of what is listed depth
 // adds    counters  [height * COUNTERS]
 // appends lists
 
@@ -50,7 +51,7 @@ fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
             let index = pixel_index(pixel_of_ray(pixels, ray));
             let key = of_ray_u(keys, ray);
             view[index].marks = select(key | BAD, MISSED, key == EMPTY);
-            // Traced from the eye on.
+            // It is traced from the eye on.
             view[index].depth = 0.0;
             append(TO_TRACE, place, index);
             place += 1u;

@@ -1,6 +1,6 @@
-// Pass 3 of 3 of `bracket`, second part: the target's own rays against the primitives that search_tiles found for them, by the
-// function that traversal uses. A nearest hit within the bound is exact: all that is nearer was found too. (The bounds need not be
-// right: they set the cost only.) A list is left of pixels whose hit lies deeper or who have no bound.
+// Pass 3 of 3 of `bracket`, second part: intersects target rays with the primitives that search_tiles listed for them,
+// by the same function as traversal. A nearest hit within the bound is exact, since all nearer ones are listed too. A
+// wrong bound affects the cost only. Pixels without a bound, or whose hit lies deeper, are listed to be traced.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   lists        [tiles of the rows at work, TILE_WORDS] behind the lists
@@ -13,7 +13,7 @@
 @group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> lists: Lists;
 
-// What is not finished is traced from a little before the bound: rounding.
+// Unfinished pixels are traced from slightly before the bound, because of rounding.
 const BEFORE: f32 = 0.9999;
 
 @compute @workgroup_size(LIST_WORKGROUP)
@@ -26,7 +26,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     let tile = found_in_tile(first);
     let list = block_list(tile, block_of(first));
     let listed = lists.entries[list];
-    // What did not fit its list is traced: without a bound.
+    // Pixels whose list overflowed are traced, as without a bound.
     let fits = listed <= LIST_MOST;
     let bound = select(0.0, bitcast<f32>(lists.entries[tile]), fits);
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
@@ -58,7 +58,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(first.y, 0u, nodes_visited, primitives_tested);
 }
 
-// The nearest hits among planes and so many listed primitives.
+// Returns the nearest hits among the planes and `count` listed primitives.
 fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
     let scales = scales_of(rays);
     let bits = U(1u) << (FIRST_PIXEL_BIT + (pixels.x & U(1u)) + 2u * (pixels.y & U(1u)));
@@ -70,7 +70,7 @@ fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
             if place >= count { break; }
             let entry = lists.entries[first + place];
             var waiting = false;
-            // A block's four rays want nearly all of its list.
+            // The four rays of a block want nearly all of its list.
             if RAYS > 1u || any_ray((U(entry) & bits) != U(0u)) {
                 if COUNT { primitives_tested += 1u; }
                 let slot = entry & FIRST_SLOT;
@@ -90,7 +90,7 @@ fn nearest_listed(rays: Rays, first: u32, count: u32, pixels: Pixels) -> Hits {
         nearest = settled(nearest, rays, F(0.0), put_off, false);
         put_off = PutOff();
         if place >= count { break; }
-        // The test that is made again does not count.
+        // The repeated test is not counted.
         if COUNT { primitives_tested -= 1u; }
     }
     return nearest;

@@ -1,6 +1,6 @@
-// Pass 3 of 3 of `bracket`, first part: one query of the BVH for each tile of the target's pixels (docs/BRACKET.md). The tile's frustum is
-// searched as deep as the source's samples that land there; each of its blocks of 2x2 pixels gets a list of the primitives that may
-// cover a pixel's centre in it.
+// Pass 3 of 3 of `bracket`, first part: one query of the BVH for each tile of target pixels (docs/BRACKET.md). The
+// tile's frustum is searched as deep as the source samples that land there. Each of its blocks of 2x2 pixels gets a
+// list of the primitives that may cover a pixel's centre in it.
 //
 // launch  one thread per tile
 // reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
@@ -13,11 +13,11 @@
 @group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> lists: Lists;
 
-// A tile that asks for more boxes and primitives than this is given up and traced, which is cheaper then: so many triangles stand
-// in it that lists overflow anyhow. It also keeps a thread's rounds far below those that a software adapter ends loops after.
+// A tile that tests more boxes and primitives than this is given up and traced, which is cheaper then: its lists would
+// overflow anyhow. This also keeps a thread far below the rounds after which a software adapter ends loops.
 const MOST_STEPS: u32 = 1024u;
 
-// Boxes and primitives looked at.
+// Boxes and primitives tested.
 var<private> steps: u32;
 
 // Primitives listed so far.
@@ -61,13 +61,13 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     let covered = covered_pixels(primitive, projection, tile);
     let blocks = covered_blocks(covered) & blocks_within_edges(primitive, tile);
     let sides = vec4u(covered) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
-    // Written whether kept or not: what stands past the end does not count.
+    // Written whether kept or not: entries behind the end do not count.
     covering[kept] = Covering(slot, blocks | (sides.x | sides.y) | (sides.z | sides.w));
     kept += select(0u, 1u, blocks != 0u);
 }
 
-// Lists what was kept, one block of one primitive a round: the threads of a subgroup, whose primitives cover few blocks or many, then
-// wait for each other least.
+// Lists the kept primitives, one block of one primitive per round. So threads of a subgroup wait least for each other,
+// whether their primitives cover few blocks or many.
 fn list_kept(found: u32) {
     var index = 0u;
     var next = covering[0];

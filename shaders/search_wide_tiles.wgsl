@@ -1,5 +1,6 @@
-// The same as search_tiles.wgsl where a pixel has several samples: one query for 16x16 of them, four tiles, since neighbouring samples
-// mostly see the same primitives. Each is projected once; what may cover a sample of a tile is then narrowed to that tile's blocks.
+// Like search_tiles.wgsl, for several samples a pixel: one query for 16x16 samples, which are four tiles. Neighbouring
+// samples mostly see the same primitives. Each primitive is projected once and then narrowed to the blocks of each tile
+// that it may cover.
 //
 // launch  one thread per four tiles
 // reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
@@ -14,19 +15,20 @@
 
 const QUADRANTS: u32 = 4u;
 
-// Four tiles that ask for more than this together are given up. What is listed counts as an eighth: it takes a round a block.
+// Four tiles that take more steps than this together are given up. A listed block counts as an eighth of a step, since
+// it takes a round.
 const MOST_STEPS: u32 = 4096u;
 
-// Boxes and primitives looked at.
+// Boxes and primitives tested.
 var<private> steps: u32;
 
-// Primitives listed so far, in the blocks of one tile after the other.
+// Primitives listed so far, for the blocks of each tile in turn.
 var<private> listed: array<u32, TILE_BLOCKS * QUADRANTS>;
 
-// What may cover a sample of a tile, which one stands above its slot; the blocks are told later.
+// Primitives that may cover a sample of a tile, with the tile's number above the slot. Their blocks are found later.
 var<private> covering: array<Covering, KEPT + QUADRANTS>;
 
-var<private> searched: vec2u;   // the corner of the first tile, in the picture
+var<private> searched: vec2u;   // corner of the first tile, in the picture
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
@@ -49,17 +51,17 @@ fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
     count_view(corner.y, 0u, nodes_visited, primitives_tested);
 }
 
-// From the first tile's corner to another's.
+// Returns the offset of a tile's corner from that of the first.
 fn corner_of(quadrant: u32) -> vec2u {
     return vec2u(quadrant & 1u, quadrant >> 1u) * TILE;
 }
 
-// Where what is found in a tile begins, of where it does in the first one.
+// Returns where a tile's results begin, given where those of the first tile do.
 fn found_in_quadrant(first: u32, quadrant: u32) -> u32 {
     return first + ((quadrant & 1u) + (quadrant >> 1u) * tiles_across()) * TILE_WORDS;
 }
 
-// All four are searched as deep as the deepest of them.
+// Returns the largest of the four bounds. All four tiles are searched to it.
 fn deepest_bound(corner: vec2u) -> f32 {
     var deepest = 0.0;
     var quadrant = 0u;
@@ -72,7 +74,7 @@ fn deepest_bound(corner: vec2u) -> f32 {
     return min(deepest * BETWEEN, FAR);
 }
 
-// Ends a tile's lists, and puts it into one of the tiles' lists.
+// Finishes a tile's lists and appends the tile to TO_RESOLVE or SKY.
 fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
     var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.first_row), vec2u(TILE)));
     lists.entries[found] = bitcast<u32>(bound);
@@ -90,8 +92,8 @@ fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool)
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
 }
 
-// First and last column and row of the samples, from the corner, that a projection with these bounds may cover; none if a first is past its
-// last. Samples are jittered along their rows only.
+// Returns the first and last column and row of samples, from the corner, that a projection with these bounds may cover.
+// If a first exceeds its last, there is none. Samples are jittered along their rows only.
 fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
     let margin = vec2f(frame.wider, frame.wider - jitter_reach());
     let corner = vec2f(tile.corner) + 0.5;
@@ -101,7 +103,7 @@ fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
     return vec4i(vec2i(first), vec2i(last));
 }
 
-// Keeps a primitive once for each tile that it may cover a sample of.
+// Keeps a primitive once for each tile in which it may cover a sample.
 fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     if COUNT { primitives_tested += 1u; }
     let covered = covered_samples(projected_bounds(primitive_at(slot), projection), tile);
@@ -111,7 +113,7 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
         let first = max(covered.xy - begin, vec2i(0));
         let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
         let sides = vec4u(vec4i(first, last)) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
-        // Written whether kept or not: what stands past the end does not count.
+        // Written whether kept or not: entries behind the end do not count.
         covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
         kept += select(0u, 1u, all(first <= last));
         quadrant += 1u;
@@ -119,7 +121,8 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
     }
 }
 
-// Leaves of what was kept what may cover a block, and says which. (What was looked at has been counted.)
+// Reduces the kept primitives to those that may cover a block, and stores these blocks. (The tests themselves have been
+// counted.)
 fn narrow_kept() {
     var narrowed = 0u;
     var index = 0u;
@@ -138,7 +141,7 @@ fn narrow_kept() {
     kept = narrowed;
 }
 
-// Lists what was kept, one block of one primitive a round, as search_tiles.wgsl does.
+// Lists the kept primitives, one block of one primitive per round, as search_tiles.wgsl does.
 fn list_kept(found: u32) {
     narrow_kept();
     var index = 0u;

@@ -1,4 +1,4 @@
-// Pass 1 of 3 where light is soft, last part: shade a view from its hits, and keep what each pixel saw.
+// Pass 1 of 3 with soft light, last part: shades a view from its hits and writes its pixels.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // updates view            [height * width]

@@ -1,5 +1,5 @@
-// Pass 3 of 3, last part but what is taken over: shade pixels of the target from their hits, with shadow rays. Of `bracket` these are the
-// pixels for which some light's bit is not known; of the thesis's methods all that trace_listed traced.
+// Pass 3 of 3, last part except take_over: shades listed target pixels from their hits, with shadow rays. For `bracket`
+// these are the pixels with an unknown visibility bit; for the thesis's methods, all that trace_listed traced.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists        TO_SHADE

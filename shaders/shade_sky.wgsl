@@ -1,4 +1,5 @@
-// Pass 3 of 3 of `bracket`: the tiles in which nothing was found, apart from the others, which cost far more a pixel.
+// Pass 3 of 3 of `bracket`: shades tiles without any primitive. They are kept apart from the others, which cost far
+// more.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // reads   lists        SKY

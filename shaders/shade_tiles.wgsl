@@ -1,5 +1,5 @@
-// Pass 3 of 3 of `bracket`, fourth part: shade the target's pixels from the hits that resolve_tiles and trace_bounded left, with the
-// source's shadow bits, and list those for which some light's bit is not known.
+// Pass 3 of 3 of `bracket`, fourth part: shades target pixels from the hits of resolve_tiles and trace_bounded, with
+// the source's visibility bits. Lists the pixels for which some light's bit is unknown.
 //
 // launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
 // updates view         [height * width]      color; ASKED is added to the marks

@@ -1,4 +1,4 @@
-// A view's picture in a texture that stays on the device, and whether it is whole.
+// Writes a view's picture to a texture on the device, and counts threads that did not finish.
 //
 // launch  one thread per pixel of the rows at work
 // reads   view        [rows * width]

@@ -1,4 +1,4 @@
-// A view's depth in a texture that stays on the device.
+// Writes a view's depth to a texture on the device.
 //
 // launch  one thread per pixel of the rows at work
 // reads   view     [rows * width]

@@ -1,5 +1,5 @@
-// Pass 3 of 3 of the thesis's methods, at last: reused pixels take over from the source's pixel that their key names. (After the
-// checks: what was found bad has been traced by then, and is not copied first.)
+// Pass 3 of 3 of the thesis's methods, last part: each reused pixel copies the source pixel that its key names. It runs
+// after the checks, so that bad pixels, which have been traced by then, are not copied first.
 //
 // launch  one thread per pixel of the target in the rows at work
 // reads   source  [height * width]

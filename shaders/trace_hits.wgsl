@@ -1,4 +1,4 @@
-// Pass 1 of 3 where light is soft, first part: what each pixel of a view hits. trace_soft and shade_hits do the rest.
+// Pass 1 of 3 with soft light, first part: finds what each pixel of a view hits. trace_soft and shade_hits do the rest.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  view      [height * width]      all but color

@@ -1,15 +1,15 @@
-// Trace and shade one view as trace_left.wgsl does, in as many dispatches as it takes (shared/in_steps.wgsl).
+// Traces and shades one view like trace_left.wgsl, in as many dispatches as it takes (shared/in_steps.wgsl).
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work, until all have finished
 // updates steps     a lane per thread of the launch
 // writes  view      [height * width]
-// adds    counters  [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters  [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
 @group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
 
-// The lane of a thread: threads of a launch row by row, in whole workgroups.
+// Returns a thread's lane. Lanes follow the launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {
     let workgroups = (frame.image_size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
     return launched_row(id) * workgroups * WORKGROUP + id.x;

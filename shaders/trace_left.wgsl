@@ -1,9 +1,9 @@
-// Pass 1 of 3: trace and shade one view, and keep what each pixel hit. `Naive` runs it for every view.
+// Pass 1 of 3: traces and shades one view, and stores what each pixel hit. `Naive` runs it for every view.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // writes  view                            [height * width]
 // writes  source_samples                  texture, by bracket
-// adds    counters                        [height * COUNTERS], and a map of costs behind them, if one is asked for
+// adds    counters                        [height * COUNTERS], and the cost map behind them, if requested
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> view: array<Pixel>;

@@ -1,9 +1,9 @@
-// Pass 3 of 3, behind resolve_right or resolve_tiles: trace the target's pixels that these listed, from the depth on up to which nothing is.
-// shade_listed or shade_tiles shades what is hit.
+// Pass 3 of 3, after resolve_right or resolve_tiles: traces the target pixels that these listed. Each ray begins at the
+// depth up to which space is known to be empty. shade_listed or shade_tiles shades the hits.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists        TO_TRACE
-// updates view         [height * width]      depth, up to which nothing is before; slot
+// updates view         [height * width]      depth, read as the depth up to which space is empty; slot
 // adds    counters     [height * COUNTERS]
 
 @group(1) @binding(0) var<uniform> frame: Frame;

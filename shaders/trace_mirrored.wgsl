@@ -1,5 +1,5 @@
-// Pixels that show mirrors, glass or veils: shaded from their first hits, which stand in the view, and from what is seen along the
-// rays that these send on. Each eye's rays are its own.
+// Shades pixels that show mirrors, glass or veils, from their first hits in the view and from the rays that these send
+// on. These rays belong to each eye and are not reused.
 //
 // launch  one thread per entry of the list, dispatched indirectly
 // reads   lists      TO_TRACE
@@ -11,21 +11,22 @@
 @group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
 @group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
 
-// A ray that a surface sent on and that has yet to be traced.
+// A reflected or refracted ray that waits to be traced.
 struct Pending {
     origin: vec3f,
     direction: vec3f,
-    weight: vec3f,      // by which what it sees is multiplied
-    travelled: f32,     // depth of the first hit, and the way from there on
-    depth: u32,         // surfaces that it comes from
+    weight: vec3f,      // multiplies what the ray sees
+    travelled: f32,     // depth of the first hit, plus the path length from there
+    depth: u32,         // surfaces met so far
 }
 
-// A ray sends two on at most, of which one is followed at once: so no more wait than surfaces are met one behind the other, and one.
+// A ray sends on at most two, and one of them is followed at once. So at most one more ray waits than surfaces are met
+// in a row.
 const MOST_PENDING: u32 = 9u;
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> waiting: u32;
 
-// What is fainter than this changes no 8-bit picture.
+// Rays of a smaller weight change no 8-bit picture.
 const FAINT: f32 = 1.0 / 4096.0;
 
 fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
@@ -34,7 +35,7 @@ fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u
     waiting += 1u;
 }
 
-// Sends on what a surface reflects and lets through.
+// Sends on the rays that a surface reflects and transmits.
 fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Surfaces) {
     let direction = normalize(ray.direction);
     let behind = offset_from(surfaces, ray.origin, -1.0);
@@ -45,7 +46,7 @@ fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Sur
     let cosine = clamp(-dot(normal, direction), 0.0, 1.0);
     let mirrored = direction + normal * (2.0 * cosine);
     if finish.kind == GLASS {
-        // Snell's law, with the index of the side that the ray comes from over that of the other one.
+        // Snell's law: eta is the index on the ray's side over the index on the other side.
         let eta = select(finish.index, 1.0 / finish.index, surface.from_outside);
         let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
         let inner = sqrt(max(squared, 0.0));
@@ -64,7 +65,7 @@ fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Sur
         }
         send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
     } else if finish.kind == MIRROR {
-        // Schlick's approximation, from the share that is reflected straight on.
+        // Schlick's approximation, from the reflectance at normal incidence.
         let grazing = pow(1.0 - cosine, 5.0);
         let reflected = select(finish.reflected, mix(finish.reflected, vec3f(1.0), grazing), finish.fresnel);
         send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
@@ -72,20 +73,21 @@ fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Sur
 }
 
 fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
-    // Where a smooth normal would send it below the surface, along it.
+    // If a smooth normal would reflect the ray below the surface, it is sent along the surface.
     let geometric = of_ray3(surfaces.geometric_normal, 0u);
     let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
     send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
 }
 
-// Share of unpolarised light that glass reflects: Fresnel's equations for the cosines on both sides.
+// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
 fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
     let across = (eta * cosine - inner) / (eta * cosine + inner);
     let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
     return 0.5 * (across * across + along_plane * along_plane);
 }
 
-// Where a ray begins that leaves a hit point: off the surface, on the side it goes to, by what shadow rays end before it.
+// Returns the origin of a ray that leaves a hit point. It is moved off the surface, to the side that the ray goes to,
+// by the distance that shadow rays keep from it.
 fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
     let point = of_ray3(surfaces.point, 0u);
     let offset = off_surface(point, origin, of_ray(surfaces.reach, 0u));
@@ -98,10 +100,11 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     if !any_ray(listed.wanted) { return; }
     let first = pixel_of_ray(listed.pixels, 0u);
     let primary = pixel_directions(frame.target_corner, listed.pixels);
-    // The first ray's direction is as long as depths want it, all others are unit.
+    // The first ray's direction is scaled so that t is depth; all others are unit vectors.
     var ray = Pending(frame.target_eye, of_ray3(primary, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
-    // What another view's sample hit is met anew by this pixel's own ray, where it is: else what is sent on would begin beside it.
+    // A hit reused from another view's sample is intersected anew by this pixel's own ray, if it hits. Else rays would
+    // begin beside the pixel.
     let own = Rays(ray.origin, primary);
     if COUNT { primitives_tested += 1u; }
     let met = met_at(hits.slot, own);

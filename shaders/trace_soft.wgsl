@@ -1,4 +1,4 @@
-// Rays from what each pixel of a view hit to places on one light that has a size, or into the surroundings.
+// Traces rays from each pixel's hit to points on one extended light, or into the surroundings.
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // reads   view      [height * width]

@@ -1,4 +1,5 @@
-// The same of listed pixels of the target, but for what is known of the source's samples.
+// Like trace_soft.wgsl, for listed pixels of the target. Sources whose share is known from the source's samples are
+// skipped.
 //
 // launch  one thread per entry of the list, or per four, dispatched indirectly
 // reads   lists     TO_SHADE

@@ -1,26 +1,29 @@
-//! Which way to the right view costs less: what `Method::Auto` asks once a band of the left view is there (shaders/choose.wgsl).
+//! The cost model of `Method::Auto`: it chooses between `bracket` and `naive` once a band of the left view is traced
+//! (shaders/choose.wgsl).
 
 use std::fmt;
 
 use crate::{Gpu, Method, Pose, wgpu};
 
-/// What [`Method::Auto`] chose, and why.
+/// The choice of [`Method::Auto`] and its reasons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Choice {
-    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. It is chosen for each band of rows.
+    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. Each band of rows has its
+    /// own choice.
     pub method: Method,
-    /// The share that was made by bracket, 0 to 1.
+    /// Share of the right view's rows that `bracket` made, 0 to 1.
     pub by_bracket: f32,
     /// Share of right pixels in gaps that no left sample saw, 0 to 1.
     pub gaps: f32,
-    /// Shadow rays a pixel of the left view.
+    /// Shadow rays per pixel of the left view.
     pub shadow_rays: f32,
-    /// Rays a pixel of it that mirrors, glass and veils sent on. The right view's own cost as much by either way.
+    /// Secondary rays per pixel of the left view, by mirrors, glass and transparent surfaces. The right view traces as
+    /// many with either method.
     pub secondary_rays: f32,
-    /// What the right view was predicted to cost by bracket, in primary rays a pixel.
+    /// Predicted cost of the right view by `bracket`, in primary rays per pixel.
     pub bracket: f32,
-    /// The same by naive.
+    /// Predicted cost of the right view by `naive`, in primary rays per pixel.
     pub naive: f32,
 }
 
@@ -40,50 +43,54 @@ impl fmt::Display for Choice {
     }
 }
 
-/// What passes cost on an adapter, in primary rays of whole pictures, and how much of what is asked of lights a view must ask anew.
+/// Cost of the passes on an adapter, in primary rays of whole pictures, and the share of shadow rays that can't be
+/// reused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CostModel {
-    /// A pixel's share of bounding, searching and resolving tiles.
+    /// Bounding, searching and resolving tiles, per pixel.
     pub(crate) search: f32,
-    /// A shadow ray among a whole picture's.
+    /// A shadow ray of a whole picture.
     pub(crate) shadow: f32,
-    /// A ray of a list, relative to that.
+    /// A shadow ray of a pixel list, relative to [`Self::shadow`].
     pub(crate) listed: f32,
-    /// Those that are asked anew though their points are in no gap, as they cost, relative to all: the mean of `listed` times a share.
+    /// Cost of the shadow rays traced outside gaps because left samples disagree, relative to all shadow rays: the mean
+    /// of `listed` times their share.
     pub(crate) disagreed: f32,
 }
 
-/// What a frame asks.
+/// The light queries of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Asked {
-    /// Shadow rays a point to lights that are points.
+    /// Shadow rays per point to point lights.
     pub(crate) points: u32,
-    /// To the others, and into the surroundings.
+    /// Rays per point to extended lights and to the surroundings.
     pub(crate) soft: u32,
-    /// Whether shares of these are taken over, besides bits.
+    /// Whether shares of soft light are reused, besides bits.
     pub(crate) shares: bool,
 }
 
-/// What a left view's rays were, and what of the right view no left sample saw.
+/// Ray counts of a left view, and the right pixels that no left sample saw.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Seen {
     pub(crate) shadow_rays: u64,
-    /// Of these the ones that began where mirrors and glass sent rays to: each eye traces its own.
+    /// Shadow rays that began on surfaces seen in mirrors and glass; each eye traces its own.
     pub(crate) own_shadow_rays: u64,
     pub(crate) secondary_rays: u64,
     pub(crate) gap_pixels: u64,
 }
 
 impl CostModel {
-    /// Share of points' shadow bits, away from gaps, that left samples don't agree in: 2 to 8% on meshes and halls.
+    /// Share of the shadow bits outside gaps in which left samples disagree: 2 to 8% on meshes and halls.
     const DISAGREED: f32 = 0.05;
-    /// The same of rays to lights that are not points, where shares are taken over and where they are not: from the counts of studies/notes/bracket.md.
+    /// [`Self::DISAGREED`] for soft light rays, without and with reuse of shares, from the counts of
+    /// studies/notes/bracket.md.
     const DISAGREED_SOFT: [f32; 2] = [0.74, 0.1];
-    /// A ray of a list to such a light, which neighbours ask in the same order, relative to a whole picture's.
+    /// Cost of a soft light ray of a pixel list relative to one of a whole picture. Neighbours trace these rays in the
+    /// same order.
     const LISTED_SOFT: f32 = 1.5;
 
-    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md). GPU: from counted nodes and
-    /// primitive tests, not measured.
+    /// CPU: medians over spheres, hall, `sponza_4x`, dragon and `buddha_1m2` on llvmpipe (studies/notes/bracket.md).
+    /// GPU: from counted nodes and primitive tests, not measured.
     pub(crate) fn of(gpu: &Gpu, asked: Asked) -> Self {
         let is_cpu = gpu.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let (search, shadow, listed) = if is_cpu { (1.0, 0.9, 3.0) } else { (0.35, 0.8, 1.5) };
@@ -98,12 +105,12 @@ impl CostModel {
         }
     }
 
-    /// What of its shadow rays a view asks anew by bracket, as they cost, relative to all of a whole picture's.
+    /// Returns the cost of the shadow rays that `bracket` traces, relative to all shadow rays of a whole picture.
     fn asked_anew(self, gaps: f32) -> f32 {
         (self.listed * gaps + self.disagreed).min(self.listed)
     }
 
-    /// As many shadow rays a pixel must be spared for the search to pay (as shaders/choose.wgsl asks).
+    /// Returns the minimum number of shadow rays saved per pixel that makes the search pay (as in shaders/choose.wgsl).
     pub(crate) fn least_spared(self) -> f32 {
         (self.search - 1.0) / self.shadow
     }
@@ -114,7 +121,7 @@ impl CostModel {
             [seen.shadow_rays, seen.own_shadow_rays, seen.secondary_rays, seen.gap_pixels]
                 .map(|count| count as f32 / pixels);
         let gaps = gaps.min(1.0);
-        // By either way the eye's own.
+        // Each eye traces these rays itself, with either method.
         let sent = self.listed * (secondary_rays + self.shadow * own);
         let shadows = self.shadow * (shadow_rays - own);
         let naive = 1.0 + shadows + sent;

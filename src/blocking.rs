@@ -1,5 +1,5 @@
-//! The blocking forms: each runs its async form to the end on the calling thread. They are the feature `blocking`, and not there on
-//! wasm32, where to block is to keep the browser from what is waited for.
+//! Blocking forms: each runs its async form to the end on the calling thread. The feature `blocking` enables them,
+//! except on wasm32, where blocking stops the browser from finishing the work.
 
 use std::ops::ControlFlow;
 
@@ -14,7 +14,7 @@ use crate::{
 };
 
 impl Gpu {
-    /// Opens a device, blocking: see [`Gpu::new_async`].
+    /// Opens a device and blocks: see [`Gpu::new_async`].
     ///
     /// # Errors
     /// As [`Gpu::open_async`].
@@ -22,7 +22,7 @@ impl Gpu {
         block_on(Self::new_async())
     }
 
-    /// Opens an adapter, blocking: see [`Gpu::open_async`].
+    /// Opens an adapter and blocks: see [`Gpu::open_async`].
     ///
     /// ```no_run
     /// use stereotrace::{Adapter, Gpu};
@@ -40,7 +40,7 @@ impl Gpu {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH, as one would for a few pictures, and uploads it, blocking.
+    /// Builds a scene's BVH with [`BvhBuild::Balanced`], which suits a few pictures, and uploads it. Blocks.
     ///
     /// # Errors
     /// As [`Renderer::upload_async`].
@@ -48,7 +48,7 @@ impl Renderer {
         self.upload_with(scene, BvhBuild::Balanced)
     }
 
-    /// Builds a scene's BVH with a given effort and uploads it, blocking.
+    /// Builds a scene's BVH with a given effort and uploads it. Blocks.
     ///
     /// # Errors
     /// As [`Renderer::upload_async`].
@@ -56,7 +56,7 @@ impl Renderer {
         block_on(self.upload_async(scene, build))
     }
 
-    /// Brings a scene that was uploaded to what it is now, blocking: see [`Renderer::update_async`].
+    /// Updates an uploaded scene to its current state and blocks: see [`Renderer::update_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Options, Renderer, Update, glam::{Affine3A, Vec3}};
@@ -78,7 +78,7 @@ impl Renderer {
         block_on(self.update_async(uploaded, scene, how))
     }
 
-    /// Renders a pair, blocking.
+    /// Renders a pair and blocks: see [`Renderer::render_async`].
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
@@ -91,7 +91,7 @@ impl Renderer {
         self.render_with(scene, camera, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Renders a pair, blocking, with a callback for progress.
+    /// Renders a pair with a progress callback and blocks: see [`Renderer::render_async`].
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
@@ -105,7 +105,7 @@ impl Renderer {
         block_on(self.render_async(scene, camera, options, progress))
     }
 
-    /// Runs the passes of a frame without reading the pictures back, blocking.
+    /// Runs the passes of a frame without reading the pictures back, and blocks.
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
@@ -118,7 +118,7 @@ impl Renderer {
         block_on(self.trace_async(scene, camera, options))
     }
 
-    /// Renders the views of a rig, blocking: see [`Renderer::render_views_async`].
+    /// Renders the views of a rig and blocks: see [`Renderer::render_views_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Options, Renderer, Rig, output::quilt};
@@ -137,7 +137,7 @@ impl Renderer {
         self.render_views_with(scene, rig, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Renders the views of a rig, blocking, with a callback for progress.
+    /// Renders the views of a rig with a progress callback and blocks.
     ///
     /// # Errors
     /// As [`Renderer::render_views_async`].
@@ -151,7 +151,8 @@ impl Renderer {
         block_on(self.render_views_async(scene, rig, options, progress))
     }
 
-    /// Renders the views of a rig and hands their rows on as they are done, blocking: see [`Renderer::render_rows_async`].
+    /// Renders the views of a rig, passes on their rows as they are done, and blocks: see
+    /// [`Renderer::render_rows_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Options, Renderer, Rig};
@@ -181,7 +182,7 @@ impl Renderer {
         block_on(self.render_rows_async(scene, rig, options, &mut |_| ControlFlow::Continue(()), on_rows))
     }
 
-    /// Adds the commands of a frame to an encoder, blocking: see [`Renderer::encode_async`].
+    /// Adds the commands of a frame to an encoder and blocks: see [`Renderer::encode_async`].
     ///
     /// # Errors
     /// As [`Renderer::encode_async`].
@@ -195,7 +196,7 @@ impl Renderer {
         block_on(self.encode_async(scene, rig, options, encoder))
     }
 
-    /// The same as a command buffer for each band of rows, blocking: see [`Renderer::encode_bands_async`].
+    /// Encodes a command buffer for each band of rows and blocks: see [`Renderer::encode_bands_async`].
     ///
     /// # Errors
     /// As [`Renderer::encode_async`].
@@ -208,7 +209,7 @@ impl Renderer {
         block_on(self.encode_bands_async(scene, rig, options))
     }
 
-    /// The nearest hit of each ray, blocking: see [`Renderer::closest_hits_async`].
+    /// Returns the nearest hit of each ray and blocks: see [`Renderer::closest_hits_async`].
     ///
     /// ```
     /// use stereotrace::{Gpu, Material, Ray, Renderer, Scene, Sphere, glam::Vec3};
@@ -230,7 +231,7 @@ impl Renderer {
         block_on(self.closest_hits_async(scene, rays))
     }
 
-    /// Whether each ray hits anything, blocking: see [`Renderer::any_hits_async`].
+    /// Returns whether each ray hits anything and blocks: see [`Renderer::any_hits_async`].
     ///
     /// # Errors
     /// As [`Renderer::closest_hits_async`].
@@ -238,7 +239,8 @@ impl Renderer {
         block_on(self.any_hits_async(scene, rays))
     }
 
-    /// Whether the other eye sees the very point that each pixel shows, blocking: see [`Renderer::occlusions_async`].
+    /// Returns whether the other eye sees the point that each pixel shows, and blocks: see
+    /// [`Renderer::occlusions_async`].
     ///
     /// # Errors
     /// As [`Renderer::occlusions_async`].
@@ -246,7 +248,7 @@ impl Renderer {
         block_on(self.occlusions_async(scene, pair))
     }
 
-    /// What stereo vision asks of ground truth, of both views of a pair, blocking: see [`Renderer::ground_truth_async`].
+    /// Computes the ground truth of both views of a pair and blocks: see [`Renderer::ground_truth_async`].
     ///
     /// ```
     /// use stereotrace::{Builtin, Gpu, Method, Options, Renderer, output::Batch};
@@ -278,7 +280,7 @@ impl Renderer {
 
 #[cfg(feature = "png")]
 impl FreePoses<'_> {
-    /// The camera of an item, blocking: see [`FreePoses::find_async`].
+    /// Finds the camera of an item and blocks: see [`FreePoses::find_async`].
     ///
     /// # Errors
     /// As [`FreePoses::find_async`].
@@ -287,7 +289,7 @@ impl FreePoses<'_> {
     }
 }
 
-/// Renders the views of a rig in one call, blocking: see [`render_views_async`].
+/// Opens a device, uploads the scene and renders the views of a rig, and blocks: see [`render_views_async`].
 ///
 /// # Errors
 /// As [`render_views_async`].
@@ -295,7 +297,7 @@ pub fn render_views(scene: &Scene, rig: &Rig) -> Result<Views, Error> {
     block_on(render_views_async(scene, rig))
 }
 
-/// Renders a stereo pair in one call, blocking: see [`render_stereo_async`].
+/// Opens a device, uploads the scene and renders a stereo pair, and blocks: see [`render_stereo_async`].
 ///
 /// # Errors
 /// As [`render_stereo_async`].

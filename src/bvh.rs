@@ -1,4 +1,4 @@
-//! The BVH: built by `obvhs` on the host and packed in the words that shaders/shared/bvh.wgsl reads.
+//! The BVH: built by `obvhs` on the host, and packed for shaders/shared/bvh.wgsl.
 
 mod flat;
 mod primitive;
@@ -15,37 +15,40 @@ use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 use self::primitive::{geometry, push_primitive};
 use crate::{Boxes, Error, Scene, cutouts::masks_of, layout, scene::components, tree};
 
-/// Four words: what one texture load or one storage-buffer load brings.
+/// Four words: the result of one texture or storage buffer load.
 pub(crate) type Texel = [u32; 4];
 
-/// How much time goes into the tree: docs/TRAVERSAL.md has what each costs and brings.
+/// Effort of building the BVH; docs/TRAVERSAL.md has costs and benefits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BvhBuild {
-    /// Quickly: for scenes that change with every picture.
+    /// Fast build: for scenes that change with every picture.
     Fast,
-    /// For a picture or a few.
+    /// For one picture or a few.
     #[default]
     Balanced,
-    /// The best tree there is: for a scene that many pictures are made of.
+    /// The best tree: for scenes rendered many times.
     Best,
-    /// No tree, but a list, as the classical ray tracer has it: a baseline to measure against, for at most [`BvhBuild::MAX_FLAT`] primitives. A
-    /// closest-hit ray is tested against every primitive, in the scene's order, exact copies too; a shadow ray until one is met. The
-    /// picture is that of a tree, bit for bit where f32 is not contracted. Besides, a ray visits a pair of boxes that hold everything for each
-    /// eight primitives; a single primitive is tested twice, and from over 1.2e8 units off the world's origin a ray that leads away from it
-    /// is tested against none.
+    /// A list instead of a tree, as in the classical ray tracer: a baseline for measurements, for at most
+    /// [`BvhBuild::MAX_FLAT`] primitives. A closest-hit ray tests every primitive in the scene's order, exact copies
+    /// included. A shadow ray stops at its first hit. The picture equals a tree's, bit for bit if f32 is not
+    /// contracted.
+    ///
+    /// A ray also visits a pair of all-enclosing boxes for every eight primitives. A single primitive is tested twice.
+    /// A ray from over 1.2e8 units off the world's origin that leads away from it tests none.
     Flat,
 }
 
 impl BvhBuild {
-    /// All that build a tree, from the quickest to the slowest.
+    /// All efforts that build a tree, from the fastest to the slowest.
     pub const ALL: &'static [Self] = &[Self::Fast, Self::Balanced, Self::Best];
 
-    /// The most primitives that [`BvhBuild::Flat`] takes. With five lights a ray and its shadow rays then still go through their lists in the
-    /// 65,535 rounds that Mesa's software driver grants a thread.
+    /// Maximum number of primitives of [`BvhBuild::Flat`]. A ray and its shadow rays to five lights then still finish
+    /// within the 65,535 loop rounds that Mesa's software driver grants a thread.
     pub const MAX_FLAT: usize = 8192;
 
-    /// obvhs's preset, where a tree is built. Leaves hold up to eight primitives, which is what a link can say.
+    /// Returns obvhs's preset, or `None` for a list. Leaves hold up to eight primitives, the maximum that a link can
+    /// encode.
     pub(crate) fn params(self) -> Option<BvhBuildParams> {
         let preset = match self {
             Self::Fast => BvhBuildParams::very_fast_build(),
@@ -57,49 +60,50 @@ impl BvhBuild {
     }
 }
 
-/// Set in the link of a leaf: the other bits are (count - 1) in bits 28 to 30 and the first slot.
+/// Flag of a leaf's link: bits 28 to 30 hold count - 1, the lower bits the first slot.
 pub(crate) const LEAF: u32 = 0x8000_0000;
 const MAX_LEAF: u32 = 8;
 const MAX_SLOTS: usize = (1 << 28) - 8;
-/// What 16 bits can name.
+/// Maximum that 16 bits can number.
 const MAX_MATERIALS: usize = 1 << 16;
-/// Steps of the grid that boxes are stored on.
+/// Steps per side of the grid that boxes are stored on.
 const GRID: f64 = 65535.0;
-/// A scene whose detail is smaller than this share of it gets boxes that are widened each by its own distance.
+/// If a scene's detail is smaller than this share of it, each box is widened by its own distance.
 const FINE_DETAIL: f32 = 1.0 / 65536.0;
 
-/// A scene's geometry, ready to upload.
+/// Packed geometry of a scene, ready to upload.
 pub(crate) struct PackedBvh {
     pub(crate) uniform: layout::Bvh,
     /// Pairs of child boxes, the root's first.
     pub(crate) nodes: Vec<Texel>,
-    /// Texels of a pair: two, or four with f32 boxes.
+    /// Texels per pair: two, or four with f32 boxes.
     pub(crate) pair_texels: usize,
-    /// Three texels a primitive in leaf order, behind the planes, which are in no leaf; four if the scene has vertex normals or ellipsoids.
+    /// Texels of the planes, which are in no leaf, then of the primitives in leaf order. A primitive has three texels,
+    /// a fourth if the scene has vertex normals or ellipsoids, and more with texture coordinates or colours.
     pub(crate) primitives: Vec<Texel>,
-    /// Masks of what is cut out, as `cutouts::masks_of` has them.
+    /// Cut-out masks made by `cutouts::masks_of`.
     pub(crate) masks: Vec<Texel>,
-    /// The scene's id of each primitive, in the same order.
+    /// Scene id of each primitive, in the same order.
     pub(crate) ids: Vec<u32>,
-    /// The connected component of each primitive by its id, as `scene::components` says.
+    /// Connected component of each primitive, by id, from `scene::components`.
     pub(crate) components: Arc<Vec<u32>>,
-    /// Boxes stand in world coordinates, see `shaders/shared/boxes.wgsl`.
+    /// Whether boxes are in world coordinates, see `shaders/shared/boxes.wgsl`.
     pub(crate) world_boxes: bool,
-    /// Words of stack that a traversal needs at most, rounded up to a multiple of 8.
+    /// Maximum stack words of a traversal, rounded up to a multiple of 8.
     pub(crate) stack_size: u32,
-    /// It is a list ([`BvhBuild::Flat`]), whose boxes hold everything.
+    /// Whether it is a list ([`BvhBuild::Flat`]), whose boxes enclose everything.
     pub(crate) flat: bool,
 }
 
 impl PackedBvh {
-    /// Of a scene of which nothing can be hit but planes.
+    /// Packs a scene in which only planes can be hit.
     fn without_tree(scene: &Scene, kind: Boxes, components: Arc<Vec<u32>>) -> Self {
         let pair_texels = 2 * child_texels(kind);
         let mut primitives = Vec::new();
         scene.plane_ids().for_each(|id| push_primitive(&mut primitives, scene, &components, id));
         Self {
             uniform: layout::Bvh::default(),
-            nodes: vec![[0; 4]; pair_texels], // which no kernel of such a scene reads
+            nodes: vec![[0; 4]; pair_texels], // no kernel of such a scene reads it
             pair_texels,
             primitives,
             masks: Vec::new(),
@@ -112,7 +116,7 @@ impl PackedBvh {
     }
 }
 
-/// The boxes of all primitives: of those that are not traced and of planes, empty.
+/// Returns the boxes of all primitives; empty ones for untraced primitives and for planes.
 fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
     let triangles = scene.triangles().iter().map(|triangle| {
         let [a, b, c] = triangle.corners;
@@ -122,14 +126,14 @@ fn boxes_of(scene: &Scene) -> impl Iterator<Item = Aabb> {
         }
     });
     let around = |center: Vec3, half: DVec3| {
-        // Rounded outwards: far from the origin a radius can be less than a step of f32.
+        // Rounded outwards: far from the origin a radius can be less than an f32 step.
         let low = (center.as_dvec3() - half).as_vec3().to_array().map(f32::next_down);
         let high = (center.as_dvec3() + half).as_vec3().to_array().map(f32::next_up);
         Aabb::new(Vec3::from_array(low).into(), Vec3::from_array(high).into())
     };
     let spheres = scene.spheres().iter().map(move |one| around(one.center, DVec3::splat(f64::from(one.radius))));
     let ellipsoids = scene.ellipsoids().iter().map(move |one| around(one.center, one.half_extent()));
-    // No box holds a plane: rays ask planes beside the tree (shaders/shared/planes.wgsl).
+    // Planes have no box: rays test them separately (shaders/shared/planes.wgsl).
     let planes = std::iter::repeat_n(Aabb::empty(), scene.planes().len());
     triangles.chain(spheres).chain(ellipsoids).chain(planes)
 }
@@ -138,11 +142,12 @@ fn is_empty(aabb: &Aabb) -> bool {
     aabb.min.x > aabb.max.x
 }
 
-/// Builds the tree of a scene's primitives. Degenerate triangles are left out, and so are later copies of a primitive, with the same holes
-/// where it is cut out: of equal t the smaller id wins, so no ray sees them. (A list, [`BvhBuild::Flat`], keeps copies.)
+/// Builds the tree of a scene's primitives. It leaves out degenerate triangles and later copies of a primitive, which
+/// must have the same holes if cut out. At equal t the smaller id wins, so no ray hits a copy. (A list,
+/// [`BvhBuild::Flat`], keeps copies.)
 ///
 /// # Errors
-/// [`Error::Scene`] if there are more primitives than links can name, or than [`BvhBuild::Flat`] takes.
+/// [`Error::Scene`] if there are more primitives than links can number, or than [`BvhBuild::Flat`] allows.
 pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<PackedBvh, Error> {
     let (ids, boxes): (Vec<u32>, Vec<Aabb>) = (0..).zip(boxes_of(scene)).filter(|(_, aabb)| !is_empty(aabb)).unzip();
     let components = Arc::new(components::of(scene));
@@ -175,7 +180,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
     };
     scene.plane_ids().for_each(|id| packer.push(id));
     let depth = packer.pack_nodes();
-    // The root's sentinel, a link a level, and what is left of a leaf that is interrupted.
+    // The root's sentinel, one link per level, and the rest of an interrupted leaf.
     let stack_size = (depth + 2).next_multiple_of(8);
     Ok(PackedBvh {
         world_boxes: grid.world,
@@ -200,7 +205,7 @@ fn check_materials(scene: &Scene) -> Result<(), Error> {
     Err(Error::Scene { element: "materials".into(), reason })
 }
 
-/// Texels of a child's box and link.
+/// Returns the texels of a child's box and link.
 fn child_texels(boxes: Boxes) -> usize {
     match boxes {
         Boxes::Grid16 => 1,
@@ -214,7 +219,7 @@ struct Grid {
     origin: Vec3,
     cell: Vec3,
     extent: f32,
-    /// f32 boxes are stored in world coordinates.
+    /// Whether f32 boxes are stored in world coordinates.
     world: bool,
 }
 
@@ -223,11 +228,11 @@ impl Grid {
         let (low, high) = (Vec3::from(all.min), Vec3::from(all.max));
         let sides = high.as_dvec3() - low.as_dvec3();
         let extent = sides.max_element() as f32;
-        // A flat side still needs a cell; rounded up, so that the last step reaches the far corner.
+        // A flat side needs a cell too. Rounding up makes the last step reach the far corner.
         let least = f64::from(extent.max(f32::MIN_POSITIVE * 1e6)) * 1e-9;
         let cell = (sides / GRID).max(DVec3::splat(least)).as_vec3();
         let cell = Vec3::from_array(cell.to_array().map(|side| side.next_up().next_up()));
-        // Of boxes in world coordinates nothing is relative to the grid.
+        // Boxes in world coordinates are not relative to the grid.
         let (origin, extent) = if world { (Vec3::ZERO, 0.0) } else { (low, extent) };
         Self { origin, cell, extent, world }
     }
@@ -241,7 +246,7 @@ impl Grid {
         }
     }
 
-    /// A box and its link in texels: see `shaders/shared/boxes.wgsl`.
+    /// Packs a box and its link into texels, see `shaders/shared/boxes.wgsl`.
     fn pack(&self, kind: Boxes, low: Vec3, high: Vec3, link: u32) -> Vec<Texel> {
         match kind {
             Boxes::Grid16 => {
@@ -261,7 +266,7 @@ impl Grid {
         }
     }
 
-    /// Three words: low x, y, z and high x, y, z of 16 bits each.
+    /// Packs low x, y, z and high x, y, z as 16 bits each, in three words.
     fn pack_16bit(&self, low: Vec3, high: Vec3) -> [u32; 3] {
         let steps = |corner: Vec3| (corner.as_dvec3() - self.origin.as_dvec3()) / self.cell.as_dvec3();
         let low = steps(low).floor().clamp(DVec3::ZERO, DVec3::splat(GRID)).as_uvec3();
@@ -279,13 +284,13 @@ struct Packer<'a> {
     grid: Grid,
     nodes: Vec<Texel>,
     primitives: Vec<Texel>,
-    /// Ids of what is packed, in order: planes first.
+    /// Ids of the packed primitives, in order: planes first.
     packed: Vec<u32>,
 }
 
 impl Packer<'_> {
-    /// Packs pairs in depth-first order and returns how many pairs the deepest path has: a traversal leaves at most
-    /// one link a pair on its stack.
+    /// Packs pairs in depth-first order and returns the number of pairs on the deepest path. A traversal leaves at most
+    /// one link per pair on its stack.
     fn pack_nodes(&mut self) -> u32 {
         let root = &self.tree.nodes[0];
         if root.is_leaf() {
@@ -293,7 +298,7 @@ impl Packer<'_> {
             return 1;
         }
         let mut deepest = 0;
-        // (first of two obvhs nodes, where the link to their pair goes, levels above)
+        // (first of two obvhs nodes, texel that receives the link to their pair, depth)
         let mut pending: Vec<(usize, Option<usize>, u32)> = vec![(root.first_index as usize, None, 1)];
         while let Some((first, link, depth)) = pending.pop() {
             let child_texels = child_texels(self.kind);
@@ -317,7 +322,7 @@ impl Packer<'_> {
         deepest
     }
 
-    /// The root must be a pair. A tree of one leaf becomes its two halves; a single primitive is tested twice, which
+    /// Packs a tree of one leaf as two halves, since the root must be a pair. A single primitive is tested twice, which
     /// changes no hit.
     fn pack_single_leaf(&mut self) {
         let root = self.tree.nodes[0];
@@ -344,7 +349,7 @@ impl Packer<'_> {
     }
 }
 
-/// Whether one primitive in ten is far smaller than the scene.
+/// Returns whether one primitive in ten is far smaller than the scene.
 fn has_fine_detail(boxes: impl Iterator<Item = Aabb>) -> bool {
     let side = |aabb: &Aabb| Vec3::from(aabb.max - aabb.min).max_element();
     let mut all = Aabb::empty();

@@ -1,4 +1,4 @@
-//! The stereo camera: pose, off-axis frusta and parallax. Geometry as DESIGN, section 2.
+//! The stereo camera: pose, off-axis frusta and parallax (DESIGN, section 2).
 
 mod comfort;
 mod display;
@@ -31,14 +31,14 @@ use self::{
 };
 use crate::Error;
 
-/// Depth of a ray that hits nothing, in every buffer; WGSL has no infinity. Results turn it into `f32::INFINITY`.
+/// Depth of a ray that hits nothing, in every buffer, since WGSL has no infinity. Results turn it into `f32::INFINITY`.
 pub const FAR: f32 = 3.4e38;
 
-/// Distance between human eyes in metres, on average (thesis, eq. 12).
+/// Average distance between human eyes in metres (thesis, eq. 12).
 pub const HUMAN_INTERAXIAL: f32 = 0.065;
 
-/// What the picture holds: by angle, by the width of the rectangle on the screen plane, or by focal lengths and the
-/// principal point in the middle between the eyes', in pixels.
+/// Field of view: a vertical angle in degrees, the width of the screen rectangle, or focal lengths and the eyes' mean
+/// principal point in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Aperture {
     VerticalFov(f32),
@@ -46,42 +46,44 @@ enum Aperture {
     Lenses(Lenses),
 }
 
-/// Where the screen is: so far from the eyes, or where principal points that lie so many pixels apart put it.
+/// Position of the screen: its distance from the eyes, or the offset between the eyes' principal points in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Screen {
     Distance(f32),
     Offset(f64),
 }
 
-/// How the eyes of a pair are turned.
+/// How the two eyes are oriented.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Convergence {
-    /// Not at all: both look along one direction, through one screen rectangle or, where the screen is at infinity, as
-    /// parallel cameras. Rows of the pictures are epipolar lines: no point stands higher in one than in the other.
+    /// Both eyes look along one direction, through one screen rectangle. If the screen is at infinity they are parallel
+    /// cameras. Rows of the pictures are epipolar lines: no point has vertical parallax.
     #[default]
     OffAxis,
-    /// Towards each other, so that their axes meet at the screen's distance, as a pair of cameras on a toe-in rig.
-    /// Points then stand higher in one picture than in the other, by up to [`Comfort::vertical_parallax_px`], and
-    /// nothing of a view can be carried over along rows: a pair is rendered by [`Method::Naive`](crate::Method::Naive)
-    /// whatever method is asked for, and a warning is logged.
+    /// The eyes turn towards each other, so that their axes meet at the screen's distance, as on a toe-in rig. Points
+    /// then have vertical parallax of up to [`Comfort::vertical_parallax_px`]. Rows are not epipolar lines, so no
+    /// samples can be reused. [`Method::Naive`](crate::Method::Naive) renders the pair, whatever method is set, and a
+    /// warning is logged.
     ToeIn,
 }
 
-/// The distance between the eyes, in world units or in pixels.
+/// Interaxial, in world units or in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Interaxial {
     World(f32),
     Pixels(f32),
 }
 
-/// Two eyes that look through one screen rectangle (off-axis projection), or side by side as parallel cameras.
+/// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
-/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`; they stand at
-/// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`, and what lies
-/// on it has zero parallax. With `d` infinite the eyes are parallel cameras: zero parallax is at infinity, and all
-/// that is nearer has disparity `f_px e / Z`. A calibrated pair is given by its [`Intrinsics`], a pair that is toed in
-/// by [`Convergence::ToeIn`]. Setters take any value; [`StereoCamera::pose`] and every render check them.
+/// World space is right-handed with y up. Both eyes look along `f = normalize(target - eye)`. They stand at
+/// `eye ∓ r e/2` with `r = normalize(f × up)`, left first. The screen lies at distance `d` along `f`; points on it have
+/// zero parallax. With `d` infinite the eyes are parallel cameras: points at infinity have zero parallax, nearer ones
+/// have disparity `f_px e / Z`.
+///
+/// [`Intrinsics`] describe a calibrated pair, [`Convergence::ToeIn`] a toed-in one. Setters accept any value;
+/// [`StereoCamera::pose`] and every render check them.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, glam::Vec3};
@@ -107,47 +109,48 @@ pub struct StereoCamera {
     height: u32,
 }
 
-/// A checked camera, in numbers that kernels and formulas use. As a calibration has them: [`Pose::intrinsics`].
+/// A checked camera, in the numbers that kernels and formulas use. [`Pose::intrinsics`] gives them as a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Pose {
-    /// Midpoint between the eyes, world coordinates. [`Pose::eye_position`] has the eyes' own.
+    /// Midpoint between the eyes, world coordinates. [`Pose::eye_position`] returns the eyes' own positions.
     pub eye: DVec3,
     /// View direction `f`, unit length.
     pub forward: Vec3,
-    /// The picture's right `r`, unit length.
+    /// Right axis `r` of the picture, unit length.
     pub right: Vec3,
-    /// The picture's up `u = r × f`, unit length.
+    /// Up axis `u = r × f` of the picture, unit length.
     pub up: Vec3,
     /// Distance `d` from the plane of the eyes to the screen, world units; infinite for parallel cameras.
     pub screen_distance: f32,
     /// Screen rectangle's width `W` and height `H`, world units; infinite for parallel cameras.
     pub screen_size: [f32; 2],
-    /// Distance between the eyes `e`, world units.
+    /// Interaxial `e`, world units.
     pub interaxial: f32,
     /// `e_px = e w / W = f_px e / d`: the parallax at infinity, pixels; 0 for parallel cameras.
     pub interaxial_px: f32,
     /// Picture size `[w, h]`, pixels.
     pub size: [u32; 2],
-    /// How the eyes are turned. Of a pair that is toed in, the axes here are those of the midpoint between the eyes
-    /// ([`Pose::of_eye`] has an eye's own), and `screen_size` and `interaxial_px` are those of the off-axis camera that
-    /// has its numbers.
+    /// Orientation of the eyes. For toed-in eyes the axes of this pose belong to the midpoint; [`Pose::of_eye`] gives
+    /// an eye's own axes. `screen_size` and `interaxial_px` are then those of the off-axis camera with the same
+    /// settings.
     pub convergence: Convergence,
-    /// How far away what the camera looks at is, world units: the screen's distance; where that is infinite the
-    /// target's. Rules that need a length to go by take this one.
+    /// Distance to the subject in world units, for rules that need a length. It is the screen's distance, or the
+    /// target's if the screen is at infinity.
     pub subject_distance: f32,
-    /// Where eyes look.
+    /// View rectangle of the eyes.
     pub(crate) frustum: Frustum,
-    /// Origin of the scene that was rendered from here: the rendered eyes are f32 positions relative to it. `None`
-    /// before a picture is rendered.
+    /// Origin of the rendered scene. The rendered eyes are f32 positions relative to it. `None` before a picture is
+    /// rendered.
     pub(crate) scene_origin: Option<DVec3>,
 }
 
 impl StereoCamera {
-    /// A camera at `eye` (the midpoint between the eyes) that looks at `target`: up is +y, 640 x 480 pixels, 45
-    /// degrees of vertical field of view, the screen at the target, and a thirtieth of that distance between the eyes.
+    /// Makes a camera at `eye` (the midpoint between the eyes) that looks at `target`. Both are world coordinates,
+    /// [`Vec3`] or [`DVec3`].
     ///
-    /// Both are world coordinates; [`Vec3`] and [`DVec3`] are taken.
+    /// Up is +y, the picture has 640 x 480 pixels, and the vertical field of view is 45 degrees. The screen stands at
+    /// the target, and the interaxial is a thirtieth of that distance.
     pub fn look_at(eye: impl Into<DVec3>, target: impl Into<DVec3>) -> Self {
         let (eye, target) = (eye.into(), target.into());
         let distance = eye.distance(target) as f32;
@@ -164,71 +167,72 @@ impl StereoCamera {
         }
     }
 
-    /// The midpoint between the eyes; the screen's distance and the interaxial stay.
+    /// Sets the midpoint between the eyes, world coordinates. The screen's distance and the interaxial stay.
     pub fn eye(mut self, eye: impl Into<DVec3>) -> Self {
         self.eye = eye.into();
         self
     }
 
-    /// A point to look at; the screen's distance stays.
+    /// Sets the point to look at, world coordinates. The screen's distance stays.
     pub fn target(mut self, target: impl Into<DVec3>) -> Self {
         self.target = target.into();
         self
     }
 
-    /// The direction that is up in the picture; it must not be parallel to the view direction.
+    /// Sets the direction that is up in the picture. It must not be parallel to the view direction.
     pub fn up(mut self, up: Vec3) -> Self {
         self.up = up;
         self
     }
 
-    /// What [`StereoCamera::up`] was given: of any length, and mostly not at right angles to the view.
+    /// Returns the vector given to [`StereoCamera::up`]. It may have any length and need not be perpendicular to the
+    /// view direction.
     pub fn up_direction(&self) -> Vec3 {
         self.up
     }
 
-    /// What [`StereoCamera::target`] was given.
+    /// Returns the point given to [`StereoCamera::target`].
     pub fn target_position(&self) -> DVec3 {
         self.target
     }
 
-    /// Picture size in pixels.
+    /// Sets the picture's size in pixels.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         (self.width, self.height) = (width, height);
         self
     }
 
-    /// Vertical field of view in degrees, between 0 and 180.
+    /// Sets the vertical field of view in degrees, between 0 and 180.
     pub fn vertical_fov_degrees(mut self, degrees: f32) -> Self {
         self.aperture = Aperture::VerticalFov(degrees);
         self
     }
 
-    /// Width `W` of the screen rectangle in world units, instead of the field of view.
+    /// Sets the width `W` of the screen rectangle in world units, instead of the field of view.
     pub fn screen_width(mut self, width: f32) -> Self {
         self.aperture = Aperture::ScreenWidth(width);
         self
     }
 
-    /// What a calibration says of both eyes, in place of the field of view and of the screen's distance, which follows
-    /// from how far apart their principal points lie: `d = fx e / doffs`, infinite where they don't. A
-    /// [`StereoCamera::screen_distance`] that is set after it holds in turn; the principal points then stand around the
-    /// same middle. It is of a picture of this [`StereoCamera::size`].
+    /// Sets the intrinsics of a calibrated pair, for a picture of this [`StereoCamera::size`]. They replace the field
+    /// of view and the screen's distance, which becomes `d = fx e / doffs`, or infinite if `doffs` is 0.
+    ///
+    /// A [`StereoCamera::screen_distance`] set afterwards overrides that distance; the principal points keep their
+    /// mean.
     pub fn intrinsics(mut self, intrinsics: Intrinsics) -> Self {
         let (lenses, offset) = intrinsics.split();
         (self.aperture, self.screen) = (Aperture::Lenses(lenses), Screen::Offset(offset));
         self
     }
 
-    /// Distance `d` from the eyes to the screen, the plane of zero parallax, in world units. `f32::INFINITY` makes the
-    /// eyes parallel cameras.
+    /// Sets the distance `d` from the eyes to the screen, the plane of zero parallax, in world units. `f32::INFINITY`
+    /// makes the eyes parallel cameras.
     pub fn screen_distance(mut self, distance: f32) -> Self {
         self.screen = Screen::Distance(distance);
         self
     }
 
-    /// The camera with its screen at infinity: parallel cameras with the same field of view, and the eyes so far apart
-    /// in world units as they are.
+    /// Returns parallel cameras with the same field of view and the same interaxial in world units.
     ///
     /// # Errors
     /// Those of [`StereoCamera::pose`].
@@ -243,48 +247,54 @@ impl StereoCamera {
         Ok(camera)
     }
 
-    /// How the eyes are turned.
+    /// Sets how the eyes are oriented.
     pub fn convergence(mut self, convergence: Convergence) -> Self {
         self.convergence = convergence;
         self
     }
 
-    /// Distance `e` between the eyes in world units.
+    /// Sets the interaxial `e` in world units.
     pub fn interaxial(mut self, distance: f32) -> Self {
         self.interaxial = Interaxial::World(distance);
         self
     }
 
-    /// Distance between the eyes in pixels of this picture: the parallax at infinity. It takes a screen that is not
-    /// infinitely far, since parallel cameras have none there, whatever their distance.
+    /// Sets the interaxial in pixels of this picture, which is the parallax at infinity. It requires a screen at a
+    /// finite distance, since parallel cameras have no parallax at infinity.
     pub fn interaxial_pixels(mut self, pixels: f32) -> Self {
         self.interaxial = Interaxial::Pixels(pixels);
         self
     }
 
-    /// Checks the camera and works out its axes and sizes.
+    /// Checks the camera and computes its axes and sizes.
     ///
-    /// Within these ranges `bracket-rays` shows what `naive` does, to the last bit, where adapters don't contract f32:
+    /// Within these ranges `bracket-rays` renders the same picture as `naive`, to the last bit, on adapters that don't
+    /// contract f32:
     ///
     /// | field | range |
     /// |---|---|
     /// | size | 1 to [`MAX_SIDE`] a side |
-    /// | eye, target | coordinates within [`MAX_WORLD_COORDINATE`]; eyes within [`MAX_EYE_COORDINATE`] of the scene's origin |
+    /// | eye, target | within [`MAX_WORLD_COORDINATE`]; eyes within [`MAX_EYE_COORDINATE`] of the scene's origin |
     /// | screen distance, given or by principal points | [`SCREEN_DISTANCES`], or infinite |
-    /// | field of view or screen width or intrinsics, size, interaxial | pixels span [`MIN_PIXEL_ANGLE`] as seen from both eyes |
+    /// | field of view, screen width, intrinsics, size, interaxial | both eyes' pixels span [`MIN_PIXEL_ANGLE`] |
     /// | intrinsics | focal lengths above 0, `cx1` at least `cx0`, and more only with eyes apart |
     /// | interaxial | 0, or so large that the eyes' rounding changes it by at most [`MAX_EYE_SHIFT`] of it |
     ///
-    /// What is said of eyes and the interaxial depends on [`Scene::origin`](crate::Scene::origin): a render checks it.
+    /// The limits on eyes and interaxial that depend on [`Scene::origin`](crate::Scene::origin) are checked by a
+    /// render.
     ///
     /// # Errors
-    /// [`Error::Camera`], naming the field, for what lies outside of them, a field of view outside 0 to 180 degrees, a
-    /// target that is the eye, `up` parallel to the view, and what contradicts itself: a screen at infinity with a
-    /// width of its own or an interaxial in pixels, principal points with an interaxial in pixels, and principal points
-    /// that differ where eyes are toed in.
+    /// [`Error::Camera`], naming the field, for:
+    ///
+    /// - values outside these ranges,
+    /// - a field of view outside 0 to 180 degrees,
+    /// - a target equal to the eye, or `up` parallel to the view,
+    /// - a screen at infinity with a screen width or an interaxial in pixels,
+    /// - principal points with an interaxial in pixels,
+    /// - different principal points with toed-in eyes.
     pub fn pose(&self) -> Result<Pose, Error> {
         check_fields(self)?;
-        // f64, so that axes and corners are the nearest f32 also for far-off and tiny scenes.
+        // f64 gives the nearest f32 axes and corners also for far-off and tiny scenes.
         let towards = self.target - self.eye;
         let forward = towards.normalize_or_zero();
         if forward == DVec3::ZERO {
@@ -336,7 +346,7 @@ impl StereoCamera {
         Ok(pose)
     }
 
-    /// What is seen through a rectangle on a screen at a finite distance.
+    /// Computes the view through a rectangle on a screen at a finite distance.
     fn through_screen(&self, distance: f32, screen_size: [f32; 2]) -> Result<Sight, Error> {
         if !screen_size.iter().all(|side| *side > 0.0 && side.is_finite()) {
             let value = format!("{} x {}", screen_size[0], screen_size[1]);
@@ -353,8 +363,8 @@ impl StereoCamera {
         self.sight(distance, screen_size, interaxial, interaxial_px, frustum)
     }
 
-    /// What is seen by focal lengths and principal points, which say where the screen is or are put where the screen
-    /// asks for it.
+    /// Computes the view by focal lengths and principal points. The principal points determine the screen's distance,
+    /// or follow from it.
     fn through_lenses(&self) -> Result<Sight, Error> {
         let [w, h] = [self.width, self.height].map(f64::from);
         let lenses = match self.aperture {
@@ -377,8 +387,8 @@ impl StereoCamera {
         self.sight(distance as f32, screen_size, interaxial as f32, offset as f32, frustum)
     }
 
-    /// The distance between the eyes, how far their principal points lie apart, in pixels, and the distance of the
-    /// screen; at a focal length.
+    /// Returns the interaxial in world units, the offset between the principal points in pixels, and the screen's
+    /// distance. `fx` is the focal length in pixels.
     fn offset_and_distance(&self, fx: f64) -> Result<(f64, f64, f64), Error> {
         match (self.screen, self.interaxial) {
             (Screen::Distance(d), Interaxial::World(e)) => {
@@ -403,7 +413,7 @@ impl StereoCamera {
         }
     }
 
-    /// Checks where principal points that lie so far apart put the screen.
+    /// Checks the screen's distance that an offset between the principal points gives.
     fn check_offset(&self, offset: f64, distance: f64) -> Result<(), Error> {
         if offset.is_nan() || offset < 0.0 {
             let reason =
@@ -442,7 +452,7 @@ impl StereoCamera {
         Ok(Sight { screen_distance, screen_size, interaxial, interaxial_px, frustum })
     }
 
-    /// The interaxial as it was given.
+    /// Returns the interaxial as it was given.
     fn interaxial_text(&self) -> String {
         match self.interaxial {
             Interaxial::World(world) => format!("{world:?}"),
@@ -450,20 +460,20 @@ impl StereoCamera {
         }
     }
 
-    /// The checked camera for a scene with this origin, from which eyes are rendered as f32 positions.
+    /// Checks the camera for a scene with this origin. The eyes are then f32 positions relative to it.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::pose`], and [`Error::Camera`] where f32 does not hold the eyes.
+    /// Those of [`StereoCamera::pose`], and [`Error::Camera`] if f32 can't represent the eyes.
     pub(crate) fn pose_in(&self, scene_origin: DVec3) -> Result<Pose, Error> {
         let pose = Pose { scene_origin: Some(scene_origin), ..self.pose()? };
         check_eyes(self, &pose)?;
         Ok(pose)
     }
 
-    /// Checks two eyes of a rendered pose, so many interaxials apart.
+    /// Checks two eyes of a rendered pose that stand `times` interaxials apart.
     ///
     /// # Errors
-    /// [`Error::Camera`] where f32 does not hold them.
+    /// [`Error::Camera`] if f32 can't represent them.
     pub(crate) fn check_apart(&self, pose: &Pose, times: f32) -> Result<(), Error> {
         let apart = times * pose.interaxial;
         if !apart.is_finite() {
@@ -475,7 +485,7 @@ impl StereoCamera {
     }
 }
 
-/// What a camera's numbers say but for its axes: fields of [`Pose`].
+/// The fields of [`Pose`] that do not depend on the axes.
 struct Sight {
     screen_distance: f32,
     screen_size: [f32; 2],
@@ -484,7 +494,7 @@ struct Sight {
     frustum: Frustum,
 }
 
-/// Half of a vertical field of view, in radians.
+/// Returns half of a vertical field of view, in radians.
 fn half_fov(degrees: f32) -> Result<f32, Error> {
     if degrees > 0.0 && degrees < 180.0 {
         return Ok((0.5 * degrees).to_radians());

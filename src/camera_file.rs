@@ -10,23 +10,27 @@ use serde_json::{Map, Value};
 use crate::{CameraPath, Convergence, Error, Light, Limits, Scene, StereoCamera, camera::Intrinsics, input};
 
 impl StereoCamera {
-    /// Reads the camera `name` from a JSON file: an object of cameras by name, each with `eye` (the midpoint between
-    /// the eyes), `target` and `up` (three numbers each), `vfov_deg` (degrees), `screen_distance` (world units, or
-    /// `"inf"` for parallel cameras) and `eye_separation` (world units). The picture is `width` x `height` pixels.
+    /// Reads the camera `name` from a JSON file. The file is an object of cameras by name. The picture is
+    /// `width` x `height` pixels. Each camera has
     ///
-    /// In their place there may be
+    /// - `eye` (the midpoint between the eyes), `target` and `up`: three numbers each,
+    /// - `vfov_deg`: degrees,
+    /// - `screen_distance`: world units, or `"inf"` for parallel cameras,
+    /// - `eye_separation`: world units.
     ///
-    /// - for `vfov_deg`: `fx`, `fy` (else `fx` again), `cy`, and `cx` or `cx0` and `cx1`, as [`Intrinsics`] has them,
-    ///   with **pixel centres at halves**; of a picture of `width` x `height`, where the entry has these, and scaled from
-    ///   there to the size that is asked for. With `cx0` and `cx1` there is no `screen_distance`; with `cx` alone, where
-    ///   there is none the cameras are parallel;
-    /// - for `eye`, `target` and `up`: `pose`, four rows of four numbers, camera to world, of the **left** eye, with x to
-    ///   the right, y down and z ahead;
-    /// - for `eye_separation`: `baseline`, which is the same.
+    /// Alternative fields:
+    ///
+    /// - `fx`, `fy` (default `fx`), `cy`, and `cx` or `cx0` and `cx1` replace `vfov_deg`. They are [`Intrinsics`] with
+    ///   **pixel centres at halves**, for a picture of the entry's `width` x `height`, and are scaled to the requested
+    ///   size. With `cx0` and `cx1` there is no `screen_distance`. With `cx` alone and no `screen_distance`, the eyes
+    ///   are parallel cameras.
+    /// - `pose` replaces `eye`, `target` and `up`. It has four rows of four numbers, camera to world, for the **left**
+    ///   eye, with x to the right, y down and z ahead.
+    /// - `baseline` replaces `eye_separation`, with the same meaning.
     ///
     /// `convergence` may be `"off-axis"` or `"toe-in"`. Skew and lens distortion (`skew`, `k1`, `p1` and so on) other
-    /// than 0 are refused, and so is what both eyes must share and don't (`fx1`, `fy1`, `cy1`). Other fields are
-    /// ignored.
+    /// than 0 are refused. So are values of the right eye that differ from the left eye's (`fx1`, `fy1`, `cy1`). Other
+    /// fields are ignored.
     ///
     /// ```no_run
     /// let camera = stereotrace::StereoCamera::from_json("cameras.json", "sponza", 1280, 720)?;
@@ -34,14 +38,16 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line or the camera and its field, if it is UTF-16 or no JSON, has no such camera, or the camera is
-    /// invalid; [`Error::Camera`] for a size of zero.
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`], naming the line or the camera and its field, if the file is UTF-16 or not JSON. Also
+    ///   if the camera is missing or invalid.
+    /// - [`Error::Camera`] for a size of zero.
     pub fn from_json(path: impl AsRef<Path>, name: &str, width: u32, height: u32) -> Result<Self, Error> {
         Self::from_json_within(path, name, width, height, &Limits::default())
     }
 
-    /// [`StereoCamera::from_json`] with other limits than the usual ones.
+    /// Does the same as [`StereoCamera::from_json`], with the given limits.
     ///
     /// # Errors
     /// Those of [`StereoCamera::from_json`].
@@ -59,11 +65,13 @@ impl StereoCamera {
 }
 
 impl CameraPath {
-    /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`], each with the number of its
-    /// `frame`, a key frame. Where none has one, each camera is a frame. The pictures are `width` x `height` pixels.
+    /// Reads a path from a JSON file: a list of cameras with the fields of [`StereoCamera::from_json`]. Each has the
+    /// number of its key frame in `frame`. If no camera has one, each camera is a frame. The pictures are `width` x
+    /// `height` pixels.
     ///
     /// # Errors
-    /// As [`StereoCamera::from_json`], naming the camera by its place in the list, from 0; and those of [`CameraPath::new`].
+    /// Those of [`StereoCamera::from_json`], naming the camera by its index in the list, and those of
+    /// [`CameraPath::new`].
     pub fn from_json_within(path: impl AsRef<Path>, width: u32, height: u32, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let list: Vec<Value> = read(path, limits, "list of cameras")?;
@@ -84,7 +92,7 @@ impl CameraPath {
     }
 }
 
-/// The camera that an entry's fields say; `label` names the entry.
+/// Makes and checks the camera of an entry; `label` names the entry in messages.
 fn camera(
     path: &Path,
     label: &str,
@@ -95,7 +103,7 @@ fn camera(
     let camera = camera_of(entry, [width, height]).map_err(fault)?;
     match camera.pose() {
         Ok(_) => Ok(camera),
-        // The file is not to blame for the size; for the rest, the message takes the file's word for the field.
+        // The size does not come from the file. Other messages use the file's name of the field.
         Err(Error::Camera { field, value, reason }) if field != "size" => {
             let named = match field {
                 "vertical_fov" => "vfov_deg",
@@ -112,17 +120,19 @@ fn camera(
 }
 
 impl Scene {
-    /// Takes `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]): `ambient`
-    /// is three numbers (linear RGB, at least 0), `lights` a list of objects with `position` and `intensity` (three numbers
-    /// each, the latter at least 0) and, for balls, `radius` (above 0). What the entry has not stays as it is. Returns whether the entry has lights.
+    /// Reads `ambient` and `lights` from the entry `name` of a JSON file of cameras ([`StereoCamera::from_json`]).
+    /// `ambient` is three numbers (linear RGB, at least 0). `lights` is a list of objects with `position` and
+    /// `intensity` (three numbers each, intensities at least 0). Spheres also have a `radius` (above 0). Missing fields
+    /// leave the scene unchanged. Returns whether the entry has lights.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. Then nothing changes.
+    /// [`Error::Io`], [`Error::TooLarge`] and [`Error::Parse`] as [`StereoCamera::from_json`]. The scene is unchanged
+    /// then.
     pub fn light_from_json(&mut self, path: impl AsRef<Path>, name: &str) -> Result<bool, Error> {
         self.light_from_json_within(path, name, &Limits::default())
     }
 
-    /// [`Scene::light_from_json`] with other limits than the usual ones.
+    /// Does the same as [`Scene::light_from_json`], with the given limits.
     ///
     /// # Errors
     /// Those of [`Scene::light_from_json`].
@@ -162,17 +172,17 @@ impl Scene {
     }
 }
 
-/// An entry as messages name it.
+/// Returns the name of an entry for messages.
 fn named(name: &str) -> String {
     format!("camera '{name}'")
 }
 
-/// What is wrong with an entry.
+/// Returns an error about an entry.
 fn fault(path: &Path, label: &str, reason: String) -> Error {
     Error::parse(path, None, format!("{label}: {reason}"))
 }
 
-/// The camera of an entry, of a picture of this size.
+/// Makes the camera of an entry, for a picture of this size.
 fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<StereoCamera, String> {
     let has = |name: &str| entry.contains_key(name);
     let zero = calib::DISTORTION.into_iter().chain(["skew"]).filter(|name| has(name));
@@ -217,13 +227,13 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
     Ok(camera.screen_distance(screen_distance(entry)?))
 }
 
-/// A field in whose place others are must be without them.
+/// Checks that a field and the fields that it replaces are not both given.
 fn alone(entry: &Map<String, Value>, name: &str, others: &[&str]) -> Result<(), String> {
     let found = others.iter().find(|other| **other != name && entry.contains_key(name) && entry.contains_key(**other));
     found.map_or(Ok(()), |other| Err(format!("{name} and {other} are both given; one says it all")))
 }
 
-/// A number, or infinity by name.
+/// Reads the screen's distance: a number, or infinity by name.
 fn screen_distance(entry: &Map<String, Value>) -> Result<f32, String> {
     match field(entry, "screen_distance")?.as_str() {
         Some("inf" | "infinity") => Ok(f32::INFINITY),
@@ -232,7 +242,7 @@ fn screen_distance(entry: &Map<String, Value>) -> Result<f32, String> {
     }
 }
 
-/// Intrinsics, scaled from the picture that they are of to one of this size.
+/// Reads intrinsics and scales them from the entry's picture size to `size`.
 fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, String> {
     let has = |name: &str| entry.contains_key(name);
     let fx = double(entry, "fx")?;
@@ -259,7 +269,7 @@ fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, 
     Ok(found.scaled([0, 1].map(|axis| f64::from(size[axis]) / of[axis])))
 }
 
-/// A camera where a matrix puts the left eye. It looks at a point a unit ahead.
+/// Makes a camera from the left eye's matrix. The target is one unit ahead.
 fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCamera, String> {
     let value = field(entry, "pose")?;
     let row = |row: &Value| -> Option<[f64; 4]> {
@@ -281,7 +291,7 @@ fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCame
     Ok(StereoCamera::look_at(eye, eye + ahead).up((-down).as_vec3()))
 }
 
-/// The fields of an entry.
+/// Returns the fields of an entry.
 fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>, Error> {
     let mut cameras: Map<String, Value> = read(path, limits, "object of cameras")?;
     match cameras.remove(name) {
@@ -294,7 +304,7 @@ fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>,
     }
 }
 
-/// What a file holds, of which `what` says the kind.
+/// Reads a JSON file; `what` describes its content in messages.
 fn read<T: serde::de::DeserializeOwned>(path: &Path, limits: &Limits, what: &str) -> Result<T, Error> {
     let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
@@ -304,7 +314,7 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path, limits: &Limits, what: &str
     })
 }
 
-/// A vector of finite numbers of which none is negative.
+/// Reads a vector of finite numbers of at least 0.
 fn checked_color(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String> {
     let found = vector(entry, name)?.as_vec3();
     if !found.is_finite() {
@@ -396,8 +406,8 @@ mod tests {
         assert_eq!(entry(r#""fy": 480.5, "#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
         let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
         assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
-        // x to the right, y down, z ahead, of an eye that looks along -z; the left one stands half the baseline to the
-        // left.
+        // The matrix has x to the right, y down, z ahead, for an eye that looks along -z. The left eye stands half the
+        // baseline to the left.
         let matrix = r#""pose": [[1, 0, 0, 0.9375], [0, -1, 0, 2], [0, 0, -1, 3], [0, 0, 0, 1]]"#;
         let posed = entry(r#""eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0]"#, matrix).pose().unwrap();
         let expected = entry("", "").pose().unwrap();

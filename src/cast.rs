@@ -1,4 +1,4 @@
-//! Rays of the caller's own through an uploaded scene.
+//! Queries of an uploaded scene by the caller's own rays.
 
 use std::time::Duration;
 
@@ -23,16 +23,16 @@ pub(crate) const CLOSEST_HITS: Kernel = Kernel {
     main: part!("closest_hits.wgsl"),
 };
 pub(crate) const ANY_HITS: Kernel = Kernel { name: "any_hits", main: part!("any_hits.wgsl"), ..CLOSEST_HITS };
-/// The same, their threads going on in the next dispatch.
+/// Variants whose threads continue in the next dispatch.
 pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel { name: "closest_hits_in_steps", ..CLOSEST_HITS };
 pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps", ..ANY_HITS };
 
-/// Rays of one dispatch: two texels each stay far below every limit of textures and bindings.
+/// Rays per dispatch: at two texels each they stay far below every limit of textures and bindings.
 pub(crate) const BATCH: usize = 1 << 20;
-/// Of so many origins of a batch it is asked whether they are close to large primitives; of more it is taken for granted.
+/// Maximum number of origins of a batch that are checked against large primitives; larger batches count as close.
 const MANY_ORIGINS: usize = 64;
 
-/// A ray of the caller's own: the points `origin + t * direction` with t between its limits.
+/// A ray of the caller: the points `origin + t * direction` with t between its limits.
 ///
 /// ```
 /// use stereotrace::{Ray, glam::Vec3};
@@ -43,65 +43,66 @@ const MANY_ORIGINS: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ray {
-    /// Where it starts, world coordinates. It is traced from the nearest f32 position relative to
+    /// Origin in world coordinates. The ray starts at the nearest f32 position relative to
     /// [`Scene::origin`](crate::Scene::origin).
     pub origin: DVec3,
-    /// Direction in the world, of any length but 0: t counts in it.
+    /// Direction in world coordinates, of any length but 0; t is in units of this length.
     pub direction: Vec3,
-    /// The least t that counts as a hit, at least 0. A ray that starts at a surface meets it there, more or less: it
-    /// needs one above 0.
+    /// Smallest t of a hit, at least 0. Rays that start on a surface need a value above 0 to avoid hitting it.
     pub t_min: f32,
-    /// The largest one; `f32::INFINITY` for no limit.
+    /// Largest t of a hit; `f32::INFINITY` for no limit.
     pub t_max: f32,
 }
 
 impl Ray {
-    /// A ray without limits.
+    /// Creates a ray without limits.
     pub fn new(origin: impl Into<DVec3>, direction: Vec3) -> Self {
         Self { origin: origin.into(), direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// The least t that counts as a hit, at least 0.
+    /// Sets the smallest t of a hit, at least 0.
     pub fn t_min(mut self, t_min: f32) -> Self {
         self.t_min = t_min;
         self
     }
 
-    /// The largest t that counts as a hit.
+    /// Sets the largest t of a hit.
     pub fn t_max(mut self, t_max: f32) -> Self {
         self.t_max = t_max;
         self
     }
 }
 
-/// What a ray hits first.
+/// Closest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayHit {
-    /// The point is `origin + t * direction`; `f32::INFINITY` where nothing is hit.
+    /// Parameter of the hit point `origin + t * direction`; `f32::INFINITY` for a miss.
     pub t: f32,
     /// Id of the primitive in the scene's order, or [`MISS`].
     pub primitive: u32,
 }
 
-/// The answers to a list of rays, in its order, and what they cost.
+/// Answers to a list of rays, in its order, and their cost.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cast<T> {
-    /// One a ray.
+    /// One answer per ray.
     pub hits: Vec<T>,
-    /// Time of the tracing alone; `None` where the adapter has no timestamps, or tracing took more steps than can be timed.
+    /// Time of the tracing alone; `None` if the adapter has no timestamps, or the tracing took more dispatches than can
+    /// be timed.
     pub time: Option<Duration>,
 }
 
 impl Renderer {
-    /// The nearest hit of each ray within its limits; of equal t the smallest primitive id. Rays that are neighbours in
-    /// the list are traced together: the more alike they are, the faster. Where a thread traces four rays
-    /// ([`RaysPerLane`]), lists in which each four have one origin take that way, and others a ray a thread.
+    /// Returns the nearest hit of each ray within its limits; at equal t, the smallest primitive id wins. Neighbouring
+    /// rays of the list are traced together, so similar neighbours are faster. Threads that trace four rays
+    /// ([`RaysPerLane`]) do so only if each four rays of the list have one origin. Otherwise each thread traces one
+    /// ray.
     ///
     /// # Errors
-    /// [`Error::Ray`] for one without direction or with limits that are no numbers, [`Error::ForeignScene`] for a scene
-    /// that another [`Gpu`](crate::Gpu) holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    /// [`Error::Ray`] for a ray without direction or with NaN limits, [`Error::ForeignScene`] for a scene on another
+    /// [`Gpu`](crate::Gpu), [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn closest_hits_async(&self, scene: &UploadedScene, rays: &[Ray]) -> Result<Cast<RayHit>, Error> {
         let cast = self.cast::<[u32; 2]>(scene, rays, [&CLOSEST_HITS, &CLOSEST_HITS_IN_STEPS]).await?;
         let hit = |&[t, primitive]: &[u32; 2]| match primitive {
@@ -111,7 +112,7 @@ impl Renderer {
         Ok(Cast { hits: cast.hits.iter().map(hit).collect(), time: cast.time })
     }
 
-    /// Whether each ray hits anything within its limits: for shadows and visibility, faster than
+    /// Returns whether each ray hits anything within its limits. For shadows and visibility; faster than
     /// [`Renderer::closest_hits_async`].
     ///
     /// # Errors
@@ -121,7 +122,7 @@ impl Renderer {
         Ok(Cast { hits: cast.hits.iter().map(|&found| found == 1).collect(), time: cast.time })
     }
 
-    /// By the first kernel; what the adapter cuts short, by the second, in steps.
+    /// Traces by the first kernel, and batches that the adapter cuts short by the second one, in steps.
     async fn cast<T: bytemuck::Pod>(
         &self,
         scene: &UploadedScene,
@@ -149,7 +150,7 @@ impl Renderer {
     }
 }
 
-/// Rays on the device and what becomes of them.
+/// A list of rays on the device, and its answers.
 struct List<'a> {
     renderer: &'a Renderer,
     scene: &'a UploadedScene,
@@ -157,7 +158,7 @@ struct List<'a> {
     count: u32,
     frame: wgpu::Buffer,
     table: wgpu::BindGroup,
-    /// What it binds.
+    /// Texels that `table` binds.
     _rays: Texels,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
@@ -198,7 +199,8 @@ impl<'a> List<'a> {
         self.count.div_ceil(self.variant.traversal.rays.block().pow(2))
     }
 
-    /// So many dispatches of a kernel with these buffers. Returns in how many threads the adapter cut them short.
+    /// Runs `times` dispatches of a kernel with these buffers. Returns the number of threads that the adapter cut
+    /// short.
     async fn dispatch(&mut self, kernel: &Kernel, lanes: Option<&Lanes>, times: u32) -> Result<u32, Error> {
         let (renderer, gpu) = (self.renderer, &self.renderer.gpu);
         let launch = || {
@@ -239,7 +241,7 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Reads the answers and the time they took.
+    /// Reads back the answers and their time.
     async fn read<T: bytemuck::Pod>(&mut self, cast: &mut Cast<T>) -> Result<(), Error> {
         let gpu = &self.renderer.gpu;
         let time = match &mut self.timestamps {
@@ -255,12 +257,12 @@ impl<'a> List<'a> {
 impl Drop for List<'_> {
     fn drop(&mut self) {
         for buffer in [&self.frame, &self.found, &self.counters] {
-            buffer.destroy(); // as Texels
+            buffer.destroy(); // as for `Texels`
         }
     }
 }
 
-/// What kernels are made for that trace these rays.
+/// Returns the pipeline variant for these rays.
 fn variant_for(scene: &UploadedScene, rays: &[Ray]) -> Variant {
     let mut with = scene.variant;
     let place = |ray: &Ray| (ray.origin - scene.origin).as_vec3();
@@ -290,7 +292,7 @@ fn check(rays: &[Ray]) -> Result<(), Error> {
     Ok(())
 }
 
-/// As `shaders/shared/ray_list.wgsl` reads them.
+/// Packs rays as `shaders/shared/ray_list.wgsl` reads them.
 fn texels(rays: &[Ray], scene_origin: DVec3) -> Vec<Texel> {
     let texels = rays.iter().flat_map(|ray| {
         let texel = |vector: Vec3, t: f32| {

@@ -1,5 +1,5 @@
-//! Masks of what is cut out, as `shaders/shared/cutouts.wgsl` reads them: a bit for each pixel of a texture. They stand behind a scene's
-//! nodes and primitives, since kernels that only look for hits read nothing else.
+//! Cut-out masks as `shaders/shared/cutouts.wgsl` reads them: a bit per texture pixel. They follow a scene's nodes and
+//! primitives, since kernels that only find hits bind nothing else.
 
 use std::collections::HashMap;
 
@@ -7,26 +7,26 @@ use glam::Vec3;
 
 use crate::{Scene, Texture, TextureKind, bvh::Texel, table::wrap_number};
 
-/// The least alpha that is a surface.
+/// Minimum alpha of a solid pixel.
 pub(crate) const MASK_ALPHA: u8 = 128;
-/// Pixels that a texel holds.
+/// Pixels per texel.
 const MASK_PIXELS: usize = 128;
-/// Rec. 709's shares of brightness.
+/// Rec. 709 luminance weights.
 const BRIGHTNESS: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
-/// The textures by which materials are cut out, each with its material.
+/// Returns the cut-out textures, each with the index of its material.
 pub(crate) fn cutouts_of(scene: &Scene) -> Vec<(usize, Texture)> {
     let materials = scene.materials().iter().enumerate();
     let cut_out = materials.filter_map(|(index, material)| Some((index, material.cutout?)));
     cut_out.map(|(index, id)| (index, scene.textures()[id.0 as usize].clone())).collect()
 }
 
-/// A head for each material, and then the masks; nothing where no material is cut out.
+/// Returns a head for each material, then the masks; empty if no material is cut out.
 pub(crate) fn masks_of(scene: &Scene) -> Vec<Texel> {
     if !scene.is_cut_out() {
         return Vec::new();
     }
-    // What is whole has a mask of one pixel.
+    // Whole materials share a mask of one solid pixel.
     let count = scene.materials().len();
     let mut texels = vec![[count as u32, 1, 1, 0]; count];
     texels.push([u32::MAX; 4]);
@@ -53,7 +53,7 @@ fn size_of(texture: &Texture) -> [u32; 2] {
     }
 }
 
-/// Adds the bits of a texture's pixels or squares, row by row from below.
+/// Appends the bits of a texture's pixels or squares, row by row from the bottom.
 fn push_mask(texels: &mut Vec<Texel>, texture: &Texture) {
     let begin = texels.len();
     let [width, height] = size_of(texture).map(|side| side as usize);
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::{Material, Wrap};
 
-    /// Reads as the kernels do.
+    /// Reads a bit as kernels do.
     fn bit(texels: &[Texel], material: usize, column: u32, row: u32) -> bool {
         let [begin, width, ..] = texels[material];
         let pixel = row * width + column;
@@ -102,11 +102,11 @@ mod tests {
         assert_eq!(texels[..5], [[5, 1, 1, 0], [6, 13, 29, 1], [5, 1, 1, 0], [9, 17, 17, 2], [6, 13, 29, 1]]);
         assert!(bit(&texels, 0, 0, 0) && bit(&texels, 2, 0, 0));
         for (column, row) in (0..13).flat_map(|column| (0..29).map(move |row| (column, row))) {
-            // Pictures have their first row at the top.
+            // Pictures store their top row first.
             assert_eq!(bit(&texels, 1, column, row), alpha(column, 28 - row) > 127, "{column} {row}");
         }
         for (column, row) in (0..17).flat_map(|column| (0..17).map(move |row| (column, row))) {
-            // 0.57 and 0.28 bright: the first colour stands at u = v = 0.
+            // The colours have luminance 0.57 and 0.28; the first one is at u = v = 0.
             assert_eq!(bit(&texels, 3, column, row), (column + row) % 2 == 0, "{column} {row}");
         }
     }

@@ -1,37 +1,37 @@
-//! Which points of the two views are one: disparities, and what only one eye sees, for stereo vision.
+//! Correspondence of the two views for stereo vision: disparities, and points that only one eye sees.
 
 use glam::DVec3;
 
 use crate::{Convergence, Pose, StereoPair, View};
 
-/// A right sample hides a left point if it is nearer by more than this, in pixels of disparity. So a gap that an occluder
-/// leaves is not told where it is narrower.
+/// A right sample hides a left point if its disparity is larger by more than this, in pixels. Narrower gaps behind
+/// occluders are not detected.
 const NEARER_PX: f64 = 0.25;
 
-/// Whether the right eye sees what a left pixel shows.
+/// Whether the right eye sees the point that a left pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u8)]
 pub enum Occlusion {
-    /// It does.
+    /// The right eye sees it.
     Visible = 0,
-    /// Something nearer stands before it.
+    /// A nearer surface hides it.
     Hidden = 1,
     /// It lies outside the right picture.
     OutOfFrame = 2,
 }
 
 impl Pose {
-    /// Disparity `x_l - x_r` in pixels of a point at depth `z`, with the sign of stereo vision: the opposite of
-    /// [`Pose::parallax_px`], in f64. `e_px (d/Z - 1)`: above 0 before the screen, 0 on it, below 0 behind it, `-e_px`
-    /// at infinity. Of parallel cameras it is `f_px e / Z`: 0 at infinity, and above 0 before it. Of eyes that are toed
-    /// in, that of points on the axis between them ([`Pose::parallax_px`]).
+    /// Returns the disparity `x_l - x_r` in pixels of a point at depth `z`, in f64: the opposite of
+    /// [`Pose::parallax_px`]. It is `e_px (d/Z - 1)`: positive in front of the screen, 0 on it, negative behind it,
+    /// `-e_px` at infinity. For parallel cameras it is `f_px e / Z`, which is 0 at infinity and positive elsewhere. For
+    /// toed-in eyes it applies to points on the axis between them ([`Pose::parallax_px`]).
     ///
-    /// Since both eyes look through one screen rectangle, disparities of this camera are those of two parallel
-    /// cameras of baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`: `f B / Z - e_px`.
+    /// Both eyes look through one screen rectangle. So these disparities are `f B / Z - e_px`: those of two parallel
+    /// cameras with baseline `B = e` and focal length `f = d w / W` pixels, less `e_px`.
     pub fn disparity_px(&self, z: f32) -> f64 {
         let parallax = self.parallax();
-        // No eyes apart, no disparity, not even in their plane.
+        // Coinciding eyes have no disparity, not even in their plane.
         if parallax.reach() == 0.0 {
             return 0.0;
         }
@@ -41,11 +41,12 @@ impl Pose {
 }
 
 impl Pose {
-    /// The disparity in pixels of a point that an eye (-1 left, +1 right) shows, by its column and its depth `z`.
+    /// Returns the disparity in pixels of a point that an eye (-1 left, +1 right) shows, from its column and its depth
+    /// `z`.
     ///
-    /// It is [`Pose::disparity_px`], and what the rounding of the rendered eyes adds to it. With rounding `(ρ, υ, φ)`
-    /// along right, up and forward, the other eye sees the point `f (ρ - T φ) / (Z ± φ)` pixels further aside. T is the
-    /// tangent of the angle at which it sees the point beside its axis. υ moves the point across rows only.
+    /// It is [`Pose::disparity_px`] plus the effect of the rendered eyes' rounding. With rounding `(ρ, υ, φ)` along
+    /// right, up and forward, the point moves by `f (ρ - T φ) / (Z ± φ)` pixels in the other eye. T is the tangent of
+    /// the point's horizontal angle from that eye's axis. υ moves the point across rows only.
     pub(crate) fn disparities_of_eye(&self, side: f64) -> impl Fn(usize, f32) -> f64 {
         let (rounding, fx, cx) = (self.baseline_rounding(), self.focal_px()[0], self.principal_px(side as f32)[0]);
         move |column, z| {
@@ -61,17 +62,18 @@ impl Pose {
 }
 
 impl StereoPair {
-    /// The disparity of each left pixel: `d = x_l - x_r` in pixels, so that what pixel `(i, j)` shows at `x_l = i + 0.5`
-    /// stands at `x_r = i + 0.5 - d` in row j of the right view, be it seen there or not ([`StereoPair::occlusion`]).
+    /// Returns the disparity of each left pixel, `d = x_l - x_r` in pixels. The point that pixel `(i, j)` shows at
+    /// `x_l = i + 0.5` lies at `x_r = i + 0.5 - d` in row j of the right view, visible there or not
+    /// ([`StereoPair::occlusion`]).
     ///
-    /// Row-major, `[height][width]`, top row first; worked out in f64 from [`View::depth`], for the eyes that were
-    /// rendered ([`Pose::eye_position`]). d
-    /// is above 0 before the screen, 0 on it, and **below 0 behind it**: with an off-axis camera zero disparity is the
-    /// screen, not infinity. Sky, which is infinitely far, has `-e_px`, the least there is. Add [`Pose::interaxial_px`]
-    /// to get disparities of parallel cameras, which are 0 at infinity; where the screen is at infinity, these are such.
-    /// A point in the plane of the eyes has `f32::INFINITY`. Empty where depth was not kept
-    /// ([`GBuffer::None`](crate::GBuffer)), and where eyes are toed in ([`Convergence::ToeIn`](crate::Convergence)):
-    /// points then don't stay in their rows.
+    /// Row-major, `[height][width]`, top row first. Computed in f64 from [`View::depth`], for the rendered eyes
+    /// ([`Pose::eye_position`]). d is positive in front of the screen, 0 on it, and **negative behind it**: an off-axis
+    /// camera has zero disparity at the screen, not at infinity. Sky is infinitely far and has `-e_px`, the minimum.
+    /// Add [`Pose::interaxial_px`] for disparities of parallel cameras, which are 0 at infinity. With the screen at
+    /// infinity they already are. A point in the plane of the eyes has `f32::INFINITY`.
+    ///
+    /// Empty if depth was not kept ([`GBuffer::None`](crate::GBuffer)), or if the eyes are toed in
+    /// ([`Convergence::ToeIn`](crate::Convergence)), since points then don't stay in their rows.
     ///
     /// ```
     /// use stereotrace::{Builtin, render_stereo};
@@ -85,22 +87,24 @@ impl StereoPair {
         self.disparities(&self.left, -1.0)
     }
 
-    /// The same of each right pixel: what it shows stands at `x_l = i + 0.5 + d` in the left view. By methods that take pixels
-    /// over from the left view ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) these are the left ones' disparities, seen up to
-    /// half a pixel aside.
+    /// Returns the disparity of each right pixel: its point lies at `x_l = i + 0.5 + d` in the left view. Methods that
+    /// copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar) give the left samples' disparities, seen up
+    /// to half a pixel beside the pixel's centre.
     pub fn right_disparity(&self) -> Vec<f32> {
         self.disparities(&self.right, 1.0)
     }
 
-    /// Whether the right eye sees what each left pixel shows, as far as the right view's depth tells. Row-major,
-    /// `[height][width]`, top row first; empty where depth was not kept, and where eyes are toed in.
+    /// Returns whether the right eye sees the point of each left pixel, judged by the right view's depths. Row-major,
+    /// `[height][width]`, top row first; empty if depth was not kept or the eyes are toed in.
     ///
-    /// A point lands up to half a pixel beside the centre of the nearest right pixel. The surface seen there is taken to go on to the
-    /// landing place with the flatter of the slopes of disparity to the two neighbours, or level where they have opposite
-    /// signs: on a plane, however slanted, that is exact. The point is hidden where that surface has over 0.25
-    /// px more disparity. At silhouettes and creases, which lie somewhere between two samples, a pixel may be wrong: by rays
-    /// from the right eye to each point 0.3 to 2.9% of the pixels of the built-in scenes are (docs/DESIGN.md, section 7). Sky is a
-    /// surface at infinity. [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
+    /// A point lands up to half a pixel beside the nearest right pixel's centre. The surface there is extrapolated to
+    /// the landing place with the flatter of the disparity slopes to the two neighbours. If the slopes have opposite
+    /// signs, it is level. This is exact on any plane. The point is hidden if that surface has over 0.25 px more
+    /// disparity. Sky is a surface at infinity.
+    ///
+    /// Silhouettes and creases lie between two samples, so pixels there may be wrong. Compared with rays from the right
+    /// eye to each point, 0.3 to 2.9% of the pixels of the built-in scenes differ (docs/DESIGN.md, section 7).
+    /// [`Renderer::occlusions_async`](crate::Renderer::occlusions_async) casts these rays.
     pub fn occlusion(&self) -> Vec<Occlusion> {
         if self.pose.convergence == Convergence::ToeIn {
             return Vec::new();
@@ -125,10 +129,10 @@ impl StereoPair {
     }
 }
 
-/// Whether a left point of this disparity is seen in a row of right disparities.
+/// Returns whether a left point of this disparity is visible in a row of right disparities.
 fn seen(column: usize, disparity: f64, right: &[f64]) -> Occlusion {
     let x = column as f64 + 0.5 - disparity;
-    // Compared as floats: near the plane of the eyes x is any number.
+    // Compared as floats, since x may be huge near the plane of the eyes.
     if !(x >= 0.0 && x < right.len() as f64) {
         return Occlusion::OutOfFrame;
     }
@@ -187,7 +191,7 @@ mod tests {
         }
     }
 
-    /// The columns that are so.
+    /// Columns with the wanted occlusion.
     fn columns(pair: &StereoPair, wanted: Occlusion) -> Vec<usize> {
         pair.occlusion().iter().enumerate().filter(|(_, found)| **found == wanted).map(|(column, _)| column).collect()
     }
@@ -221,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_leaves_the_picture_is_out_of_frame_and_sky_is_seen_beside_it() {
-        // Sky moves 8 columns to the right, and past the edge.
+        // Sky moves 8 columns to the right, past the edge.
         let pair = pair(&[-8.0; 40], &[-8.0; 40]);
         assert_eq!(columns(&pair, Occlusion::OutOfFrame), Vec::from_iter(32..40));
         assert_eq!(columns(&pair, Occlusion::Hidden), [0; 0]);
@@ -229,10 +233,11 @@ mod tests {
 
     #[test]
     fn a_plane_hides_nothing_of_itself_however_slanted_it_is() {
-        // d = a + b x on the left is (a + b x) / (1 - b) at x on the right. Slopes over 1 turn the plane's back to the right eye.
+        // A plane with disparity a + b x on the left has (a + b x) / (1 - b) at x on the right. Slopes over 1 turn its
+        // back to the right eye.
         for slope in [-9.0, -1.0, -0.3, 0.0, 0.2, 0.5, 0.9] {
             for start in [0.0, 0.13, 0.5, 0.77] {
-                // Deepest at the edge, and no deeper than the screen.
+                // The plane is deepest at the edge, and no deeper than the screen.
                 let first = if slope < 0.0 { start - 40.0 * slope } else { start };
                 let left = Vec::from_iter((0..40).map(|i| first + slope * (f64::from(i) + 0.5)));
                 let right = Vec::from_iter((0..40).map(|i| (first + slope * (f64::from(i) + 0.5)) / (1.0 - slope)));

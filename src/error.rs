@@ -1,21 +1,22 @@
-//! The one error type.
+//! The error type of the library.
 
 use std::path::{Path, PathBuf};
 
 use crate::message::{counted, escaped, tidy};
 
-/// A browser brings its own.
+/// The remedy if no adapter is found; browsers have their own adapters.
 const ADAPTER_REMEDY: &str = if cfg!(target_arch = "wasm32") {
     ""
 } else {
     ". On Debian, `apt-get install mesa-vulkan-drivers` installs a software one"
 };
 
-/// Everything that can go wrong. Each message names the thing, the value and, where there is one, the remedy. In what it
-/// quotes of files, control characters are escaped and words over 80 characters cut; the fields hold all of it.
+/// Any error of the library. A message names the object, the value and, where there is one, the remedy. Text quoted
+/// from files has control characters escaped and words over 80 characters cut; the fields hold the full text.
 ///
-/// A message is whole without its [`source`](std::error::Error::source), whose words it has: print the message, not the chain.
-/// Sources are there to be asked for their kind. (Those of a device are text: in a browser they can't cross threads.)
+/// A message already includes the text of its [`source`](std::error::Error::source): print the message, not the chain.
+/// Sources serve to find out their kind. (Sources of device errors are text, since they can't cross threads in a
+/// browser.)
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -23,52 +24,52 @@ pub enum Error {
     #[non_exhaustive]
     #[error("no graphics adapter found{}: {}{ADAPTER_REMEDY}", tidy(wanted), tidy(reason))]
     NoAdapter {
-        /// What was asked for, as ` for the name '…', WGPU_BACKEND=…`, or empty.
+        /// The requested adapter, as ` for the name '…', WGPU_BACKEND=…`, or empty.
         wanted: String,
-        /// What the driver loader said, or which adapters there are.
+        /// The driver loader's message, or the list of adapters.
         reason: String,
     },
-    /// The device went away (driver reset, unplugged, or destroyed by the program).
+    /// The device was lost (driver reset, unplugged, or destroyed by the program).
     #[error("the graphics device was lost: {0}; create a new Gpu and try again")]
     DeviceLost(String),
     /// The device has no memory left for this picture or scene.
     #[error("the graphics device is out of memory: {0}; use a smaller picture or scene")]
     OutOfMemory(String),
-    /// The driver refused something this library asked for: a defect here or there.
+    /// The driver refused a request of this library: a defect of either.
     #[error("the graphics driver refused a request: {0}")]
     Gpu(String),
-    /// A scene is on another device than the renderer.
+    /// The scene was uploaded by another device.
     #[error("the scene was uploaded by another Gpu; upload it with this renderer")]
     ForeignScene,
-    /// Something is larger than this adapter allows.
+    /// A resource is larger than the adapter allows.
     #[non_exhaustive]
     #[error("{what} needs {needed} but this adapter's {limit} is {allowed}; {remedy}")]
     Limit {
-        /// What is too large.
+        /// The resource that is too large.
         what: String,
-        /// How large it is, with its unit.
+        /// Its size, with its unit.
         needed: String,
-        /// The name of the adapter's limit.
+        /// Name of the adapter's limit.
         limit: &'static str,
         /// The limit's value, with its unit.
         allowed: String,
-        /// What to do about it.
+        /// How to avoid the error.
         remedy: &'static str,
     },
-    /// A file, or the picture in it, is over one of the [`Limits`](crate::Limits), and was not read.
+    /// A file, or the picture in it, exceeds one of the [`Limits`](crate::Limits) and was not read.
     #[non_exhaustive]
     #[error("{}: {size}, over the limit of {limit}; {remedy}", shown(path))]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What is too large, with its size.
+        /// Description of the size.
         size: String,
         /// The limit.
         limit: u64,
-        /// What raises it.
+        /// How to raise the limit.
         remedy: String,
     },
-    /// A camera that has no picture.
+    /// A camera that can't be rendered.
     #[non_exhaustive]
     #[error("invalid camera: {field} is {value}; {reason}")]
     Camera {
@@ -76,102 +77,102 @@ pub enum Error {
         field: &'static str,
         /// Its value.
         value: String,
-        /// What is expected of it.
+        /// The requirement that the value violates.
         reason: &'static str,
     },
-    /// A number of samples that no pixel has, or more of them than directions in f32 tell apart.
+    /// An unsupported number of samples per pixel, or samples too close together for directions in f32.
     #[non_exhaustive]
     #[error("invalid samples: {samples} a pixel; {reason}")]
     Samples {
-        /// The number asked for.
+        /// The requested number.
         samples: u32,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// A rig of eyes that can't be rendered, or a quilt that its views don't fill.
+    /// A rig that can't be rendered, or a quilt that its views don't fill.
     #[non_exhaustive]
     #[error("invalid rig: {reason}")]
     Rig {
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// Views, or a view and its camera, that don't have one size.
+    /// Views, or a view and its camera, differ in size.
     #[non_exhaustive]
     #[error("sizes that don't fit: {sizes}; {reason}")]
     Sizes {
         /// The sizes.
         sizes: String,
-        /// What is expected of them.
+        /// The requirement that the sizes violate.
         reason: &'static str,
     },
-    /// What no frame can be encoded with.
+    /// A method or option that can't be encoded ahead of its execution.
     #[non_exhaustive]
     #[error("{what} can't be encoded ahead: {reason}; render it instead")]
     Encoding {
-        /// The method, or what was asked for.
+        /// The method or option.
         what: String,
-        /// Why not.
+        /// Why it can't be encoded.
         reason: &'static str,
     },
     /// A ray that can't be traced.
     #[non_exhaustive]
     #[error("invalid ray {index}: {reason}")]
     Ray {
-        /// Its place in the list.
+        /// Its index in the list.
         index: usize,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// A scene with an element that cannot be rendered.
+    /// A scene element that can't be rendered.
     #[non_exhaustive]
     #[error("invalid scene: {}: {}", tidy(element), tidy(reason))]
     Scene {
         /// The element, as `mesh 'table', vertex 12`.
         element: String,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// An option that nothing can be rendered with.
+    /// An option with an invalid value.
     #[non_exhaustive]
     #[error("invalid options: {option}: {reason}")]
     Options {
-        /// Which one.
+        /// The option's name.
         option: &'static str,
-        /// What is wrong with its value.
+        /// The reason.
         reason: String,
     },
-    /// A name that is none of those known.
+    /// An unknown name.
     #[non_exhaustive]
     #[error("unknown {what} '{}'; use one of {}", tidy(name), tidy(known))]
     UnknownName {
-        /// What it should name, as `method`.
+        /// The kind of name, as `method`.
         what: &'static str,
         /// The name as given.
         name: String,
-        /// The names there are, separated by commas.
+        /// The known names, separated by commas.
         known: String,
     },
-    /// A file whose content is wrong.
+    /// A file with invalid content.
     #[non_exhaustive]
     #[error("{}", located(path, *line, reason))]
     Parse {
         /// The file.
         path: PathBuf,
-        /// The line, counted from 1, where it is known.
+        /// The line, counted from 1, if known.
         line: Option<usize>,
-        /// What is wrong there.
+        /// The reason.
         reason: String,
-        /// What a parser, a decoder or a check of the content said.
+        /// The error of a parser, a decoder or a content check.
         source: Option<Source>,
     },
-    /// A file that could not be read or written: the system refused, it is no regular file, it is not among those in memory, or what
-    /// is to be written makes no file of its kind.
+    /// A file could not be read or written. The system refused, the path is not a regular file, the file is not among
+    /// those in memory, or its type can't hold the content.
     #[non_exhaustive]
     #[error("{}: {source}", shown(path))]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The progress callback asked to stop.
@@ -181,12 +182,12 @@ pub enum Error {
 
 type Source = Box<dyn std::error::Error + Send + Sync>;
 
-/// A path as messages show it: whole, since that is how it is found.
+/// Returns a path for messages, uncut, so that it can be found.
 fn shown(path: &Path) -> String {
     escaped(&path.to_string_lossy())
 }
 
-/// What is to be said of a file or of one of its lines.
+/// Returns a message about a file, or about one of its lines.
 pub(crate) fn located(path: &Path, line: Option<usize>, text: &str) -> String {
     format!("{}{}: {}", shown(path), line.map(|line| format!(":{line}")).unwrap_or_default(), tidy(text))
 }
@@ -197,7 +198,7 @@ impl Error {
         Self::Parse { path: path.into(), line, reason: reason.into(), source: None }
     }
 
-    /// The same of what another error says.
+    /// [`Error::Parse`] with the error that it results from.
     #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn parse_from(
         path: impl Into<PathBuf>,
@@ -217,7 +218,7 @@ impl Error {
         Self::Io { path: path.into(), source }
     }
 
-    /// Without the path, for a message that says it otherwise: messages cut long words.
+    /// Returns the message without the path, for messages that name the path themselves, since long words are cut.
     #[cfg(feature = "obj")]
     pub(crate) fn without_path(&self) -> String {
         match self {
@@ -228,12 +229,12 @@ impl Error {
         }
     }
 
-    /// Of what is to be written to a file and can't be.
+    /// [`Error::Io`] for content that can't be written to a file.
     pub(crate) fn unwritable(path: impl Into<PathBuf>, reason: impl Into<Source>) -> Self {
         Self::io(path, std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
     }
 
-    /// A driver ended a kernel's loops before their work was done.
+    /// The error if a driver ended a kernel's loops before their work was done.
     pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
             what: format!("the tracing of {}", counted(threads, "thread", "threads")),

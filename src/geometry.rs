@@ -1,8 +1,8 @@
-//! A BVH as the one texture or storage buffer that kernels read it from (`shaders/shared/fetch.wgsl`).
+//! The layout of a BVH in the one texture or storage buffer that kernels read (`shaders/shared/fetch.wgsl`).
 //!
-//! The root's pair comes first, then the primitives, then all other pairs, then masks of what is cut out. So the primitives begin at the same place whatever
-//! the scene's size, and kernels need neither a text of their own for it nor an addition; where the other pairs begin only
-//! the links say, which are indices of pairs from the first texel on.
+//! The root's pair comes first, then the primitives, then all other pairs, then cut-out masks. Primitives thus begin at
+//! the same place for any scene size, so kernels need no offset for them. Links are indices of pairs from the first
+//! texel on; only they tell where the other pairs begin.
 
 use crate::{
     bvh::{LEAF, PackedBvh, Texel},
@@ -16,7 +16,7 @@ const WIDTH: usize = TEXTURE_WIDTH as usize;
 pub(crate) struct GeometryTexels<'a> {
     packed: &'a PackedBvh,
     fetch: Fetch,
-    /// Texels of a primitive.
+    /// Texels per primitive.
     each: usize,
 }
 
@@ -25,17 +25,17 @@ impl<'a> GeometryTexels<'a> {
         Self { packed, fetch, each: packed.primitives.len() / packed.ids.len().max(1) }
     }
 
-    /// How many they are.
+    /// Returns the number of texels.
     pub(crate) fn count(&self) -> usize {
         self.masks_begin() + self.packed.masks.len()
     }
 
-    /// Where the masks begin.
+    /// Returns the index of the first mask texel.
     pub(crate) fn masks_begin(&self) -> usize {
         self.primitives_begin() + self.primitive_span() + self.packed.nodes.len() - self.packed.pair_texels
     }
 
-    /// The texels.
+    /// Returns all texels.
     pub(crate) fn texels(&self) -> Vec<Texel> {
         let (pair, primitives) = (self.packed.pair_texels, &self.packed.primitives);
         let (root, others) = self.packed.nodes.split_at(pair);
@@ -43,8 +43,8 @@ impl<'a> GeometryTexels<'a> {
         texels.extend_from_slice(root);
         texels.resize(self.primitives_begin(), [0; 4]);
         match self.fetch {
-            // The first texels of the primitives of a row stand in that row, their second ones in the next, and so on, so that a
-            // primitive's texels stand in one column.
+            // A row of primitives is stored as one row of their first texels, then one row of their second texels, and
+            // so on. All texels of a primitive thus stand in one column.
             Fetch::Texture => {
                 for chunk in primitives.chunks(WIDTH * self.each.max(1)) {
                     for texel in 0..self.each {
@@ -63,7 +63,7 @@ impl<'a> GeometryTexels<'a> {
         texels.extend_from_slice(others);
         let (root, rest) = texels.split_at_mut(others_begin);
         for child in root[..pair].chunks_mut(pair / 2).chain(rest.chunks_mut(pair / 2)) {
-            // A box's first texel has the link.
+            // The first texel of each box holds the link.
             if child[0][3] & LEAF == 0 {
                 child[0][3] += moved;
             }
@@ -79,7 +79,7 @@ impl<'a> GeometryTexels<'a> {
         }
     }
 
-    /// Texels from the first primitive's to the first pair's behind them.
+    /// Returns the number of texels between the first primitive and the first pair after the primitives.
     fn primitive_span(&self) -> usize {
         match self.fetch {
             Fetch::Texture => self.packed.ids.len().div_ceil(WIDTH) * self.each * WIDTH,
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::{Boxes, BvhBuild, MaterialId, Scene, Sphere, bvh, random::Random};
 
-    /// Reads as `shaders/shared/fetch.wgsl` does.
+    /// Reads a texel as `shaders/shared/fetch.wgsl` does.
     fn primitive_texel(texels: &[Texel], fetch: Fetch, pair: usize, each: usize, slot: usize, texel: usize) -> Texel {
         texels[match fetch {
             Fetch::Texture => ((slot >> 13) * each + 1 + texel) * 8192 + (slot & 8191),
@@ -125,7 +125,7 @@ mod tests {
                         assert_eq!(found, packed.primitives[3 * slot + texel], "{slot} {fetch:?}");
                     }
                 }
-                // Both trees from their roots: as packed, and as laid out.
+                // Compares both trees from their roots: as packed, and as laid out.
                 let mut pending = if count == 0 { vec![] } else { vec![(0, 0)] };
                 let mut visited = 0;
                 while let Some((ours, theirs)) = pending.pop() {

@@ -1,4 +1,4 @@
-//! What stereo vision asks of ground truth, of both views of a pair: one object that all its files are written from.
+//! Ground truth for stereo vision, of both views of a pair: one object that all its files are written from.
 
 use glam::DVec3;
 
@@ -8,20 +8,20 @@ use crate::{
     scene::{Primitive, ToSphere, Triangle},
 };
 
-/// Ground truth of both views of a pair, as [`Renderer::ground_truth_async`] makes it.
+/// Ground truth of both views of a pair, made by [`Renderer::ground_truth_async`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GroundTruth {
-    /// Of the left view.
+    /// Ground truth of the left view.
     pub left: EyeTruth,
-    /// Of the right view.
+    /// Ground truth of the right view.
     pub right: EyeTruth,
-    /// The camera that both were rendered with.
+    /// Camera of both views.
     pub pose: Pose,
 }
 
-/// Ground truth of one view. All lists are row-major, `[height][width]`, top row first; all is said of the first surface that
-/// the ray through a pixel's centre meets, whatever mirrors or glass show there.
+/// Ground truth of one view. All lists are row-major, `[height][width]`, top row first. They describe the first surface
+/// along the ray through a pixel's centre, even if it is a mirror or glass.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EyeTruth {
@@ -33,35 +33,35 @@ pub struct EyeTruth {
     pub depth: Vec<f32>,
     /// Distance from the eye along the pixel's ray in world units; `f32::INFINITY` for sky.
     pub distance: Vec<f32>,
-    /// Disparity `x_l - x_r` in pixels ([`StereoPair::disparity`]). Sky has that of infinite depth.
+    /// Disparity `x_l - x_r` in pixels ([`StereoPair::disparity`]). Sky has the disparity of infinite depth.
     pub disparity: Vec<f32>,
-    /// Whether the other eye sees the very point ([`Renderer::occlusions_async`]).
+    /// Whether the other eye sees the same point ([`Renderer::occlusions_async`]).
     pub occlusion: Vec<Occlusion>,
-    /// Normal of the surface itself, towards the eye: unit length, in the world's frame; zero for sky.
+    /// Geometric normal facing the eye: unit length, world frame; zero for sky.
     pub geometric_normal: Vec<[f32; 3]>,
-    /// The normal that the surface is lit by, interpolated where a mesh has normals, on the side of the geometric one: unit
-    /// length, in the world's frame; zero for sky.
+    /// Shading normal, interpolated where a mesh has normals, on the side of the geometric one: unit length, world
+    /// frame; zero for sky.
     pub shading_normal: Vec<[f32; 3]>,
     /// Id of the primitive, or [`MISS`].
     pub primitive: Vec<u32>,
-    /// Id of its object ([`Scene::object_of`]), or [`MISS`].
+    /// Id of the primitive's object ([`Scene::object_of`]), or [`MISS`].
     pub object: Vec<u32>,
-    /// Id of its material ([`MaterialId`]), or [`MISS`].
+    /// Id of the primitive's material ([`MaterialId`]), or [`MISS`].
     pub material: Vec<u32>,
 }
 
 impl EyeTruth {
-    /// Where nothing was hit.
+    /// Returns whether each pixel shows no surface.
     pub fn sky(&self) -> Vec<bool> {
         self.primitive.iter().map(|&id| id == MISS).collect()
     }
 
-    /// Where there is a surface: what KITTI's `disp_occ` has.
+    /// Returns whether each pixel shows a surface: the mask of KITTI's `disp_occ`.
     pub fn surfaces(&self) -> Vec<bool> {
         self.primitive.iter().map(|&id| id != MISS).collect()
     }
 
-    /// Where there is a surface whose point the other eye sees too: what KITTI's `disp_noc` has.
+    /// Returns whether each pixel shows a surface point that the other eye sees too: the mask of KITTI's `disp_noc`.
     pub fn surfaces_of_both(&self) -> Vec<bool> {
         let pixels = self.primitive.iter().zip(&self.occlusion);
         pixels.map(|(&id, &found)| id != MISS && found == Occlusion::Visible).collect()
@@ -69,8 +69,8 @@ impl EyeTruth {
 }
 
 impl Pose {
-    /// Directions of the world, such as normals, in the camera's frame: x to the picture's right, y down, z along the view
-    /// direction, as `OpenCV` has it. Both eyes' axes are the same.
+    /// Transforms world directions, such as normals, to the camera's frame: x to the picture's right, y down, z along
+    /// the view direction, as in `OpenCV`. Both eyes have the same axes.
     pub fn in_camera(&self, directions: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let axes = [self.right, -self.up, self.forward].map(|axis| axis.as_dvec3());
         let turned = |direction: &[f32; 3]| {
@@ -82,16 +82,18 @@ impl Pose {
 }
 
 impl Renderer {
-    /// What stereo vision asks of ground truth, of both views of a pair: disparities, occlusions by a ray from the other eye to each
-    /// point, depths, distances, normals and ids. `uploaded` is `scene`, or a clone of it, as it is now, and `pair` a picture
-    /// of it by a method that meets each pixel's own surface: [`Method::Naive`], [`Method::Auto`] or a [`Method::Bracket`].
+    /// Computes the ground truth of both views of a pair: disparities, occlusions (one ray from the other eye to each
+    /// point), depths, distances, normals and ids. `uploaded` must be the current state of `scene` or of a clone.
+    /// `pair` must be rendered from it by [`Method::Naive`], [`Method::Auto`] or a [`Method::Bracket`], which hit each
+    /// pixel's own surface.
     ///
-    /// Occlusions are asked on the device; the rest is worked out in f64 on the host, at some 50 bytes a pixel and eye.
+    /// Occlusions are traced on the device. The rest is computed in f64 on the host, with some 50 bytes per pixel and
+    /// eye.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without ids ([`GBuffer::Ids`](crate::GBuffer), the default, has them) or by another method;
-    /// [`Error::Scene`] where `scene` is not what was uploaded, or the pair shows a primitive that it has not; and those of
-    /// [`Renderer::occlusions_async`].
+    /// [`Error::Options`] for a pair without ids (the default [`GBuffer::Ids`](crate::GBuffer) has them) or by another
+    /// method; [`Error::Scene`] if `scene` is not the uploaded one, or lacks a primitive that the pair shows; and the
+    /// errors of [`Renderer::occlusions_async`].
     pub async fn ground_truth_async(
         &self,
         uploaded: &UploadedScene,
@@ -171,7 +173,7 @@ fn eye_truth(
     Ok(truth)
 }
 
-/// What is said of a surface where a ray meets it: in f64 what `surface_of` in shaders/shared has in f32.
+/// Surface at a ray's hit: the f64 counterpart of `surface_of` in shaders/shared.
 struct Surface {
     geometric: DVec3,
     shading: DVec3,
@@ -181,14 +183,14 @@ struct Surface {
 impl Surface {
     const NONE: Self = Self { geometric: DVec3::ZERO, shading: DVec3::ZERO, material: MISS };
 
-    /// One that is lit by its own normal, of any length but 0.
+    /// Creates a surface lit by its geometric normal, which may have any length but 0.
     fn flat(normal: DVec3, direction: DVec3, material: MaterialId) -> Self {
         let normal = towards_viewer(normal, direction);
         Self { geometric: normal, shading: normal, material: material.0 }
     }
 }
 
-/// Where a ray from the eye, relative to the scene's origin, meets a primitive, about that far along its direction.
+/// Returns the surface where a ray from the eye, relative to the scene's origin, hits a primitive near `t`.
 fn surface(primitive: &Primitive<'_>, eye: DVec3, direction: DVec3, t: f64) -> Surface {
     match *primitive {
         Primitive::Triangle(triangle) => triangle_surface(triangle, eye, direction),
@@ -215,14 +217,16 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     if !triangle.is_smooth() {
         return flat;
     }
-    // Each corner's share is the volume that the ray spans with the edge before it. Rounding may leave one a little outside.
+    // A corner's barycentric weight is the volume that the ray spans with the opposite edge. Rounding may leave the
+    // point slightly outside.
     let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| edge.dot(direction));
     let sign = volumes.iter().sum::<f64>().signum();
     let shares = volumes.map(|volume| (sign * volume).max(0.0));
     let normals = triangle.normals.map(|normal| normal.as_dvec3().normalize_or_zero());
     let sum: f64 = shares.iter().sum();
     let blend = normals.iter().zip(shares).map(|(normal, share)| *normal * (share / sum)).sum::<DVec3>();
-    // As the kernels have it: normals that cancel each other, and a triangle that is all rounding, whose blend is no number, leave its own.
+    // As in the kernels, the geometric normal is used if the normals cancel each other or the blend is NaN, as with
+    // slivers.
     let is_usable = blend.length_squared() > 1e-6;
     if !is_usable {
         return flat;
@@ -231,15 +235,15 @@ fn triangle_surface(triangle: &Triangle, eye: DVec3, direction: DVec3) -> Surfac
     Surface { shading: if unit.dot(flat.geometric) < 0.0 { -unit } else { unit }, ..flat }
 }
 
-/// The normal, of any length, of a ball where a ray meets it about so far along its direction, from its centre. The meeting is worked
-/// out anew: a depth's rounding is little of the depth, but may be much of a small ball's radius.
+/// Returns the normal, of any length, where a ray hits an ellipsoid near `t`. The hit is computed again, because the
+/// rounding of a depth may be large compared with the radius of a small ellipsoid.
 fn outward(map: &ToSphere, from_center: DVec3, direction: DVec3, t: f64) -> DVec3 {
     let rows = map.rows.map(|row| row.as_dvec3());
     let mapped = |vector: DVec3| DVec3::from_array(rows.map(|row| row.dot(vector)));
     let (origin, along, radius) = (mapped(from_center), mapped(direction), f64::from(map.radius));
     let middle = -origin.dot(along) / along.length_squared();
     let nearest = origin + along * middle;
-    // Past the edge, by rounding, it is met where it is passed.
+    // A ray that misses by rounding is taken to hit at its closest approach.
     let half = ((radius * radius - nearest.length_squared()).max(0.0) / along.length_squared()).sqrt();
     let met = nearest + along * if t < middle { -half } else { half };
     rows[0] * met.x + rows[1] * met.y + rows[2] * met.z

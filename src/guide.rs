@@ -1,4 +1,4 @@
-//! A guide in five chapters, for readers who are new to the field. Its examples are compiled and run with the tests.
+//! A guide in five chapters for readers new to the field. The tests compile and run its examples.
 
 #[doc = include_str!("../docs/guide/1-first-anaglyph.md")]
 pub mod first_anaglyph {}

@@ -1,4 +1,4 @@
-//! Opens files to be read: regular ones only, no larger than a limit.
+//! Opens files for reading: only regular files up to a size limit.
 
 #[cfg(feature = "scene-files")]
 mod files;
@@ -13,7 +13,7 @@ use std::{
 pub(crate) use self::files::{Files, Given, SceneFolder};
 use crate::{Error, Gpu, message::counted};
 
-/// How large a file may be that the library reads. A larger one is an error, before it takes memory.
+/// Size limits of files that the library reads. A larger file is an error before it takes memory.
 ///
 /// ```
 /// use stereotrace::Limits;
@@ -29,13 +29,13 @@ pub struct Limits {
     pub(crate) texture_pixels: u64,
     #[cfg_attr(not(feature = "scene-files"), allow(dead_code, reason = "no scene is read"))]
     pub(crate) triangles: u64,
-    /// The most that the adapter can hold.
+    /// Maximum that the adapter can hold.
     adapter_pixels: u64,
-    /// What messages say that the limits on files and on skies are raised by.
+    /// Names, for messages, of the options that raise the file limit and the sky limit.
     pub(crate) option_names: [&'static str; 2],
-    /// The same of the limit on textures.
+    /// Name of the option that raises the texture limit.
     pub(crate) texture_option_name: &'static str,
-    /// The same of the limit on triangles.
+    /// Name of the option that raises the triangle limit.
     #[cfg_attr(not(feature = "scene-files"), allow(dead_code, reason = "no scene is read"))]
     pub(crate) triangle_option_name: &'static str,
 }
@@ -56,79 +56,81 @@ impl Default for Limits {
     }
 }
 
-/// What a sky's pixel takes on the adapter.
+/// Bytes of a sky pixel on the adapter.
 const SKY_PIXEL_BYTES: u64 = 16;
-/// What a texture's pixel takes.
+/// Bytes of a texture pixel on the adapter.
 const TEXTURE_PIXEL_BYTES: u64 = 4;
-/// Pixels that may be decoded for each that may be kept: some pictures are looked at alone, and some turn out to be broken at their end.
+/// Pixels that may be decoded per pixel that may be kept. Some pictures are only inspected, and some turn out to be
+/// broken at their end.
 #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
 const DECODED_PER_KEPT: u64 = 4;
 
 impl Limits {
-    /// Largest OBJ, glTF or PLY file, and largest picture of a sky or of a texture as a file; all MTL files of one OBJ together have the same
-    /// limit, and all buffers of one glTF file. 1 GiB where nothing is said.
+    /// Sets the maximum size in bytes of an OBJ, glTF or PLY file, and of a sky or texture file. The MTL files of one
+    /// OBJ share this limit, and so do the buffers of one glTF file. 1 GiB by default.
     pub fn file_bytes(mut self, bytes: u64) -> Self {
         self.file_bytes = bytes;
         self
     }
 
-    /// Largest JSON file, and what a glTF file may have of JSON beside its strings (a buffer may be a string). There an object counts as 32 bytes at
-    /// least. 16 MiB where nothing is said.
+    /// Sets the maximum size in bytes of a JSON file, and of a glTF file's JSON without its strings (a buffer may be a
+    /// string). In glTF an object counts as at least 32 bytes. 16 MiB by default.
     pub fn json_bytes(mut self, bytes: u64) -> Self {
         self.json_bytes = bytes;
         self
     }
 
-    /// Largest sky, width times height, each pixel taking 12 bytes here and 16 on the adapter. 8,388,608 (4096x2048) where
-    /// nothing is said: the 128 MiB that every WebGPU adapter can bind.
+    /// Sets the maximum pixels of a sky, width times height. A pixel takes 12 bytes on the host and 16 on the adapter.
+    /// 8,388,608 (4096x2048) by default, which fits the 128 MiB that every WebGPU adapter can bind.
     pub fn sky_pixels(mut self, pixels: u64) -> Self {
         self.sky_pixels = pixels;
         self
     }
 
-    /// Pixels that a texture may have at most, and those of an OBJ's MTL files or of a glTF file all together; each takes 4 bytes. Masks that are made
-    /// of a picture, by its brightness or an alpha cut-off of its own, count like pictures. 67,108,864 (one of 8192x8192) where nothing is said: the
-    /// 256 MiB that every WebGPU adapter can hold in a buffer. Four times as many may be decoded, with those of which only a mean is kept.
+    /// Sets the maximum pixels of a texture, and of all textures of an OBJ's MTL files or of a glTF file together. A
+    /// pixel takes 4 bytes. Masks made from a picture's brightness or its own alpha cut-off count too. 67,108,864
+    /// (8192x8192) by default, which fits the 256 MiB that every WebGPU adapter can hold in a buffer. Four times as
+    /// many pixels may be decoded, including those of which only a mean is kept.
     pub fn texture_pixels(mut self, pixels: u64) -> Self {
         self.texture_pixels = pixels;
         self
     }
 
-    /// Triangles that a scene file may become. In a glTF file a mesh counts as often as nodes show it. Each takes some 80 bytes here, and 24 or 36 more
-    /// with texture coordinates or colours, and twice that while it is read; a glTF file's vertices may be three times as many. 33,554,432 where
-    /// nothing is said.
+    /// Sets the maximum triangles of a scene file. A glTF mesh counts once per node that shows it. A triangle takes
+    /// some 80 bytes on the host, and 24 or 36 more with texture coordinates or colours; loading takes twice that. A
+    /// glTF file may have three times as many vertices. 33,554,432 by default.
     pub fn triangles(mut self, triangles: u64) -> Self {
         self.triangles = triangles;
         self
     }
 
-    /// What messages say that [`Limits::triangles`] is raised by. `Limits` where nothing is said.
+    /// Sets the name that messages use for the option that raises [`Limits::triangles`]; `Limits` by default.
     pub fn triangle_option_name(mut self, name: &'static str) -> Self {
         self.triangle_option_name = name;
         self
     }
 
-    /// What messages say that [`Limits::texture_pixels`] is raised by. `Limits` where nothing is said.
+    /// Sets the name that messages use for the option that raises [`Limits::texture_pixels`]; `Limits` by default.
     pub fn texture_option_name(mut self, name: &'static str) -> Self {
         self.texture_option_name = name;
         self
     }
 
-    /// What messages say that the limits are raised by, those on files and the one on skies: a program's own options,
-    /// where its user has some. `Limits` where nothing is said.
+    /// Sets the names that messages use for the options that raise the file limits and the sky limit, such as a
+    /// program's own options. `Limits` by default.
     pub fn option_names(mut self, files: &'static str, skies: &'static str) -> Self {
         self.option_names = [files, skies];
         self
     }
 
-    /// The device that skies are for: one that it can't hold is refused before it is decoded, whatever
-    /// [`Limits::sky_pixels`] says.
+    /// Sets the device for skies. A sky that it can't hold is refused before it is decoded, whatever
+    /// [`Limits::sky_pixels`].
     pub fn gpu(mut self, gpu: &Gpu) -> Self {
         self.adapter_pixels = gpu.largest_table();
         self
     }
 
-    /// Refuses more triangles than the limit, or of something else, named by `what`, more than the limit times `factor`.
+    /// Checks a number of triangles against the limit, or a number of `what` against the limit times `factor`.
     #[cfg(feature = "scene-files")]
     pub(crate) fn check_triangles(
         &self,
@@ -149,27 +151,28 @@ impl Limits {
         }
     }
 
-    /// Pixels that may be decoded in all, whether they are kept or not.
+    /// Returns the maximum pixels that may be decoded in all, kept or not.
     #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
     pub(crate) fn decodable_pixels(&self) -> u64 {
         self.texture_pixels.saturating_mul(DECODED_PER_KEPT)
     }
 
-    /// The largest sky that both the caller and the adapter take.
+    /// Returns the largest sky that both the caller and the adapter allow.
     #[cfg(feature = "sky")]
     pub(crate) fn largest_sky(&self) -> u64 {
         self.sky_pixels.min(self.adapter_pixels)
     }
 }
 
-/// Opens a regular file of at most `limit` bytes, and says how many it has. A message says what raises the limit.
+/// Opens a regular file of at most `limit` bytes and returns its size. `raised_by` names the option that raises the
+/// limit.
 ///
 /// # Errors
-/// [`Error::Io`] if it can't be opened, and for what is no regular file, which may have no end or wait for ever;
-/// [`Error::TooLarge`] for a file over the limit.
+/// [`Error::Io`] if it can't be opened or is not a regular file, which may never end or block; [`Error::TooLarge`] for
+/// a file over the limit.
 pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u64), Error> {
     let io = |source| Error::io(path, source);
-    // Before it is opened too: opening a pipe waits for one who writes into it.
+    // The type is checked before opening too: opening a pipe waits for a writer.
     check_type(path, fs::metadata(path).map_err(io)?.file_type())?;
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
@@ -179,7 +182,7 @@ pub(crate) fn open(path: &Path, limit: u64, raised_by: &str) -> Result<(File, u6
     Ok((file, bytes))
 }
 
-/// Refuses a file over the limit.
+/// Returns an error for a file over the limit.
 pub(crate) fn check_size(path: &Path, bytes: u64, limit: u64, raised_by: &str) -> Result<(), Error> {
     if bytes <= limit {
         return Ok(());
@@ -192,7 +195,7 @@ pub(crate) fn check_size(path: &Path, bytes: u64, limit: u64, raised_by: &str) -
     })
 }
 
-/// A file's bytes, as many of them as it said it had: what the system makes up as it is read (/proc) has no size.
+/// Returns a file's bytes, up to its reported size. Files that the system generates (/proc) report none.
 #[cfg(any(feature = "scene-files", feature = "json"))]
 pub(crate) fn read_bytes(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     use std::io::Read;
@@ -203,7 +206,7 @@ pub(crate) fn read_bytes(path: &Path, limit: u64, raised_by: &str) -> Result<Vec
     Ok(content)
 }
 
-/// A text's bytes. UTF-16 is an error.
+/// Returns a text file's bytes. UTF-16 is an error.
 #[cfg(feature = "json")]
 pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, Error> {
     let content = read_bytes(path, limit, raised_by)?;
@@ -211,7 +214,7 @@ pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, 
     Ok(content)
 }
 
-/// Refuses UTF-16.
+/// Returns an error for UTF-16.
 #[cfg(any(feature = "obj", feature = "json"))]
 fn check_text(path: &Path, content: &[u8]) -> Result<(), Error> {
     let utf_16 = match content {

@@ -1,4 +1,4 @@
-//! The table of kernels: what each touches, its bindings and its WGSL file.
+//! The description of kernels: what each touches, its bindings and its WGSL file.
 
 use crate::{
     cast,
@@ -15,7 +15,7 @@ use crate::{
     wgsl::Part,
 };
 
-/// How a kernel uses a storage buffer of its own.
+/// How a kernel uses one of its storage buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     Read,
@@ -45,31 +45,36 @@ impl Touches {
     }
 }
 
-/// A compute kernel. Its text has one entry point; group 1 has the frame at binding 0 and then `storage`.
+/// A compute kernel. Its text has one entry point. Bind group 1 has the frame at binding 0, then `storage`.
 pub(crate) struct Kernel {
-    /// Of its own: pipelines are told apart by it.
+    /// Unique name, which identifies its pipelines.
     pub(crate) name: &'static str,
     pub(crate) touches: Touches,
     pub(crate) storage: &'static [(Target, Access)],
-    /// Its file; what that uses of `shaders/shared/` is added (`src/wgsl.rs`).
+    /// Its file. The definitions that it uses of `shaders/shared/` are added (`src/wgsl.rs`).
     pub(crate) main: Part,
 }
 
 use Access::{Read, Write};
 
-/// Where in group 1 is bound the mask of the pixels that are wanted, the texture that a view is shown in, linear colour (of a view's source, and its own), what threads keep from step to step (`src/lanes.rs`),
-/// and the textures of a second source's samples and of a source's.
-/// Where shadow-buffers are bound that a kernel reads.
+/// Binding of shadow-buffers in group 1.
 pub(crate) const SHADOW_BINDING: u32 = 8;
+/// Binding of the mask of wanted pixels.
 pub(crate) const MASK_BINDING: u32 = 9;
+/// Binding of a second source's samples.
 pub(crate) const SECOND_SAMPLES_BINDING: u32 = 10;
+/// Binding of the texture that shows a view.
 pub(crate) const PICTURE_BINDING: u32 = 11;
+/// Binding of the source's linear colour.
 const SOURCE_LINEAR_BINDING: u32 = 12;
+/// Binding of the view's own linear colour.
 const LINEAR_BINDING: u32 = 13;
+/// Binding of the state of work in steps (`src/lanes.rs`).
 pub(crate) const STEPS_BINDING: u32 = 14;
+/// Binding of a source's samples.
 pub(crate) const SAMPLES_BINDING: u32 = 15;
 
-/// What kernels need of a device's limits; those that they don't ask for are taken from `others`.
+/// Returns the limits that kernels need of a device; all other limits are taken from `others`.
 pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_bind_groups: 3,
@@ -94,12 +99,12 @@ impl std::fmt::Debug for Kernel {
 }
 
 impl Kernel {
-    /// Pixels of a thread's block in x and in y.
+    /// Returns the side of a thread's block, in pixels.
     pub(crate) fn block(&self, with: &Variant) -> u32 {
         if !self.touches.geometry() { 1 } else { with.of_kernel(self).traversal.rays.block() }
     }
 
-    /// Linear colour that it uses, where somebody wants it, and where that is bound in group 1.
+    /// Returns the buffers of linear colour that it uses, if requested, with their bindings in group 1.
     pub(crate) fn linear(&self, with: &Variant) -> &'static [(Target, u32)] {
         match self.touches {
             _ if !with.linear => &[],
@@ -111,7 +116,7 @@ impl Kernel {
         }
     }
 
-    /// How a kernel uses the texture of a source's samples, at `SAMPLES_BINDING` of group 1.
+    /// Returns how it uses the texture of a source's samples, at `SAMPLES_BINDING` of group 1.
     pub(crate) fn samples(&self, with: &Variant) -> Option<Access> {
         match self.name {
             "trace_left" | "shade_hits" if with.samples => Some(Write),
@@ -120,30 +125,32 @@ impl Kernel {
         }
     }
 
-    /// Whether it reads a second source's samples, at `SECOND_SAMPLES_BINDING` of group 1.
+    /// Returns whether it reads a second source's samples, at `SECOND_SAMPLES_BINDING` of group 1.
     pub(crate) fn asks_second(&self, with: &Variant) -> bool {
         with.second && self.touches == Touches::Shading && self.samples(with) == Some(Read)
     }
 
-    /// Whether what it does depends on which pixels are wanted. (What others do follows from lists.)
+    /// Returns whether it depends on the mask of wanted pixels. (Other kernels depend on lists.)
     pub(crate) fn minds_mask(&self) -> bool {
         let names = ["trace_left", "trace_hits", "trace_soft", "shade_hits", "list_mirrors", "bound_tiles"];
         let of_tiles = ["search_tiles", "resolve_tiles", "shade_sky", "shade_tiles"];
         names.contains(&self.name) || of_tiles.contains(&self.name)
     }
 
-    /// How it reads shadow-buffers, at `SHADOW_BINDING` of group 1: those do that would else trace shadow rays, in one dispatch.
+    /// Returns how it reads shadow-buffers, at `SHADOW_BINDING` of group 1. Kernels that trace shadow rays in one
+    /// dispatch do.
     pub(crate) fn shadow_buffer(&self, with: &Variant) -> Option<Reading> {
         let names = ["trace_left", "shade_hits", "shade_listed", "shade_traced", "trace_mirrored"];
         with.shadow_buffer.filter(|_| names.contains(&self.name) && with.casts_from_lights())
     }
 
-    /// Whether it reads the mask of the view at work, at `MASK_BINDING` of group 1. (`bound_tiles` sees it in the source's depths.)
+    /// Returns whether it reads the mask of the current view, at `MASK_BINDING` of group 1. (`bound_tiles` sees it by
+    /// the source's depths.)
     pub(crate) fn reads_mask(&self, with: &Variant) -> bool {
         with.masked && self.minds_mask() && self.touches.geometry()
     }
 
-    /// The format of the texture that it writes, at `PICTURE_BINDING` of group 1.
+    /// Returns the format of the texture that it writes, at `PICTURE_BINDING` of group 1.
     pub(crate) fn picture(&self) -> Option<wgpu::TextureFormat> {
         match self.name {
             "show_color" => Some(wgpu::TextureFormat::Rgba8Unorm),
@@ -152,7 +159,7 @@ impl Kernel {
         }
     }
 
-    /// Whether its threads leave work to the next dispatch (`src/lanes.rs`).
+    /// Returns whether its threads continue in the next dispatch (`src/lanes.rs`).
     pub(crate) fn in_steps(&self) -> bool {
         matches!(self.name, "trace_in_steps" | "closest_hits_in_steps" | "any_hits_in_steps")
     }
@@ -176,7 +183,7 @@ impl SceneLayouts {
     }
 }
 
-/// The kernels that have been built, and the layouts that they share.
+/// The kernels built so far, and their shared layouts.
 #[derive(Debug)]
 pub(crate) struct Kernels {
     textures: SceneLayouts,
@@ -193,7 +200,7 @@ impl Kernels {
         }
     }
 
-    /// The layouts of a scene that is read this way.
+    /// Returns the layouts of a scene that is read this way.
     pub(crate) fn layouts(&self, fetch: Fetch) -> &SceneLayouts {
         match fetch {
             Fetch::Texture => &self.textures,
@@ -201,7 +208,7 @@ impl Kernels {
         }
     }
 
-    /// The pipeline of a kernel, built if this is its first use.
+    /// Returns the pipeline of a kernel, built at its first use.
     pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Built {
         let with = with.of_kernel(kernel);
         self.built.get(gpu, (kernel.name, with), || self.program(kernel, &with))
@@ -227,7 +234,7 @@ impl Kernels {
             };
             entry(SAMPLES_BINDING, texture_type(TEXELS, access))
         }));
-        // Read as sampled textures are, of which there may be more.
+        // Read as sampled textures, of which more are allowed.
         own.extend(kernel.asks_second(with).then(|| entry(SECOND_SAMPLES_BINDING, sampled_type())));
         own.extend(kernel.shadow_buffer(with).map(|_| entry(SHADOW_BINDING, sampled_layers_type())));
         own.extend(kernel.reads_mask(with).then(|| entry(MASK_BINDING, sampled_type())));

@@ -1,5 +1,5 @@
-//! Large primitives: where an eye or a light comes so close to one that f32 is too coarse for its size, kernels compute t twice as
-//! exactly (`shaders/shared/double_float.wgsl`). Elsewhere they don't pay for it.
+//! Large primitives. If an eye or a light is so close to one that f32 is too coarse, kernels compute t with twice the
+//! precision (`shaders/shared/double_float.wgsl`). Other scenes do not pay for it.
 
 use glam::{DVec3, Vec3};
 
@@ -9,9 +9,9 @@ use crate::{
     scene::ToSphere,
 };
 
-/// A triangle is large for a point that is nearer to its plane than its longest edge over this; `LARGE` of the kernels.
+/// A triangle is large for a point nearer to its plane than its longest edge divided by this; `LARGE` in the kernels.
 pub(crate) const LARGE: f32 = 64.0;
-/// So many of the largest primitives are looked at. Where more are as large, hits on the others are a little less exact.
+/// Number of largest primitives that are checked. If a scene has more, hits on the others are slightly less exact.
 const MOST: usize = 1024;
 
 /// The largest primitives of a scene.
@@ -19,7 +19,7 @@ const MOST: usize = 1024;
 pub(crate) struct LargePrimitives {
     triangles: Vec<[Vec3; 3]>,
     spheres: Vec<Sphere>,
-    /// Centres and maps.
+    /// Centres and maps to spheres.
     ellipsoids: Vec<(Vec3, ToSphere)>,
 }
 
@@ -36,7 +36,7 @@ impl LargePrimitives {
         }
     }
 
-    /// Whether one of them is large for one of these points.
+    /// Returns whether one of the primitives is large for one of these points.
     pub(crate) fn any_close_to(&self, points: &[Vec3]) -> bool {
         points.iter().any(|&point| {
             self.triangles.iter().any(|corners| is_over(point, *corners) && is_close(point, *corners))
@@ -46,8 +46,8 @@ impl LargePrimitives {
     }
 }
 
-/// Whether a point's foot on a triangle's plane lies in the triangle's box, or beside it. A triangle that is seen edge-on from afar is no
-/// matter: the mean of the corners' t holds there.
+/// Returns whether a point's projection onto a triangle's plane lies in the triangle's box or close to it. Distant
+/// triangles seen edge-on don't matter, since t is clamped to the corners' t.
 fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -56,7 +56,7 @@ fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
     foot.cmpge(a.min(b).min(c) - aside).all() && foot.cmple(a.max(b).max(c) + aside).all()
 }
 
-/// The `MOST` largest, in no order. Keeps at most twice as many at a time.
+/// Returns the `MOST` largest items, unordered. Keeps at most twice as many at a time.
 fn largest<T>(all: impl Iterator<Item = T>, size: impl Fn(&T) -> f64) -> Vec<T> {
     let mut kept: Vec<(f64, T)> = Vec::new();
     let mut least = f64::NEG_INFINITY;

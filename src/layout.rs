@@ -1,4 +1,4 @@
-//! Every struct that WGSL reads, with the same names; a test compares them by reflection.
+//! Structs and numbers shared with WGSL, under the same names. A test compares them by reflection.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -79,7 +79,7 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
-/// `Frame` of shaders/shared/types.wgsl where it is a light's table.
+/// `Frame` of shaders/shared/types.wgsl for a light's table.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Table {
@@ -98,15 +98,15 @@ pub(crate) struct Table {
     pub(crate) _pad: [u32; 3],
 }
 
-/// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of nothing, and no entries.
+/// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of no workgroups, and no entries.
 pub(crate) const EMPTY_LIST: [u32; 4] = [0, 1, 1, 0];
-/// Lists in `Lists`, and which is which.
+/// Number of lists in `Lists`, and their indices.
 pub(crate) const LISTS: usize = 4;
 pub(crate) const TO_TRACE: u32 = 0;
 pub(crate) const TO_LIGHT: u32 = 1;
 pub(crate) const TO_RESOLVE: u32 = 2;
 pub(crate) const SKY: u32 = 3;
-/// Heads behind theirs: of launches that are made whole or not at all.
+/// Number of heads, including those of dispatches that run whole or not at all.
 pub(crate) const HEADS: usize = LISTS + 2;
 pub(crate) const TO_SEARCH: u32 = 4;
 pub(crate) const ALL_TRACED: u32 = 5;
@@ -115,22 +115,23 @@ pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 
 /// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
-/// Threads of a workgroup of a launch over a list (`shaders/shared/types.wgsl`).
+/// Threads of a workgroup in a dispatch over a list (`shaders/shared/types.wgsl`).
 pub(crate) const LIST_WORKGROUP: u32 = 64;
 
 /// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
 pub(crate) const TILE: u32 = 8;
-/// Samples of the side of what is searched at once where a pixel has several (`shaders/shared/search.wgsl`).
+/// Side, in samples, of the square that is searched at once with several samples a pixel
+/// (`shaders/shared/search.wgsl`).
 pub(crate) const WIDE_TILE: u32 = 16;
-/// Pixels of a row that a thread of `mark_busy` looks at (`shaders/shared/tiles.wgsl`).
+/// Pixels of a row that a thread of `mark_busy` tests (`shaders/shared/tiles.wgsl`).
 pub(crate) const BUSY_RUN: u32 = 16;
 pub(crate) const TILE_PIXELS: u32 = TILE * TILE;
-/// Words of what is known of a tile before it is searched (`shaders/shared/tiles.wgsl`).
+/// Words of a tile's bound and busy lights (`shaders/shared/tiles.wgsl`).
 pub(crate) const BOUND_WORDS: u32 = 2;
-/// Words of what is found in a tile (`shaders/shared/lists.wgsl`).
+/// Words of a tile's search results (`shaders/shared/lists.wgsl`).
 pub(crate) const TILE_WORDS: u32 = 642;
 
-/// Words of a view's `counters` a picture row, and what stands in them (shaders/shared/types.wgsl).
+/// Words of a view's `counters` per picture row, and their indices (shaders/shared/types.wgsl).
 pub(crate) const COUNTERS: usize = 13;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
@@ -145,12 +146,12 @@ pub(crate) const GAP_PIXELS: usize = 9;
 pub(crate) const CHOSEN: usize = 10;
 pub(crate) const SENT_RAYS: usize = 11;
 pub(crate) const OWN_SHADOW_RAYS: usize = 12;
-/// What stands in `CHOSEN` of a band's first row where that is cheaper.
+/// Value of `CHOSEN` in a band's first row if `bracket` is cheaper.
 pub(crate) const BRACKET_CHOSEN: u32 = 1;
 
 /// Marks of pixels (`shaders/shared/reprojection.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
-/// A packed pixel's colour; marks stand in place of alpha (`shaders/pack.wgsl`).
+/// The colour of a packed pixel; marks take the place of alpha (`shaders/pack.wgsl`).
 pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;

@@ -1,10 +1,11 @@
-//! Ray-traces a stereo pair on the GPU for little more than one eye's price, and says how exact the second eye is.
+//! Renders stereo pairs by ray tracing on the GPU, at little more than the cost of one eye.
 //!
-//! The left view is traced. Each of its samples then says how deep the right view must be searched where it lands: one query of
-//! the BVH a tile of right pixels finds what their rays hit, exactly, and shadows are taken over where left samples agree
-//! ([`Method::BRACKET`], docs/BRACKET.md). The methods that it goes beyond are here too: pixels carried from eye to eye and checked by
-//! short rays (Adelson & Hodges 1993; Al-Hagri 2012). What each saves and gets wrong is measured against tracing both
-//! views, in the same run.
+//! The left view is traced. Its samples bound the depth to which the right view is searched: one BVH query per tile of
+//! right pixels finds all primitives that their rays hit. Where left samples agree on a shadow, the right view reuses
+//! their visibility bit ([`Method::BRACKET`], docs/BRACKET.md). Primary visibility is exact.
+//!
+//! The library also has the earlier methods, which copy pixels from eye to eye and check them by short rays (Adelson &
+//! Hodges 1993; Al-Hagri 2012). Tracing both views is the ground truth that benchmarks compare them with.
 //!
 //! ```
 //! use stereotrace::{Material, Scene, Sphere, StereoCamera, glam::Vec3, output::Anaglyph, render_stereo};
@@ -24,22 +25,22 @@
 //!
 //! # Reading order
 //!
-//! 1. this page: the way of the data;
-//! 2. `renderer.rs`: [`Renderer`], what it takes and what it gives;
-//! 3. `frame/plan.rs`: `Plan::of`, the steps of each method's frame, a line each, and `frame/driver.rs`, which runs them;
-//! 4. the steps, a file each in `steps/`: their kernels, and what these read and write;
-//! 5. the kernels, a file each in `shaders/`: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and `shade_listed` are
-//!    its second half), `take_over`.
+//! 1. This page gives an overview of the data flow.
+//! 2. `renderer.rs` has [`Renderer`], with its inputs and outputs.
+//! 3. `frame/plan.rs` lists the steps of each method's frame (`Plan::of`), and `frame/driver.rs` runs them.
+//! 4. `steps/` has a file for each step, with its kernels and what these read and write.
+//! 5. `shaders/` has a file for each kernel: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and
+//!    `shade_listed` are its second half), `take_over`.
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
 //! StereoCamera ─▶ trace_left     one thread a pixel or block of 2x2: closest hit, shade, keep depth and primitive
 //!              ─▶ reproject      atomicMax of the left column into the right-eye index buffer
 //!              ─▶ resolve_right  reused pixels checked by length-limited rays, the rest traced
-//!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky, trace_bounded,
-//!                                shade_tiles and shade_listed for resolve_right)
-//!              ─▶ take_over      reused pixels become those of their source
-//!              all of a band of rows, then the next band
+//!                                (bracket: bound_tiles for reproject; search_tiles, resolve_tiles, shade_sky,
+//!                                trace_bounded, shade_tiles and shade_listed for resolve_right)
+//!              ─▶ take_over      copies reused pixels from their source
+//!              (repeated for each band of rows)
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
@@ -47,29 +48,31 @@
 //!
 //! # Adapters
 //!
-//! Any adapter that wgpu offers will do, software ones included. [`Gpu::open`] takes an [`Adapter`]; [`Gpu::new`] asks the
-//! environment variable `STEREOTRACE_ADAPTER` (`software`, or a part of a name), and `WGPU_BACKEND` (`vulkan`, `gl`, …) chooses the backend. The tests of pictures
-//! pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL (`scripts/other_drivers.sh`). A device of the caller's must
-//! have [`Gpu::required_limits`]. The library prints nothing: messages go through the `log` facade. (Mesa prints a line
-//! about `XDG_RUNTIME_DIR` on headless machines; it means nothing, and `NODEVICE_SELECT=1` stops it.)
+//! The library runs on any wgpu adapter, software ones included. [`Gpu::open`] takes an [`Adapter`]. [`Gpu::new`] reads
+//! the environment variables `STEREOTRACE_ADAPTER` (`software`, or a part of a name) and `WGPU_BACKEND` (`vulkan`,
+//! `gl`, …). The picture tests pass on lavapipe, on `SwiftShader` and on llvmpipe's OpenGL
+//! (`scripts/other_drivers.sh`). A device that the caller provides must have [`Gpu::required_limits`].
+//!
+//! The library prints nothing; it logs through the `log` facade. On headless machines Mesa prints a harmless line about
+//! `XDG_RUNTIME_DIR`; `NODEVICE_SELECT=1` stops it.
 //!
 //! # Waiting
 //!
-//! Each operation that waits for the device is there twice: as an async function (`…_async`), and as one that blocks. Futures are
-//! `Send` but on wasm32. On native targets the thread that polls one is blocked while the device works, since nobody else
-//! drives it; in a browser nothing is.
+//! Each operation that waits for the device has an async form (`…_async`) and a blocking form. Futures are `Send`,
+//! except on wasm32. On native targets, polling blocks the thread while the device works, since no other thread drives
+//! the device. In a browser nothing blocks.
 //!
 //! # Features
 //!
-//! On by default, and none of them needed by the core:
-//! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, each where the system has it;
-//! - `blocking`: the blocking forms; not on wasm32, where to block is to keep the browser from what is waited for;
-//! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG
-//!   and HDR) and `json` (read and write cameras). On wasm32 they build, but there are no files: what takes a path returns [`Error::Io`].
+//! On by default; the core needs none of them:
+//! - `native`: wgpu's backends Vulkan, Metal, DirectX 12 and OpenGL, where the system has them;
+//! - `blocking`: the blocking forms; not on wasm32, where blocking stops the browser from finishing the work;
+//! - `obj` (read OBJ and MTL), `gltf` (read glTF 2.0), `ply` (read PLY), `png` (write PNG), `jpeg` (write JPEG, JPS and
+//!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
+//!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.
 //!
-//! Off by default: `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights by serde), and `webgpu`,
-//! the backend of browsers, for wasm32. A build without any backend takes a device of the caller's alone
-//! ([`Gpu::from_device`]).
+//! Off by default: `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights), and `webgpu`, the browser
+//! backend for wasm32. A build without any backend needs a device from the caller ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
 pub use glam;

@@ -1,15 +1,16 @@
-//! Text of files in messages, of this library and of programs that use it: a name in a file must not steer a terminal, nor fill it.
+//! Tidies text from files for messages, here and in programs that use this library: a name in a file must neither
+//! control a terminal nor fill it.
 
 use std::fmt::Display;
 
-/// Longer words are cut in their middle, so that the quotation mark and colon at a name's end stay.
+/// Longest word; longer ones are cut in the middle, so that the quotation mark and colon at a name's end stay.
 const LONGEST_WORD: usize = 80;
-/// How much of a cut word stands behind the cut.
+/// Characters of a cut word behind the cut.
 const WORD_END: usize = 8;
-/// Longer texts are cut at their end. Lists of the names there are may be long.
+/// Longest text; longer ones are cut at their end. Lists of known names may be long.
 const LONGEST_TEXT: usize = 2000;
 
-/// A text that may quote a file: control characters are escaped, long words and very long texts are cut.
+/// Tidies a text that may quote a file: escapes control characters and cuts long words and very long texts.
 pub fn tidy(text: &str) -> String {
     let tidied = escaped(text).split(' ').map(cut_word).collect::<Vec<_>>().join(" ");
     match tidied.char_indices().nth(LONGEST_TEXT) {
@@ -18,7 +19,7 @@ pub fn tidy(text: &str) -> String {
     }
 }
 
-/// The text with what moves the cursor or turns the direction of writing shown by number.
+/// Escapes characters that move the cursor or change the writing direction.
 pub fn escaped(text: &str) -> String {
     let steers = |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let mut result = String::with_capacity(text.len());
@@ -28,12 +29,12 @@ pub fn escaped(text: &str) -> String {
     result
 }
 
-/// A number with its noun: `1 triangle`, `2 triangles`.
+/// Formats a number with its noun: `1 triangle`, `2 triangles`.
 pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     format!("{count} {}", noun(count, one, many))
 }
 
-/// The noun behind a number.
+/// Returns the noun that agrees with a number.
 pub fn noun<'a, N: PartialEq + From<u8>>(count: N, one: &'a str, many: &'a str) -> &'a str {
     if count == N::from(1) { one } else { many }
 }
@@ -65,7 +66,7 @@ mod tests {
         let cut = tidy(&format!("mesh '{}':", "n".repeat(90)));
         assert_eq!(cut, format!("mesh '{}…nnnnnn':", "n".repeat(70)));
         assert_eq!(cut.split(' ').nth(1).unwrap().chars().count(), 80);
-        // Escaped first: a word of control characters is no way around.
+        // Escaping comes first, so words of control characters are cut too.
         assert_eq!(tidy(&"\u{1}".repeat(50)).chars().count(), 80);
     }
 

@@ -1,98 +1,99 @@
-//! How the right view is made: the named methods and the choices they are made of (DESIGN, section 4).
+//! How the right view is made: methods and their variants (DESIGN, section 4).
 
 use std::{fmt, num::NonZeroU32, str::FromStr};
 
 use crate::{Error, Pose};
 
-/// How the right view is made of the left.
+/// How the right view is made from the left view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
-    /// [`Method::BRACKET`] or [`Method::Naive`], whichever a cost model predicts to be cheaper once the left view is there; see
-    /// [`Statistics::choice`](crate::Statistics).
+    /// [`Method::BRACKET`] or [`Method::Naive`], whichever a cost model predicts to be cheaper once the left view is
+    /// traced; see [`Statistics::choice`](crate::Statistics).
     #[default]
     Auto,
-    /// Both views are traced: the baseline and the ground truth.
+    /// Traces both views: the baseline and the ground truth.
     Naive,
-    /// The left view is copied: the bound on what reuse can save, and wrong wherever there is parallax.
+    /// Copies the left view: the bound on the time that reuse can save. Wrong wherever there is parallax.
     Ideal,
-    /// A right pixel takes over the nearest left sample that lands in it, kept by atomicMax (thesis, 3.1.2.2).
+    /// A right pixel reuses the nearest left sample that lands in it, selected by atomicMax (thesis, 3.1.2.2).
     Atomic(Check),
-    /// The same with all samples in a 3D buffer, which is then searched for the nearest (thesis, 3.1.2.1).
+    /// [`Method::Atomic`], but with all samples kept in a 3D buffer that is searched for the nearest (thesis, 3.1.2.1).
     Buffer(BufferDepth, Check),
-    /// A right pixel takes over the last sample of Adelson & Hodges' sweep from left to right, which also clears what no left
-    /// sample vouches for: those gaps are traced, and the rest is trusted.
+    /// A right pixel reuses the last sample of Adelson & Hodges' left-to-right sweep. The sweep also clears gaps, which
+    /// are traced. All other pixels are trusted.
     Sweep(Sweep),
-    /// The samples that land in a tile of right pixels say how deep the BVH must be searched there; what is found, the pixels'
-    /// own rays meet. Nothing is copied but shadow bits (docs/BRACKET.md). Primary visibility is exact.
+    /// The samples that land in a tile of right pixels bound the depth of its BVH search. Each pixel's own ray is then
+    /// intersected with the primitives found. Only shadow bits are copied (docs/BRACKET.md). Primary visibility is
+    /// exact.
     Bracket(ShadowReuse),
 }
 
-/// Which of the pixels that [`Method::Atomic`] and [`Method::Buffer`] reuse are checked.
+/// Which of the pixels reused by [`Method::Atomic`] and [`Method::Buffer`] are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Check {
     /// All of them, by length-limited any-hit rays (thesis, 3.1.3).
     All,
-    /// None by a ray: those whose left sample has a neighbour of another object, or over 1 px of parallax away, are traced,
-    /// the rest is trusted (thesis, future work).
+    /// None by rays. A pixel is traced if its left sample has a neighbour of another object, or one over 1 px of
+    /// parallax away. The others are trusted (thesis, future work).
     Edges,
-    /// None: what landed is trusted.
+    /// None: every sample is trusted.
     None,
 }
 
-/// Slots a right pixel of the 3D buffer.
+/// Slots per right pixel of the 3D buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BufferDepth {
-    /// As many as said.
+    /// A fixed number.
     Fixed(NonZeroU32),
-    /// `2 e_px`, rounded up: the thesis's choice; of parallel cameras twice the disparity at the target. One slot short
-    /// from nearest depth d/2 on (DESIGN, section 2).
+    /// `2 e_px`, rounded up: the thesis's choice. For parallel cameras, twice the disparity at the target. It is one
+    /// slot short from nearest depth d/2 on (DESIGN, section 2).
     TwiceInteraxial,
-    /// Lemma 1's bound from the depths that the left view met: no candidate is ever lost.
+    /// Lemma 1's bound from the depth range of the left view: no candidate is lost.
     Adaptive,
 }
 
-/// What goes along the rows in Adelson & Hodges' sweep. The picture is the same.
+/// Where Adelson & Hodges' sweep runs. Both variants make the same picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Sweep {
-    /// A thread of the device for each row (Es & Isler 2007).
+    /// On the device, one thread per row (Es & Isler 2007).
     Scanline,
-    /// One thread of the host, row after row (Adelson & Hodges 1993).
+    /// On one host thread, row after row (Adelson & Hodges 1993).
     Sequential,
 }
 
-/// Which shadow bits right pixels take over from the left view ([`Method::Bracket`]).
+/// Which of the left view's shadow bits right pixels reuse ([`Method::Bracket`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ShadowReuse {
-    /// None: every shadow ray is traced, and the picture is `Naive`'s.
+    /// None: every shadow ray is traced, and the picture is identical to `Naive`'s.
     Rays,
-    /// Those that the two left samples beside the point agree in.
+    /// Bits in which the two left samples beside the point agree.
     Two,
-    /// Those that the block of 2x3 left samples around the point agrees in, where normals are alike.
+    /// Bits in which the block of 2x3 left samples around the point agrees, where normals are similar.
     Block,
 }
 
 impl Method {
-    /// The thesis's atomic-based method, all reused pixels checked.
+    /// The thesis's atomic-based method; all reused pixels are checked.
     pub const ATOMIC: Self = Self::Atomic(Check::All);
-    /// The thesis's buffer-based method with a 3D buffer that loses nothing.
+    /// The thesis's buffer-based method, with a 3D buffer that loses no candidate.
     pub const BUFFER: Self = Self::Buffer(BufferDepth::Adaptive, Check::All);
-    /// Es & Isler's method: Adelson & Hodges' sweep with a thread a row, gaps traced.
+    /// Es & Isler's method: Adelson & Hodges' sweep with one thread per row; gaps are traced.
     pub const ES_ISLER: Self = Self::Sweep(Sweep::Scanline);
-    /// Adelson & Hodges' method: the sweep on the host. The same picture as [`Method::ES_ISLER`].
+    /// Adelson & Hodges' method: the sweep on the host. Makes the same picture as [`Method::ES_ISLER`].
     pub const ADELSON_HODGES: Self = Self::Sweep(Sweep::Sequential);
-    /// One query of the BVH a tile of right pixels, as deep as the left samples that land there; shadow bits of the two left samples
-    /// beside each point.
+    /// One BVH query per tile of right pixels, bounded by the left samples that land there. Reuses shadow bits of the
+    /// two left samples beside each point.
     pub const BRACKET: Self = Self::Bracket(ShadowReuse::Two);
-    /// The same with shadow bits of 2x3 samples.
+    /// [`Method::BRACKET`] with shadow bits of 2x3 samples.
     pub const VERIFIED: Self = Self::Bracket(ShadowReuse::Block);
-    /// The same without shadow bits: as exact as [`Method::Naive`].
+    /// [`Method::BRACKET`] without shadow bits: as exact as [`Method::Naive`].
     pub const BRACKET_RAYS: Self = Self::Bracket(ShadowReuse::Rays);
-    /// The methods that have a name of their own, in the order in which tables show them.
+    /// All methods with a name, in the order of tables.
     pub const ALL: &'static [Self] = &[
         Self::Naive,
         Self::Ideal,
@@ -134,8 +135,8 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = Error;
 
-    /// Reads a name of [`Method::ALL`], or `buffer-N` for N slots; `-unchecked` or `-edges` behind `atomic` or a `buffer` makes
-    /// it trust what it reuses, all of it or away from edges.
+    /// Parses a name of [`Method::ALL`], or `buffer-N` for N slots. `atomic` and the `buffer` names take a suffix:
+    /// `-unchecked` trusts all reused pixels, `-edges` those away from edges.
     fn from_str(name: &str) -> Result<Self, Error> {
         if let Some(method) = Self::ALL.iter().find(|method| method.to_string() == name) {
             return Ok(*method);
@@ -160,7 +161,7 @@ impl FromStr for Method {
 }
 
 impl Check {
-    /// What ends the names of methods that check so.
+    /// Returns the suffix of method names.
     fn suffix(self) -> &'static str {
         match self {
             Self::All => "",
@@ -171,22 +172,22 @@ impl Check {
 }
 
 impl BufferDepth {
-    /// Slots a right pixel for a left view with depths in `[nearest, farthest]`, at least 1 and at most the width.
+    /// Returns the slots per right pixel for left depths in `[nearest, farthest]`, from 1 to the picture's width.
     pub(crate) fn slots(self, pose: &Pose, (nearest, farthest): (f32, f32)) -> u32 {
         let depth = match self {
             Self::Fixed(slots) => f64::from(slots.get()),
             Self::TwiceInteraxial => f64::from(2.0 * pose.typical_parallax_px()).ceil(),
-            // X is rounded to f32, which can move two samples together by a thousandth of a pixel.
+            // X is rounded to f32, which can move two samples closer together by a thousandth of a pixel.
             Self::Adaptive => (lemma1(pose, nearest, farthest) + 1e-3).floor() + 2.0,
         };
-        // Depths of 0 make the bound infinite or no number: max takes the 1.
+        // Depths of 0 make the bound infinite or NaN; `max` turns NaN into 1.
         depth.min(f64::from(pose.size[0])).max(1.0) as u32
     }
 }
 
-/// `B = e_px d (1/Z_near - 1/Z_far)`, of parallel cameras with `f_px e` for `e_px d`: two left samples in one right
-/// column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN, section 2). A farthest
-/// depth of infinity counts as 1/Z = 0.
+/// Returns Lemma 1's bound `B = e_px d (1/Z_near - 1/Z_far)`, with `f_px e` for `e_px d` for parallel cameras. Two left
+/// samples in one right column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN,
+/// section 2). An infinite farthest depth counts as 1/Z = 0.
 pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
     pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
 }

@@ -1,4 +1,4 @@
-//! How far two views differ: the accuracy figures of DESIGN, section 7. And how far disparities do.
+//! Differences of two views, as defined in DESIGN, section 7, and of disparities.
 
 mod disparity;
 
@@ -9,7 +9,7 @@ use crate::{Error, MISS, Pose, View, message::counted};
 /// Parallaxes of one surface differ by less than this, in pixels.
 const SAME_SURFACE_PX: f64 = 1.0;
 
-/// How far a view is from the true one. Colours are 8-bit sRGB; distances between them Euclidean, in steps of 255.
+/// Difference of a view from the true one. Colours are 8-bit sRGB; their distances are Euclidean, in steps of 1/255.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Difference {
@@ -23,25 +23,25 @@ pub struct Difference {
     pub mse: f64,
     /// Peak signal-to-noise ratio `10 log10(255² / mse)` in dB, infinite for identical pictures.
     pub psnr: f64,
-    /// 99.9th percentile of the distance in RGB: at least 99.9 % of all pixels are no farther off. PSNR hides a few
-    /// wrong silhouettes, this does not.
+    /// 99.9th percentile of the distance in RGB: at least 99.9% of all pixels are no farther off. Unlike PSNR, it shows
+    /// a few wrong silhouettes.
     pub p999: f64,
-    /// Pixels that show another object (sky is one), or the same one elsewhere: parallax off by over 1 px. Percent.
+    /// Percentage of pixels with the wrong surface: the objects differ (sky is one), or parallax differs by over 1 px.
     pub wrong_surface_percent: f64,
-    /// Largest difference in parallax of any pixel, pixels.
+    /// Largest difference in parallax of any pixel, in pixels.
     pub largest_parallax_error_px: f64,
-    /// The pixels in which either view shows a surface, percent: in the others both show sky, which is easily right.
+    /// Percentage of pixels in which either view shows a surface. The others show sky in both, which is easily right.
     pub surface_percent: f64,
-    /// Of these, the pixels with the same colour, percent; 100 if there are none.
+    /// Percentage of these surface pixels with the same colour; 100 if there are none.
     pub identical_of_surfaces_percent: f64,
-    /// Of these, the pixels that count for [`Self::wrong_surface_percent`], percent; 0 if there are none.
+    /// Percentage of these surface pixels that count for [`Self::wrong_surface_percent`]; 0 if there are none.
     pub wrong_of_surfaces_percent: f64,
 }
 
-/// Compares a view to the true one, both seen from `pose`.
+/// Compares a view with the true one, both seen from `pose`.
 ///
 /// # Errors
-/// [`Error::Sizes`] if the views and the pose do not have one size, or that is zero.
+/// [`Error::Sizes`] if the views and the pose differ in size, or the size is zero.
 pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Error> {
     let pixels = checked_pixels(view, truth, pose)?;
 
@@ -57,7 +57,7 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
     let (mut wrong_surface, mut largest_parallax_error_px) = (0, 0.0_f64);
     let (mut surfaces, mut differing_surfaces, mut wrong_of_surfaces) = (0, 0, 0);
     for ((error, (object, true_object)), &square) in errors.zip(objects).zip(&squares) {
-        // A depth that is no number must not pass for a right one.
+        // A NaN depth must count as wrong.
         let error = if error.is_nan() { f64::INFINITY } else { error };
         let wrong = object != true_object || error > SAME_SURFACE_PX;
         let surface = *object != MISS || *true_object != MISS;
@@ -85,7 +85,7 @@ pub fn compare(view: &View, truth: &View, pose: &Pose) -> Result<Difference, Err
     })
 }
 
-/// The number of pixels, if everything has that many and there are any.
+/// Returns the number of pixels if all lists have that many and it is not 0.
 fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error> {
     let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
     let [width, height] = pose.size;
@@ -111,13 +111,13 @@ fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error
     Ok(pixels)
 }
 
-/// Of the colours alone, without alpha; at most 3 * 255².
+/// Returns the squared distance of two colours without alpha; at most 3 * 255².
 fn squared_distance([r, g, b, _]: [u8; 4], [true_r, true_g, true_b, _]: [u8; 4]) -> u32 {
     let square = |a: u8, b: u8| u32::from(a.abs_diff(b)).pow(2);
     square(r, true_r) + square(g, true_g) + square(b, true_b)
 }
 
-/// The smallest value that at least 999 of 1000 do not exceed (nearest rank); there is at least one value.
+/// Returns the smallest value that at least 999 of 1000 do not exceed (nearest rank); `values` must not be empty.
 fn permille_999(mut values: Vec<u32>) -> u32 {
     let rank = (999 * values.len()).div_ceil(1000);
     *values.select_nth_unstable(rank - 1).1
@@ -135,7 +135,7 @@ mod tests {
         camera.interaxial_pixels(10.0).pose().unwrap()
     }
 
-    /// A grey wall on the screen, object 0, and in its last pixel sky.
+    /// A grey wall on the screen, object 0, with sky in its last pixel.
     fn wall(width: u32, height: u32) -> View {
         let pixels = (width * height) as usize;
         let mut view = View {
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn identical_views_do_not_differ() {
-        // The last pixel is sky: of a single one no surface is left.
+        // The last pixel is sky, so a view of one pixel shows no surface.
         for (width, height, surface_percent) in [(1, 1, 0.0), (50, 40, 99.95)] {
             let expected = Difference {
                 identical_percent: 100.0,
@@ -195,13 +195,13 @@ mod tests {
         assert_eq!(difference.p999, 13.0); // one of 200 is more than a thousandth
         assert_eq!(difference.wrong_surface_percent, 0.5);
         assert!(close(difference.largest_parallax_error_px, 5.0));
-        // A difference has no sign.
+        // Differences are symmetric.
         assert_eq!(compare(&truth, &view, &pose(20, 10)).unwrap(), difference);
     }
 
     #[test]
     fn sky_in_both_views_counts_for_all_pixels_and_not_for_surfaces() {
-        // A surface that is right, one of another colour and place, and sky twice.
+        // One correct surface, one of another colour and depth, and sky twice.
         let mut truth = wall(4, 1);
         (truth.depth[2], truth.object[2]) = (f32::INFINITY, MISS);
         let mut view = truth.clone();
@@ -213,10 +213,10 @@ mod tests {
             (of_all, found.surface_percent, [found.identical_of_surfaces_percent, found.wrong_of_surfaces_percent])
         };
         assert_eq!(figures(&view, &truth), ([75.0, 25.0], 50.0, [50.0, 50.0]));
-        // A colour that differs in the sky is no surface's fault.
+        // Different sky colours do not count for surfaces.
         view.rgba8[2] = [0, 0, 0, 255];
         assert_eq!(figures(&view, &truth), ([50.0, 25.0], 50.0, [50.0, 50.0]));
-        // Sky in one view only, whichever it is: a third pixel shows a surface, the wrong one and of another colour.
+        // Sky in one view only: a third pixel then shows a surface, a wrong one and of another colour.
         (view.depth[2], view.object[2]) = (5.0, 0);
         let of_three = [100.0 - 200.0 / 3.0, 200.0 / 3.0];
         for (view, truth) in [(&view, &truth), (&truth, &view)] {
@@ -230,7 +230,7 @@ mod tests {
         let mut view = truth.clone();
         view.rgba8[0] = [101, 100, 100, 255];
         view.rgba8[1] = [100, 100, 97, 255];
-        view.rgba8[2] = [100, 100, 100, 0]; // alpha is no colour
+        view.rgba8[2] = [100, 100, 100, 0]; // alpha is ignored
         let difference = compare(&view, &truth, &pose(10, 10)).unwrap();
         assert_eq!((difference.differing_percent, difference.mean_difference), (2.0, 2.0));
         assert!(close(difference.mse, 10.0 / 300.0));

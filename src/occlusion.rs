@@ -1,33 +1,35 @@
-//! Which points of one view the other eye sees, by a ray to each: ground truth for stereo vision.
+//! Ground truth visibility: traces a ray from the other eye to each point of a view.
 
 use glam::DVec3;
 
 use crate::{Convergence, Error, Occlusion, Pose, Ray, Renderer, StereoPair, UploadedScene, View};
 
-/// A ray to a point that hits something with no more disparity than this besides, in pixels, has met that point: more than what depths, and directions to them, round
-/// by on surfaces that are seen edge-on. What is told so wrongly is a strip beside an edge that is no wider.
+/// If a ray hits a surface with no more than this additional disparity, in pixels, it hit the point itself. The value
+/// exceeds the rounding of depths and directions, even on surfaces seen edge-on. Wrong answers are limited to a strip
+/// of this width beside edges.
 const SAME_POINT_PX: f64 = 1.0 / 512.0;
 
-/// Whether the other eye sees what each pixel shows, of both views. Row-major, `[height][width]`, top row first.
+/// Whether the other eye sees the point of each pixel, for both views. Row-major, `[height][width]`, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Occlusions {
-    /// Whether the right eye sees what each left pixel shows.
+    /// Whether the right eye sees the point of each left pixel.
     pub left: Vec<Occlusion>,
-    /// Whether the left eye sees what each right pixel shows.
+    /// Whether the left eye sees the point of each right pixel.
     pub right: Vec<Occlusion>,
 }
 
 impl Renderer {
-    /// Whether the other eye sees the very point that each pixel's centre shows: by a ray from that eye to it, in place of what
-    /// [`StereoPair::occlusion`] tells from depths. Sky is seen where nothing stands before it. A pixel whose point leaves the other picture
-    /// ([`StereoPair::disparity`]) is out of frame, seen or not.
+    /// Returns whether the other eye sees the point at each pixel's centre, by tracing a ray from that eye to it.
+    /// [`StereoPair::occlusion`] estimates the same from depths. Sky is visible where nothing stands in front of it. A
+    /// pixel whose point leaves the other picture ([`StereoPair::disparity`]) is out of frame, visible or not.
     ///
-    /// `pair` is a picture of `scene` with depths ([`GBuffer::Ids`](crate::GBuffer), the default, has them), by whatever method. Of methods that take pixels over
-    /// ([`Method::ATOMIC`](crate::Method::ATOMIC) and its like) right depths are those of points up to half a pixel aside.
+    /// `pair` is a picture of `scene` with depths (the default [`GBuffer::Ids`](crate::GBuffer) has them), by any
+    /// method. With methods that copy pixels ([`Method::ATOMIC`](crate::Method::ATOMIC) and similar), right depths
+    /// belong to points up to half a pixel beside the centre.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for one whose eyes are toed in, and those of
+    /// [`Error::Options`] for a pair without depths, [`Error::Rig`] for toed-in eyes, and the errors of
     /// [`Renderer::closest_hits_async`].
     pub async fn occlusions_async(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
         if pair.pose.convergence == Convergence::ToeIn {
@@ -38,7 +40,7 @@ impl Renderer {
         Ok(Occlusions { left, right: self.occlusion_of(scene, &pair.right, &pair.pose, 0.5).await? })
     }
 
-    /// Of the view whose eye stands so much of the interaxial to the right of the middle.
+    /// Returns the occlusion of the view whose eye is `side` interaxials to the right of the midpoint.
     async fn occlusion_of(
         &self,
         scene: &UploadedScene,
@@ -58,7 +60,7 @@ impl Renderer {
         let disparity = pose.disparities_of_eye(2.0 * side);
         let found = hits.iter().enumerate().map(|(index, hit)| {
             let (column, z) = (index % width, view.depth[index]);
-            // To the other side of its own column by its disparity.
+            // The point's column in the other view.
             let x = column as f64 + 0.5 + 2.0 * side * disparity(column, z);
             if !(x >= 0.0 && x < width as f64) {
                 return Occlusion::OutOfFrame;
@@ -70,37 +72,38 @@ impl Renderer {
     }
 }
 
-/// Where an eye's pixels look, and the other eye.
+/// Camera rays of one eye, and the position of the other eye.
 pub(crate) struct Pixels {
-    /// World coordinates.
+    /// In world coordinates.
     other_eye: DVec3,
     /// From the other eye to this one.
     aside: DVec3,
-    /// Directions whose length along the view axis is 1: through the picture's top left corner, and from a pixel to its right and lower neighbours.
+    /// Directions of length 1 along the view axis: through the picture's top left corner, and from a pixel to its right
+    /// and lower neighbours.
     corner: DVec3,
     right: DVec3,
     down: DVec3,
 }
 
 impl Pixels {
-    /// Of the view whose eye stands so much of the interaxial to the right of the middle.
+    /// Creates the rays of the view whose eye is `side` interaxials to the right of the midpoint.
     pub(crate) fn of(pose: &Pose, side: f64) -> Self {
         let [other, own] = [-2.0, 2.0].map(|times| pose.eye_position((times * side) as f32));
         let [right, down] = pose.pixel_steps();
         Self { other_eye: other, aside: own - other, corner: pose.corner(side), right, down }
     }
 
-    /// Its eye, world coordinates.
+    /// Returns the eye in world coordinates.
     pub(crate) fn eye(&self) -> DVec3 {
         self.other_eye + self.aside
     }
 
-    /// Through a pixel's centre, of length 1 along the view axis: so a depth is its t.
+    /// Returns the direction through a pixel's centre, of length 1 along the view axis, so that depth equals t.
     pub(crate) fn direction(&self, column: usize, row: usize) -> DVec3 {
         self.corner + self.right * (column as f64 + 0.5) + self.down * (row as f64 + 0.5)
     }
 
-    /// From the other eye to what a pixel shows at this depth, which is its t.
+    /// Returns the ray from the other eye to the point of a pixel at depth `z`, which is the ray's t.
     fn ray(&self, column: usize, row: usize, z: f32) -> Ray {
         let direction = self.direction(column, row);
         // A point in the plane of the eyes has no direction of this length; it is out of frame.

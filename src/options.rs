@@ -1,67 +1,68 @@
-//! What to render with.
+//! Render options.
 
 use crate::{Error, Filter, Method, ShadowBuffer, Visibility, output, samples};
 
-/// What to render with.
+/// Options of a frame.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// How the right view is made.
     pub method: Method,
-    /// How the first hits of views that are traced are found.
+    /// How the first hits of traced views are found.
     pub visibility: Visibility,
     /// Count BVH nodes and primitive tests (slower).
     pub count: bool,
-    /// Keep what each pixel cost, as [`View::cost`](crate::View::cost); counts too.
+    /// Keep the cost of each pixel, as [`View::cost`](crate::View::cost). Implies counting.
     pub cost_map: bool,
-    /// What is kept of each pixel besides its colour.
+    /// Data kept for each pixel besides its colour.
     pub g_buffer: GBuffer,
-    /// Surfaces that a ray may come from, one behind the other, that mirror, refract or let through: 0 to [`MAX_BOUNCES`]. What would be seen
-    /// after more is black. 5 where nothing is said.
+    /// Maximum number of reflections, refractions and transparent surfaces along a ray: 0 to [`MAX_BOUNCES`], 5 by
+    /// default. Rays beyond it return black.
     pub bounces: u32,
     /// Keep linear colour too, as [`View::linear`](crate::View::linear).
     pub linear: bool,
-    /// Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64.
+    /// Samples per pixel: 1, 4, 9, 16, 25, 36, 49 or 64.
     pub samples: u32,
-    /// How they are weighed.
+    /// Reconstruction filter of the samples.
     pub filter: Filter,
-    /// More samples only where a pixel's differ, in place of as many in all.
+    /// Adaptive supersampling, in place of a fixed number of samples; `None` by default.
     pub adaptive: Option<Adaptive>,
-    /// Whether each row of them stands aside of the grid by an offset of its own.
+    /// Jitter the sample grid: shift each row of samples by its own offset.
     pub jitter: bool,
-    /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]; 16 where nothing is said.
+    /// Rays to each extended light, 1 to [`MAX_SOFT_RAYS`]; 16 by default.
     pub shadow_rays: u32,
-    /// Whether ambient light is kept off by what stands near; `None` where nothing is said: it reaches all.
+    /// Ambient occlusion; with `None`, the default, ambient light reaches every point.
     pub occlusion: Option<AmbientOcclusion>,
-    /// By how many rays surfaces are lit by the sky, in place of ambient light; `None` where nothing is said: by none.
+    /// Number of sky light rays, 1 to [`MAX_SOFT_RAYS`]. With `None`, the default, ambient light is used instead.
     pub sky_rays: Option<u32>,
-    /// What of these rays' answers a view takes over from its source.
+    /// How a view reuses its source view's shares of soft light.
     pub penumbra: Penumbra,
-    /// Of the random numbers that shift these rays, and of jitter. The same seed makes the same picture to the bit.
+    /// Seed of the soft light rays and of the jitter. Equal seeds make equal pictures, to the bit.
     pub seed: u32,
-    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where nothing is said.
+    /// Exposure in stops, -64 to 64; 0 by default.
     pub exposure: f32,
-    /// What becomes of what is too bright for a picture.
+    /// How values too bright for the picture are mapped.
     pub tone: Tone,
-    /// Whether each view has random numbers of its own: for quilts, whose views overlap on the display, so that equal noise would show.
+    /// Use different random numbers in each view. Meant for quilts, whose views overlap on the display, so that equal
+    /// noise would be visible.
     pub noise_by_view: bool,
-    /// Whether points ask shadow-buffers which point lights they see; `None` where nothing is said: they trace shadow rays.
+    /// Answer shadow queries to point lights by shadow-buffers; with `None`, the default, shadow rays are traced.
     pub shadow_buffer: Option<ShadowBuffer>,
 }
 
-/// What becomes of what is too bright for a picture.
+/// Tone mapping: how values too bright for the picture are mapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Tone {
-    /// It is cut off: each channel at 1.
+    /// Clamps each channel at 1.
     #[default]
     Clamp,
-    /// All is bent towards white along a film's curve, dark parts a little darker (Narkowicz 2015).
+    /// Maps each channel by a filmic curve (Narkowicz 2015), which also makes dark parts a little darker.
     Filmic,
 }
 
 impl Tone {
-    /// A channel of exposed linear light as it is shown, 0 to 1: what kernels do.
+    /// Returns the displayed value, 0 to 1, of a channel of exposed linear light, as kernels compute it.
     pub(crate) fn shown(self, exposed: f32) -> f32 {
         let shown = match self {
             Self::Clamp => exposed,
@@ -73,25 +74,25 @@ impl Tone {
         shown.clamp(0.0, 1.0)
     }
 
-    /// A linear colour as it is shown, its light multiplied by `exposure`.
+    /// Returns the sRGB pixel of a linear colour multiplied by `exposure`.
     pub(crate) fn rgba8(self, linear: [f32; 3], exposure: f32) -> [u8; 4] {
         let [red, green, blue] = linear.map(|value| output::encode(self.shown(value * exposure)));
         [red, green, blue, 255]
     }
 }
 
-/// Ambient occlusion: the share of ambient light that reaches a point, by rays spread by the cosine over what it faces.
+/// Ambient occlusion: the share of cosine-distributed rays from a point that meet nothing scales its ambient light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct AmbientOcclusion {
-    /// How many, 1 to [`MAX_SOFT_RAYS`].
+    /// Rays per point, 1 to [`MAX_SOFT_RAYS`].
     pub rays: u32,
-    /// How far off something keeps light off, world units, above 0; infinite for any distance.
+    /// Largest distance of an occluder in world units, above 0; may be infinite.
     pub radius: f32,
 }
 
 impl AmbientOcclusion {
-    /// So many rays, 1 to [`MAX_SOFT_RAYS`], of so many world units, above 0.
+    /// Creates ambient occlusion with 1 to [`MAX_SOFT_RAYS`] rays and a radius above 0 in world units.
     pub fn new(rays: u32, radius: f32) -> Self {
         Self { rays, radius }
     }
@@ -99,37 +100,40 @@ impl AmbientOcclusion {
 
 /// Adaptive supersampling: see [`Options::adaptive`].
 ///
-/// A cell that is divided in one view is divided in the others too, so that both eyes see an edge equally sharp. The left
-/// view so depends on the right one. Where methods infer the right view's shadows differently, their left views may
-/// differ in such cells; by [`Method::BRACKET_RAYS`](crate::Method::BRACKET_RAYS) both are those of `naive`.
+/// A cell divided in one view is divided in the other views too, so that both eyes see an edge equally sharp. The left
+/// view therefore depends on the right one. Methods that infer the right view's shadows differently may have different
+/// left views in such cells. [`Method::BRACKET_RAYS`](crate::Method::BRACKET_RAYS) makes the same views as `naive`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Adaptive {
-    /// 2 to 5: corners of pixels, and how often one is divided. A pixel that is divided as often as can be has 3, 5, 9 or 17 samples a side.
+    /// Number of levels, 2 to 5, counting the pixel corners as the first. A pixel divided at every level has 3, 5, 9 or
+    /// 17 samples a side.
     pub levels: u32,
-    /// By how much the corners of a cell may differ in each channel of the 8-bit picture and not be divided, 0 to 255.
+    /// Largest difference of a cell's corners, in any 8-bit channel, that leaves the cell undivided; 0 to 255.
     pub tolerance: f32,
 }
 
 impl Adaptive {
-    /// So many levels, 2 to 5, and the tolerance in values of a channel of the 8-bit picture, 0 to 255.
+    /// Creates adaptive supersampling with 2 to 5 levels and a tolerance of 0 to 255, in 8-bit channel values.
     pub fn new(levels: u32, tolerance: f32) -> Self {
         Self { levels, tolerance }
     }
 }
 
-/// What a view made by `bracket` takes over from its source of lights that are not points and of occlusion, of which a sample knows the share
-/// of rays that arrived.
+/// How a view made by `bracket` reuses the soft light of its source view. Each source sample keeps the share of rays
+/// that arrived, for extended lights and for ambient occlusion or the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Penumbra {
-    /// What both samples beside a point see fully, or not at all. In a penumbra the view traces its own rays.
+    /// Reuses a share only where both samples beside a point see all or nothing. In a penumbra the view traces its own
+    /// rays.
     Exact,
-    /// Shares too, their mean where they differ by no more than chance explains, and by no more than twice that from the next samples': in narrower penumbrae the
-    /// view traces its own rays. Of the sky or occlusion and the first lights that are not points, six together. With
-    /// [`ShadowReuse::Two`](crate::ShadowReuse) only; else as `Exact`.
+    /// Also interpolates shares. The two samples' shares must differ by no more than chance explains, and each by no
+    /// more than twice that from the next sample's. In narrower penumbrae the view traces its own rays. This applies to
+    /// the first six sources: the sky or occlusion, then extended lights. It requires
+    /// [`ShadowReuse::Two`](crate::ShadowReuse); other methods behave as with `Exact`.
     Shared {
-        /// Standard deviations of the difference of two shares that still are chance, above 0.
+        /// Largest difference of two shares, in standard deviations, that counts as chance; above 0.
         deviations: f32,
     },
 }
@@ -149,27 +153,28 @@ impl Penumbra {
     }
 }
 
-/// The most rays that a pixel asks a light that is not a point, its surroundings, or the sky; more samples a pixel ask more.
+/// Maximum number of rays from a point to an extended light, to its surroundings, or to the sky. More samples per pixel
+/// multiply it.
 pub const MAX_SOFT_RAYS: u32 = 32;
 
-/// The most that [`Options::bounces`] may be.
+/// Maximum of [`Options::bounces`].
 pub const MAX_BOUNCES: u32 = 8;
 
-/// What is kept of each pixel besides its colour.
+/// Data kept for each pixel besides its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum GBuffer {
-    /// Depth and the ids of primitive and object.
+    /// Depth, primitive id and object id.
     #[default]
     Ids,
-    /// Depth alone: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
+    /// Depth only: [`View::primitive`](crate::View::primitive) and [`View::object`](crate::View::object) stay empty.
     Depth,
     /// Nothing: [`View::depth`](crate::View::depth) stays empty too.
     None,
 }
 
 impl Options {
-    /// The given method, nothing counted.
+    /// Creates options with the given method and defaults elsewhere.
     pub fn new(method: Method) -> Self {
         Self {
             method,
@@ -195,135 +200,143 @@ impl Options {
         }
     }
 
-    /// How the right view is made.
+    /// Sets how the right view is made.
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// Whether BVH nodes and primitive tests are counted (slower).
+    /// Sets whether BVH nodes and primitive tests are counted (slower).
     pub fn count(mut self, count: bool) -> Self {
         self.count = count;
         self
     }
 
-    /// Whether [`View::cost`](crate::View::cost) says what each pixel cost.
+    /// Sets whether each pixel's cost is kept as [`View::cost`](crate::View::cost).
     pub fn cost_map(mut self, cost_map: bool) -> Self {
         self.cost_map = cost_map;
         self
     }
 
-    /// Surfaces that a ray may come from, one behind the other, 0 to [`MAX_BOUNCES`].
+    /// Sets the maximum number of reflections, refractions and transparent surfaces along a ray, 0 to [`MAX_BOUNCES`].
     pub fn bounces(mut self, bounces: u32) -> Self {
         self.bounces = bounces;
         self
     }
 
-    /// Whether [`View::linear`](crate::View::linear) is kept too.
+    /// Sets whether [`View::linear`](crate::View::linear) is kept.
     pub fn linear(mut self, linear: bool) -> Self {
         self.linear = linear;
         self
     }
 
-    /// How many samples make a pixel's colour: 1, 4, 9, 16, 25, 36, 49 or 64; frames with any other number are errors. They stand in the
-    /// cells of a square grid, at the same places in all views ([`Options::jitter`]), and are weighed by [`Options::filter`] in linear
-    /// light. The picture takes their number times the rays and the time, and memory for a band of rows of them, whatever its height.
+    /// Sets the number of samples per pixel: 1, 4, 9, 16, 25, 36, 49 or 64. Frames with any other number are errors.
     ///
-    /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) tell of all rays. Depth, ids and where a pixel came from
-    /// are not filtered, and are those of one ray through the pixel's centre. Without jitter that is the middle sample of odd grids (9, 25, 49).
-    /// Jittered and even ones have none there: a picture of one sample is rendered besides, and kept until the other's rows are done. With
-    /// [`GBuffer::None`] that is not done, and [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) are those of
-    /// the sample in the middle cell, or in the next one to the right and below.
+    /// Samples stand in the cells of a square grid, at the same places in all views ([`Options::jitter`]). Their
+    /// colours are filtered by [`Options::filter`] in linear light. The number multiplies rays and time. Memory grows
+    /// by one band of rows of samples, for any height of picture.
+    ///
+    /// [`View::cost`](crate::View::cost), [`Statistics`](crate::Statistics) and [`Work`](crate::Work) count all rays.
+    /// Depth, ids and pixel sources are not filtered: they come from one ray through the pixel's centre. Without jitter
+    /// that is the middle sample of odd grids (9, 25, 49). Other grids have no sample there. So a picture of one sample
+    /// is rendered as well, and kept until the rows of the other are done. [`GBuffer::None`] skips that picture. Then
+    /// [`PixelSource`](crate::PixelSource) and [`ShadowSource`](crate::ShadowSource) come from the middle cell, or from
+    /// the cell right of and below the middle.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = samples;
         self
     }
 
-    /// How a pixel's samples are weighed: [`Filter::Box`] unless something else is asked for.
+    /// Sets the reconstruction filter; [`Filter::Box`] by default.
     pub fn filter(mut self, filter: Filter) -> Self {
         self.filter = filter;
         self
     }
 
-    /// More samples only where a pixel's differ: adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and
-    /// Refraction with Multiple Rays Per Pixel"). A sample stands in each corner of a pixel, and its neighbours share it. Where the four differ, as
-    /// they would be shown, by more than the tolerance in some channel, in a view or where another view shows the same, the pixel is divided
-    /// into four with five samples more, and so on. Its colour is the mean of its parts, in linear light.
+    /// Enables adaptive supersampling (Whitted 1980), in stereo (Adelson & Hodges 1993, "Reflection and Refraction with
+    /// Multiple Rays Per Pixel").
     ///
-    /// It goes with one sample a pixel otherwise, with the filter `Box`, and with [`Method::Naive`], [`Method::Ideal`], [`Method::Bracket`] and
-    /// [`Method::Auto`]; what else is asked for is an error. Views that others are made from trace samples of a divided cell's corners again, a
-    /// quarter of what they trace: what others take over of them is not kept from level to level. Depth, ids and where a pixel came
-    /// from are those of one more ray through the pixel's centre; with [`GBuffer::None`] that ray is not traced, and the last two are
-    /// those of the sample in its upper left corner.
+    /// A sample stands in each pixel corner, shared by the neighbouring pixels. A pixel whose displayed corners differ
+    /// by more than the tolerance in some channel is divided into four, with five more samples. It is also divided if
+    /// another view divides the cell that shows the same point. Cells are divided again in the same way. A pixel's
+    /// colour is the mean of its parts, in linear light.
+    ///
+    /// It requires one sample per pixel, the filter `Box`, and [`Method::Naive`], [`Method::Ideal`],
+    /// [`Method::Bracket`] or [`Method::Auto`]. Other settings are errors. Source views trace the corners of a divided
+    /// cell again, since samples for reuse are not kept between levels. That is a quarter of their rays. Depth, ids and
+    /// pixel sources come from one more ray through the pixel's centre. With [`GBuffer::None`] that ray is not traced,
+    /// and pixel and shadow sources are those of the sample in the upper left corner.
     pub fn adaptive(mut self, adaptive: impl Into<Option<Adaptive>>) -> Self {
         self.adaptive = adaptive.into();
         self
     }
 
-    /// Whether samples stand aside of the middles of their cells, as they do unless something else is asked for. Each row of samples does by
-    /// an offset of its own, the same in all views: of a pixel's n rows one by `(k + 1/2) / n - 1/2` of a cell's width for each k from 0 to
-    /// n - 1, in an order that [`Options::seed`] and the row say. So an edge that is nearly upright cuts a pixel in n² steps in place of n; level
-    /// ones keep n. One sample stands in its pixel's centre.
+    /// Sets whether the sample grid is jittered; on by default. Each row of samples is shifted by its own offset, the
+    /// same in all views. The offsets of a pixel's n rows are `(k + 1/2) / n - 1/2` cell widths, for k from 0 to n - 1,
+    /// in an order that depends on [`Options::seed`] and the row. A nearly vertical edge then has n² levels in place of
+    /// n; a horizontal edge keeps n. With one sample per pixel, the sample stays in the pixel's centre.
     pub fn jitter(mut self, jitter: bool) -> Self {
         self.jitter = jitter;
         self
     }
 
-    /// Rays to each light that is not a point, 1 to [`MAX_SOFT_RAYS`]. What mirrors show is lit by a quarter of them.
+    /// Sets the rays to each extended light, 1 to [`MAX_SOFT_RAYS`]. Surfaces seen in mirrors get a quarter of them.
     pub fn shadow_rays(mut self, rays: u32) -> Self {
         self.shadow_rays = rays;
         self
     }
 
-    /// Whether, by how many rays and from how far off ambient light is kept off.
+    /// Sets ambient occlusion.
     pub fn occlusion(mut self, occlusion: impl Into<Option<AmbientOcclusion>>) -> Self {
         self.occlusion = occlusion.into();
         self
     }
 
-    /// Whether [`Scene::sky`](crate::Scene::sky) lights surfaces, by so many rays, 1 to [`MAX_SOFT_RAYS`]; what they meet keeps its light off. A
-    /// diffuse surface then shows `albedo / π ∫ L(ω) V(ω) cos θ dω` over all it faces: its albedo under a sky of 1 that nothing hides. What
-    /// mirrors show is lit by a quarter of the rays. Rays leave by the cosine; of a [`SkyMap`](crate::SkyMap) every other one by its brightness,
-    /// so that a sun of few pixels makes no noise.
+    /// Sets the number of sky light rays, 1 to [`MAX_SOFT_RAYS`]. [`Scene::sky`](crate::Scene::sky) then lights
+    /// surfaces, and surfaces that these rays meet block its light. A diffuse surface shows
+    /// `albedo / π ∫ L(ω) V(ω) cos θ dω`, which is its albedo under an unoccluded sky of 1. Surfaces seen in mirrors
+    /// get a quarter of the rays. Rays are cosine-distributed. For a [`SkyMap`](crate::SkyMap) every other ray samples
+    /// brightness instead, so that a small sun makes no noise.
     ///
-    /// It takes the place of ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added in such a frame, whoever gave it, and there is nothing
-    /// for [`Options::occlusion`] to keep off, so frames that ask for both are errors. Highlights are the lights' alone, as without it; mirrors and
-    /// glass show the sky itself. A sky map shows its sun already: a light in its place would be a second one.
+    /// Sky light replaces ambient light: [`Scene::ambient`](crate::Scene::ambient) is not added, and
+    /// [`Options::occlusion`] has nothing to scale, so frames with both are errors. Highlights come from lights only,
+    /// and mirrors and glass show the sky itself. A sky map already contains its sun; a light in the same place would
+    /// add a second one.
     pub fn sky_rays(mut self, rays: impl Into<Option<u32>>) -> Self {
         self.sky_rays = rays.into();
         self
     }
 
-    /// What is asked of a point's surroundings: how much of ambient light they leave, or of the sky.
+    /// Returns the query for a point's surroundings: sky light rays of infinite length, or ambient occlusion.
     pub(crate) fn surroundings(&self) -> Option<AmbientOcclusion> {
         self.sky_rays.map(|rays| AmbientOcclusion::new(rays, f32::INFINITY)).or(self.occlusion)
     }
 
-    /// What of these rays' answers a view takes over from its source.
+    /// Sets how a view reuses its source view's shares of soft light.
     pub fn penumbra(mut self, penumbra: Penumbra) -> Self {
         self.penumbra = penumbra;
         self
     }
 
-    /// The seed of the random numbers that shift these rays, and of the order of jittered samples.
+    /// Sets the seed of the soft light rays and of the jitter.
     pub fn seed(mut self, seed: u32) -> Self {
         self.seed = seed;
         self
     }
 
-    /// By how many stops pictures are brighter than the light that scenes give, -64 to 64. [`View::linear`](crate::View::linear) stays.
+    /// Sets the exposure in stops, -64 to 64. It leaves [`View::linear`](crate::View::linear) unchanged.
     pub fn exposure(mut self, stops: f32) -> Self {
         self.exposure = stops;
         self
     }
 
-    /// What becomes of what is too bright for a picture.
+    /// Sets the tone mapping.
     pub fn tone(mut self, tone: Tone) -> Self {
         self.tone = tone;
         self
     }
 
-    /// Whether each view has random numbers of its own.
+    /// Sets whether each view uses different random numbers.
     pub fn noise_by_view(mut self, noise_by_view: bool) -> Self {
         self.noise_by_view = noise_by_view;
         self
@@ -339,7 +352,7 @@ impl Options {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for a value out of its range, [`Error::Samples`] for a number of samples that there isn't.
+    /// [`Error::Options`] for a value out of its range, [`Error::Samples`] for an unsupported number of samples.
     pub fn check(&self) -> Result<(), Error> {
         samples::side_of(self.samples)?;
         let within = |option, value: u32, range: std::ops::RangeInclusive<u32>| match range.contains(&value) {
@@ -379,7 +392,7 @@ impl Options {
     }
 
     /// # Errors
-    /// [`Error::Options`] for levels or a tolerance out of their range, and for what adaptive samples don't go with.
+    /// [`Error::Options`] for levels or a tolerance out of range, and for options that exclude adaptive samples.
     fn check_adaptive(&self) -> Result<(), Error> {
         let Some(Adaptive { levels, tolerance }) = self.adaptive else { return Ok(()) };
         let fault = |reason| Err(Error::Options { option: "adaptive", reason });
@@ -401,7 +414,7 @@ impl Options {
         }
     }
 
-    /// What is kept of each pixel besides its colour.
+    /// Sets the data kept for each pixel besides its colour.
     pub fn g_buffer(mut self, g_buffer: GBuffer) -> Self {
         self.g_buffer = g_buffer;
         self
@@ -409,7 +422,7 @@ impl Options {
 }
 
 impl Default for Options {
-    /// [`Method::Auto`], nothing counted.
+    /// [`Method::Auto`] with the defaults of [`Options::new`].
     fn default() -> Self {
         Self::new(Method::Auto)
     }

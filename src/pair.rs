@@ -1,4 +1,4 @@
-//! What a render returns: two views, where each right pixel came from, and what it cost.
+//! Results of a render: two views, the source of each right pixel, and the cost.
 
 use std::{sync::LazyLock, time::Duration};
 
@@ -7,7 +7,7 @@ use crate::{Choice, Method, Pose, ShadowBufferWork};
 /// Primitive or object id where nothing was hit.
 pub const MISS: u32 = u32::MAX;
 
-/// What one eye sees. All lists are row-major, `[height][width]`, top row first.
+/// View of one eye. All lists are row-major, `[height][width]`, top row first.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct View {
@@ -15,45 +15,46 @@ pub struct View {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The picture, sRGB-encoded, alpha 255.
+    /// Picture, sRGB-encoded, alpha 255.
     pub rgba8: Vec<[u8; 4]>,
-    /// Light as it comes, linear RGB, before [`Options::exposure`](crate::Options::exposure) and as bright as it is, alpha 1; empty unless [`Options::linear`](crate::Options::linear) asked for it.
+    /// Linear RGB radiance before [`Options::exposure`](crate::Options::exposure), unclamped, alpha 1. Empty unless
+    /// [`Options::linear`](crate::Options::linear) is set.
     pub linear: Vec<[f32; 4]>,
-    /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` where nothing was hit.
+    /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` for misses.
     pub depth: Vec<f32>,
     /// Id of the primitive that was hit, or [`MISS`].
     pub primitive: Vec<u32>,
-    /// Id of the object it belongs to, or [`MISS`].
+    /// Id of the object that the primitive belongs to, or [`MISS`].
     pub object: Vec<u32>,
-    /// BVH nodes visited and primitives tested for this pixel, all its rays (the query of a tile, by `bracket`, counts for the tile's
-    /// first pixel; what a T-buffer projects counts for none); empty unless [`Options::cost_map`](crate::Options)
-    /// asked for it.
+    /// BVH nodes visited and primitives tested by all rays of the pixel. With `bracket`, a tile's query counts for the
+    /// tile's first pixel. Primitives projected into a T-buffer are not counted. Empty unless
+    /// [`Options::cost_map`](crate::Options) is set.
     pub cost: Vec<u32>,
 }
 
-/// Where a right pixel's colour came from.
+/// Source of a right pixel's colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u8)]
 pub enum PixelSource {
-    /// Taken over from the left view; by `bracket` found no deeper than the left samples that land in its tile.
+    /// Reused from the left view. With `bracket`: found within the tile's bound.
     Reused = 0,
-    /// A left sample landed here, but something was found before it; by `bracket` the hit lies deeper: traced.
+    /// Traced: a left sample landed here, but its check failed. With `bracket`: the hit lies beyond the tile's bound.
     Bad = 1,
-    /// No left sample landed here; by `bracket` a list was too short, too: traced.
+    /// Traced: no left sample landed here. With `bracket`: or the list overflowed.
     Missed = 2,
-    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), without looking at the left view (`Naive`).
+    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), independently of the left view (`Naive`).
     Traced = 3,
 }
 
-/// How it is known which lights a right pixel sees.
+/// Source of a right pixel's visibility bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u8)]
 pub enum ShadowSource {
-    /// As the left samples beside it say; or no light is in front of the surface, or there is none.
+    /// Reused from the left samples beside it. Also where no light is in front of the surface, or the scene has none.
     Taken = 0,
-    /// By shadow rays, at least one.
+    /// At least one shadow ray.
     Traced = 1,
 }
 
@@ -61,18 +62,18 @@ pub enum ShadowSource {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Rays {
-    /// Closest-hit rays through pixels; of a view whose first hits come from a [T-buffer](crate::Visibility::TBuffer) those that were traced after all.
+    /// Closest-hit rays through pixels. With a [T-buffer](crate::Visibility::TBuffer), only the rays still traced.
     pub primary: u64,
     /// Length-limited any-hit rays that check reused pixels.
     pub verification: u64,
     /// Any-hit rays towards lights.
     pub shadow: u64,
-    /// Closest-hit rays that mirrors, glass and veils send on.
+    /// Closest-hit rays reflected, refracted or passed on by mirrors, glass and transparent surfaces.
     pub secondary: u64,
 }
 
 impl Rays {
-    /// All kinds together.
+    /// Returns the sum of all kinds.
     pub fn total(&self) -> u64 {
         self.primary + self.verification + self.shadow + self.secondary
     }
@@ -88,16 +89,16 @@ impl std::ops::AddAssign for Rays {
     }
 }
 
-/// What one view cost, in counts that no machine changes.
+/// Work of one view, in counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Work {
     /// Rays by kind.
     pub rays: Rays,
-    /// BVH nodes visited (a node holds the boxes of two children), and primitives that were projected for a [T-buffer](crate::Visibility::TBuffer);
-    /// 0 unless counting was asked for.
+    /// BVH nodes visited (a node holds the boxes of two children), and primitives projected into a
+    /// [T-buffer](crate::Visibility::TBuffer). 0 unless counting is on.
     pub nodes: u64,
-    /// Primitives tested; 0 unless counting was asked for.
+    /// Primitives tested; 0 unless counting is on.
     pub primitive_tests: u64,
 }
 
@@ -111,7 +112,7 @@ impl std::ops::AddAssign for Work {
 }
 
 impl Work {
-    /// Box tests (two a node) plus primitive tests.
+    /// Returns box tests (two per node) plus primitive tests.
     pub fn cost(&self) -> u64 {
         2 * self.nodes + self.primitive_tests
     }
@@ -126,57 +127,58 @@ pub struct PassTimes {
 }
 
 impl PassTimes {
-    /// All passes together.
+    /// Returns the sum of all passes.
     pub fn total(&self) -> Duration {
         self.passes.iter().map(|(_, time)| *time).sum()
     }
 }
 
-/// What a frame cost.
+/// Cost of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The method that made the pair: the one asked for, [`Method::Ideal`] without interaxial, what [`Method::Auto`] chose,
-    /// [`Method::Naive`] [in steps](Self::in_steps).
+    /// The method that made the pair: the requested one, [`Method::Ideal`] if the interaxial is 0 and views share their
+    /// noise, the choice of [`Method::Auto`], or [`Method::Naive`] if rendered [in steps](Self::in_steps).
     pub method: Method,
-    /// Why [`Method::Auto`] chose it; `None` by other methods.
+    /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,
-    /// Whether threads left work to further dispatches: where an adapter ends their loops before that is done, a frame is rendered
-    /// again, by [`Method::Naive`] in steps. It takes longer and shows the same.
+    /// Whether threads spread their work over several dispatches. If an adapter ends a kernel's loops early, the frame
+    /// is rendered again in this way, by [`Method::Naive`]. It takes longer and shows the same.
     pub in_steps: bool,
-    /// The left view's work.
+    /// Work of the left view.
     pub left: Work,
-    /// The right view's work.
+    /// Work of the right view.
     pub right: Work,
-    /// Right pixels taken over from the left view.
+    /// Right pixels reused from the left view.
     pub reused: u64,
-    /// Right pixels whose left sample was rejected; traced.
+    /// Right pixels that were traced because their left sample was rejected.
     pub bad: u64,
-    /// Right pixels without a left sample; traced.
+    /// Right pixels that were traced because no left sample landed there.
     pub missed: u64,
-    /// `Buffer` only: candidates that met a taken slot, so that one of the two is lost (DESIGN, section 2).
+    /// `Buffer` only: candidates that met a taken slot, each of which loses one candidate (DESIGN, section 2).
     pub lost_candidates: u64,
-    /// `Buffer` only: slots a right pixel.
+    /// `Buffer` only: slots per right pixel.
     pub buffer_depth: u32,
-    /// Time of each pass in order; `None` where the adapter has no timestamps. Drivers may compile a kernel when it first
-    /// runs: time the second frame, not the first.
+    /// Time of each pass in order; `None` if the adapter has no timestamps. Drivers may compile a kernel when it first
+    /// runs, so time the second frame, not the first.
     pub times: Option<PassTimes>,
-    /// Device memory of the buffers between the passes in bytes, without the pair's own pictures.
+    /// Device memory of the buffers between the passes in bytes, without the pair's pictures.
     pub intermediate_bytes: u64,
-    /// What filling shadow-buffers cost, all zeros where none are asked ([`Options::shadow_buffer`](crate::Options::shadow_buffer)). It is in no view's
-    /// work, and its time in none of the passes'.
+    /// Cost of filling shadow-buffers; all zero without [`Options::shadow_buffer`](crate::Options::shadow_buffer).
+    /// Neither the views' work nor the passes' times include it.
     pub shadow_buffer: ShadowBufferWork,
 }
 
 impl Statistics {
-    /// Share of the right pixels that were traced, 0 to 1; all of them by `Naive`, but for those that a [T-buffer](crate::Visibility::TBuffer) found.
+    /// Returns the share of right pixels that were traced, 0 to 1. With `Naive` that is 1, less the pixels found by a
+    /// [T-buffer](crate::Visibility::TBuffer).
     pub fn retraced_share(&self) -> f64 {
         let traced = self.right.rays.primary;
         traced as f64 / (traced + self.reused).max(1) as f64
     }
 
-    /// `m`, the right view's cost relative to the left view's, by counters (DESIGN, section 7). NaN unless counting was
-    /// asked for.
+    /// Returns `m`, the right view's cost relative to the left view's, by counters (DESIGN, section 7). NaN unless
+    /// counting is on.
     pub fn second_eye(&self) -> f64 {
         self.right.cost() as f64 / self.left.cost() as f64
     }
@@ -186,21 +188,21 @@ impl Statistics {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StereoPair {
-    /// What the left eye sees.
+    /// View of the left eye.
     pub left: View,
-    /// What the right eye sees.
+    /// View of the right eye.
     pub right: View,
-    /// Where each right pixel came from, row-major.
+    /// Source of each right pixel, row-major.
     pub source: Vec<PixelSource>,
-    /// How it is known which lights each right pixel sees, row-major; by `bracket` only, else empty.
+    /// Source of each right pixel's visibility bits, row-major; empty unless made by `bracket`.
     pub shadow_source: Vec<ShadowSource>,
-    /// What it cost.
+    /// Cost of the frame.
     pub statistics: Statistics,
-    /// The camera it was rendered with.
+    /// Camera of the frame.
     pub pose: Pose,
 }
 
-/// Linear values of 8-bit sRGB ones.
+/// Linear values of the 256 sRGB bytes.
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|byte| {
         let encoded = byte as f64 / 255.0;
@@ -209,13 +211,13 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
-/// Linear light of a channel of an 8-bit sRGB picture, 0 to 1.
+/// Returns the linear value, 0 to 1, of an 8-bit sRGB channel.
 pub(crate) fn linear_of(byte: u8) -> f32 {
     LINEAR[usize::from(byte)]
 }
 
 impl View {
-    /// The picture as it is shown, as linear RGB and alpha, 0 to 1: decoded from [`View::rgba8`].
+    /// Returns the displayed picture as linear RGB and alpha, 0 to 1, decoded from [`View::rgba8`].
     pub fn light(&self) -> Vec<[f32; 4]> {
         let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
             let [red, green, blue] = [red, green, blue].map(linear_of);
@@ -224,7 +226,7 @@ impl View {
         self.rgba8.iter().map(decoded).collect()
     }
 
-    /// Nearest and farthest depth; the farthest is infinite where there is sky, both where there is nothing else.
+    /// Returns the nearest and the farthest depth. The farthest is infinite if any ray missed, both if all did.
     pub fn depth_range(&self) -> (f32, f32) {
         let fold = |(near, far): (f32, f32), &z: &f32| (near.min(z), far.max(z));
         self.depth.iter().fold((f32::INFINITY, 0.0), fold)
@@ -232,8 +234,8 @@ impl View {
 }
 
 impl StereoPair {
-    /// The re-trace map as a picture, as Adelson & Hodges 1993 show it: green = reused, red = bad, traced again;
-    /// missed pixels, which they leave red too, are yellow; grey = traced without reuse. sRGB, row-major.
+    /// Returns the re-trace map as a picture, as in Adelson & Hodges 1993: green = reused, red = bad, traced again,
+    /// grey = traced without reuse. Missed pixels are yellow; the paper leaves them red too. sRGB, row-major.
     pub fn retrace_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &PixelSource| match source {
             PixelSource::Reused => [0, 128, 0, 255],
@@ -244,8 +246,8 @@ impl StereoPair {
         self.source.iter().map(color).collect()
     }
 
-    /// Where `bracket` got right pixels' shadows as a picture: green = taken over from the left view, red = traced. sRGB, row-major;
-    /// empty by other methods.
+    /// Returns a picture of how `bracket` got shadows: green = reused from the left view, red = traced. sRGB,
+    /// row-major; empty by other methods.
     pub fn shadow_map(&self) -> Vec<[u8; 4]> {
         let color = |source: &ShadowSource| match source {
             ShadowSource::Taken => [0, 128, 0, 255],

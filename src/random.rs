@@ -1,19 +1,19 @@
-//! Random numbers for scenes and tests: made of whole numbers only, so that they are the same on every machine.
+//! Random numbers for scenes and tests. They use integer arithmetic only, so they are the same on every machine.
 //!
-//! Integration tests and benches include this file by its path: there is one generator.
+//! Integration tests and benches include this file by its path, so there is one generator.
 
-/// PCG (O'Neill 2014) as a hash of one word, as in Jarzynski and Olano 2020.
+/// Hashes one word by PCG (O'Neill 2014), as in Jarzynski and Olano 2020.
 pub(crate) fn pcg(input: u32) -> u32 {
     let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
 
-/// Each number is the hash of the next word, so a sequence repeats itself after 2³² numbers only.
+/// A random sequence: the hashes of successive words. It repeats after 2³² numbers.
 pub(crate) struct Random(pub(crate) u32);
 
 impl Random {
-    /// From 0 up to 1, exact in f32.
+    /// Returns a number from 0 up to 1, excluding 1, exact in f32.
     pub(crate) fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(1);
         (pcg(self.0) >> 8) as f32 / (1 << 24) as f32
@@ -26,17 +26,17 @@ impl Random {
 
 #[cfg(test)]
 impl Random {
-    /// Starts at the seed's own hash: neighbouring seeds would otherwise share all numbers but one.
+    /// Starts at the seed's own hash. Otherwise neighbouring seeds would share all numbers but one.
     pub(crate) fn new(seed: u32) -> Self {
         Self(pcg(seed))
     }
 
-    /// A whole number below `count`.
+    /// Returns a whole number below `count`.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         (self.unit() * count as f32) as usize
     }
 
-    /// A point of the cube from `-half` to `half` on each axis.
+    /// Returns a point in the cube from `-half` to `half` on each axis.
     pub(crate) fn point(&mut self, half: f32) -> glam::Vec3 {
         glam::Vec3::from_array([(); 3].map(|()| self.between(-half, half)))
     }

@@ -1,4 +1,4 @@
-//! The renderer: scenes and cameras in, pairs out.
+//! The renderer: renders stereo pairs and views from scenes and cameras.
 
 use std::{ops::ControlFlow, sync::Once};
 
@@ -15,27 +15,26 @@ use crate::{
     traversal::Traversal,
 };
 
-/// How far a frame is.
+/// Progress of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// The last step of the band of rows that was done.
+    /// Last step of the finished band of rows.
     pub pass: &'static str,
-    /// Share of the frame's rows done, 0 to 1. It begins anew where a frame is rendered again
+    /// Share of the frame's rows that are done, 0 to 1. It restarts if a frame is rendered again
     /// ([`Statistics::in_steps`]).
     pub done: f32,
 }
 
-/// A callback that is told how far a frame is, and may stop it. It can go to another thread with its frame, but for wasm32,
-/// where nothing of a browser's can.
+/// Callback that receives the progress of a frame and may stop it. It is `Send`, except on wasm32.
 #[cfg(not(target_arch = "wasm32"))]
 pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + Send + 'a;
 
-/// A callback that is told how far a frame is, and may stop it.
+/// Callback that receives the progress of a frame and may stop it.
 #[cfg(target_arch = "wasm32")]
 pub type OnProgress<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
-/// Renders stereo pairs; keeps kernels and buffers from frame to frame.
+/// Renders stereo pairs, and keeps kernels and buffers between frames.
 ///
 /// ```no_run
 /// use stereotrace::{Builtin, Gpu, Method, Options, Renderer};
@@ -54,27 +53,27 @@ pub struct Renderer {
     pub(crate) gpu: Gpu,
     pub(crate) traversal: Traversal,
     pub(crate) kernels: Kernels,
-    /// Buffers of the last frame, for the next.
+    /// Buffers of the last frame, reused by the next.
     pub(crate) cache: frame::Cache,
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
-    /// Parts that rows of workgroups are dealt to (`launched_row` of shaders/shared/types.wgsl).
+    /// Number of runs that rows of workgroups are divided into (`launched_row` of shaders/shared/types.wgsl).
     pub(crate) runs: u32,
     pub(crate) steps: Steps,
-    /// Done when a scene was warned of that is far from the origin.
+    /// Completed once the warning about a scene far from its origin was logged.
     pub(crate) rounding_warned: Once,
-    /// Done when it was said of a pair that is toed in what that costs.
+    /// Completed once the warning about toed-in pairs was logged.
     toe_in_warned: Once,
 }
 
 impl Renderer {
-    /// A renderer on a device.
+    /// Creates a renderer on a device.
     pub fn new(gpu: Gpu) -> Self {
         let traversal = Traversal::of(&gpu);
         Self::with_traversal(gpu, traversal)
     }
 
-    /// A renderer whose rays go through scenes in a given way: for measurements, or where [`Traversal::of`] chose badly.
+    /// Creates a renderer with a given traversal: for measurements, or where [`Traversal::of`] chose badly.
     pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
         Self {
             traversal,
@@ -90,19 +89,19 @@ impl Renderer {
         }
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// Renders a pair; `progress` is called after every band of rows, and may stop the frame. Eyes that are toed in
-    /// ([`Convergence::ToeIn`]) are traced one after the other, by [`Method::Naive`] whatever method is asked for; a
-    /// warning says so once a renderer.
+    /// Renders a pair. `progress` is called after every band of rows and may stop the frame. Toed-in eyes
+    /// ([`Convergence::ToeIn`]) are traced one after the other by [`Method::Naive`], whatever the method. A warning
+    /// says so once per renderer.
     ///
     /// # Errors
-    /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for a number of samples that there isn't, [`Error::Limit`] for a picture that the adapter can't bind,
-    /// [`Error::Cancelled`] if `progress` breaks, [`Error::ForeignScene`] for a scene that another
-    /// [`Gpu`] holds, [`Error::DeviceLost`] and [`Error::OutOfMemory`].
+    /// [`Error::Camera`] for an invalid camera, [`Error::Samples`] for an unsupported number of samples,
+    /// [`Error::Limit`] for a picture that the adapter can't bind, [`Error::Cancelled`] if `progress` breaks,
+    /// [`Error::ForeignScene`] for a scene on another [`Gpu`], [`Error::DeviceLost`] and [`Error::OutOfMemory`].
     pub async fn render_async(
         &mut self,
         scene: &UploadedScene,
@@ -121,7 +120,7 @@ impl Renderer {
         Ok(StereoPair::of_two(pose, left, right))
     }
 
-    /// Runs the passes of a frame without reading the pictures back: for benchmarks.
+    /// Runs the passes of a frame without reading the pictures back; for benchmarks.
     ///
     /// # Errors
     /// As [`Renderer::render_async`].
@@ -144,7 +143,7 @@ impl Renderer {
         Ok(left.beside(right).pair_statistics())
     }
 
-    /// The eyes of a pair that is toed in, each of a frame of its own.
+    /// Returns the eyes of a toed-in pair, each with a frame of its own, or `None` for other pairs.
     fn toed_in(&self, pose: &Pose, options: &Options) -> Option<[Eyes; 2]> {
         if pose.convergence == Convergence::OffAxis {
             return None;
@@ -160,7 +159,7 @@ impl Renderer {
         Some([-1.0, 1.0].map(|side| Eyes::mono(pose.of_eye(side))))
     }
 
-    /// Renders the views of a rig; `progress` is called after every band of rows, and may stop the frame.
+    /// Renders the views of a rig. `progress` is called after every band of rows and may stop the frame.
     ///
     /// # Errors
     /// As [`Renderer::render_async`]; [`Error::Rig`] for a rig that can't be rendered.
@@ -176,12 +175,12 @@ impl Renderer {
         Ok(Views::of(done, views))
     }
 
-    /// Renders the views of a rig and hands their rows on as they are done, from the top down, some dozens at a time: for pictures
-    /// of any height, since neither the device nor the host then holds more than a band of rows. A pair is [`Rig::pair`].
-    /// What comes back is what whole views come with, but for the views' pictures, which have no rows.
+    /// Renders the views of a rig and passes their rows to `on_rows` as they are done, from the top down, some dozens
+    /// at a time. Neither device nor host holds more than a band of rows, so pictures may have any height. Use
+    /// [`Rig::pair`] for a stereo pair. The returned views have no rows, but all other results.
     ///
     /// # Errors
-    /// As [`Renderer::render_views_async`], and what `on_rows` returns, which ends the frame.
+    /// As [`Renderer::render_views_async`], and any error of `on_rows`, which ends the frame.
     pub async fn render_rows_async(
         &mut self,
         scene: &UploadedScene,
@@ -196,7 +195,7 @@ impl Renderer {
         Ok(Views::of(done, nothing))
     }
 
-    /// A frame and its views, whole.
+    /// Renders a frame and keeps all rows of its views.
     async fn whole_frame(
         &mut self,
         scene: &UploadedScene,
@@ -214,13 +213,13 @@ impl Renderer {
     }
 }
 
-/// What shows a frame's progress as that of the half of two that begins there.
+/// Maps the progress of half a frame, from `begin`, to the whole frame.
 fn half_of(progress: &mut OnProgress<'_>, begin: f32) -> impl FnMut(Progress) -> ControlFlow<()> {
     move |Progress { pass, done }| progress(Progress { pass, done: begin + 0.5 * done })
 }
 
-/// Renders the views of a rig in one call: opens a device, uploads the scene and renders them by [`Method::Auto`]. For more than
-/// one frame keep a [`Renderer`].
+/// Opens a device, uploads the scene and renders the views of a rig by [`Method::Auto`]. For more than one frame, keep
+/// a [`Renderer`].
 ///
 /// # Errors
 /// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_views_async`].
@@ -231,8 +230,8 @@ pub async fn render_views_async(scene: &Scene, rig: &Rig) -> Result<Views, Error
     renderer.render_views_async(&uploaded, rig, &Options::default(), &mut go_on).await
 }
 
-/// Renders a stereo pair in one call: opens a device, uploads the scene and renders it by [`Method::Auto`]. For
-/// more than one picture keep a [`Renderer`].
+/// Opens a device, uploads the scene and renders a stereo pair by [`Method::Auto`]. For more than one picture, keep a
+/// [`Renderer`].
 ///
 /// # Errors
 /// As [`Gpu::new_async`], [`Renderer::upload_async`] and [`Renderer::render_async`].

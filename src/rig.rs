@@ -1,4 +1,4 @@
-//! Eyes on one line behind one screen: which are traced, and from which the others are made.
+//! Rigs: eyes on one line behind one screen, their traced views and the sources of the others.
 
 use glam::{DVec3, Vec3};
 
@@ -9,24 +9,26 @@ use crate::{
     layout,
 };
 
-/// Where one traced view would serve so many, two do: each other view has a nearer one, and most have one on either side, so that far fewer
-/// shadow rays are left. Of 45 views of the hall the others then cost .074 of a traced one each for .126, of the dragon .049 for .059.
+/// Number of views that makes two traced views better than one: each other view then has a nearer source, and most have
+/// traced views on both sides, which leaves far fewer shadow rays. With 45 views, each other view then costs 0.074 of a
+/// traced one in the hall (0.049 for the dragon), instead of 0.126 (0.059).
 const FOR_TWO: usize = 24;
 
-/// Where these two stand: so far of the way between the outermost eyes from either end.
+/// Distance of two traced views from the ends of their group, as a share of the group's width.
 const FROM_END: f32 = 1.0 / 7.0;
 
-/// Views of a rig at most.
+/// Maximum number of views of a rig.
 pub const MAX_VIEWS: usize = 1024;
 
-/// Eyes on one line behind one screen, for multi-view displays and light fields: a pair is a rig of two, and one eye is
-/// a rig too ([`Rig::mono`]).
+/// Eyes on one line behind one screen, for multi-view displays and light fields. A pair is a rig of two; [`Rig::mono`]
+/// is a rig of one eye.
 ///
-/// Eyes stand at `eye + r o e`, with the camera's midpoint, its right `r` and its interaxial `e`; `o` is an eye's
-/// offset. All look through the same screen rectangle, so the parallax between two of them is `(o_b - o_a) e_px (1 -
-/// d/Z)`, of either sign; parallel cameras' is `(o_a - o_b) f_px e / Z`. Some views are traced, their sources; each
-/// other view is made from the source nearest to it. Of eyes that are toed in, one at a time can be rendered: as a camera
-/// of its own, [`Pose::of_eye`], at offset 0.
+/// An eye stands at `eye + r o e`. `eye` is the camera's midpoint, `r` its right axis, `e` its interaxial, and `o` the
+/// eye's offset. All eyes look through the same screen rectangle, so the parallax between two of them is
+/// `(o_b - o_a) e_px (1 - d/Z)`, of either sign. For parallel cameras it is `(o_a - o_b) f_px e / Z`.
+///
+/// Some views are traced. Each other view is made from the nearest traced one, its source. Toed-in eyes can be rendered
+/// only one at a time, each as a camera of its own ([`Pose::of_eye`]) at offset 0.
 ///
 /// ```
 /// use stereotrace::{Rig, StereoCamera, glam::Vec3};
@@ -43,48 +45,48 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// One eye, at the camera's midpoint.
+    /// Creates a rig of one eye at the camera's midpoint.
     pub fn mono(camera: StereoCamera) -> Self {
         Self::at(camera, vec![0.0])
     }
 
-    /// Left and right, an interaxial apart; the right view is made from the left one.
+    /// Creates a stereo pair, left and right; the right view is made from the left one.
     pub fn pair(camera: StereoCamera) -> Self {
         Self { camera, offsets: vec![-0.5, 0.5], traced: Some(vec![0]) }
     }
 
-    /// So many eyes from left to right, an interaxial between neighbours, the camera's midpoint in their middle.
+    /// Creates a row of `eyes` eyes from left to right, an interaxial apart, centred at the camera's midpoint.
     pub fn row(camera: StereoCamera, eyes: usize) -> Self {
         let middle = 0.5 * eyes.saturating_sub(1) as f32;
-        // What is too many is refused when it is rendered; until then it must not fill memory.
+        // Rendering refuses rows that are too long; until then they must not fill memory.
         Self::at(camera, (0..eyes.min(MAX_VIEWS + 1)).map(|eye| eye as f32 - middle).collect())
     }
 
-    /// Eyes at given offsets from the camera's midpoint, in interaxials, to the right; in any order.
+    /// Creates a rig with the given offsets to the right of the camera's midpoint, in interaxials, in any order.
     pub fn at(camera: StereoCamera, offsets: Vec<f32>) -> Self {
         Self { camera, offsets, traced: None }
     }
 
-    /// The views that are traced, by their places among the offsets. Without it, one is for every [`Rig::REACH`] of the picture's
-    /// width that the eyes reach to both sides, and two where it would serve 24 views. By `bracket` a view with a traced one on either side
-    /// asks both which lights its points see, the nearer one first.
+    /// Sets the traced views, as indices into the offsets. By default as few views are traced as keep every other view
+    /// within [`Rig::REACH`] of its source. Where one would serve 24 views or more, two are traced. With `bracket`, a
+    /// view between two traced ones queries both for shadow bits, the nearer one first.
     pub fn traced(mut self, views: Vec<usize>) -> Self {
         self.traced = Some(views);
         self
     }
 
-    /// The eyes' offsets from the camera's midpoint, in interaxials.
+    /// Returns the eyes' offsets from the camera's midpoint, in interaxials.
     pub fn offsets(&self) -> &[f32] {
         &self.offsets
     }
 
-    /// How far, as a share of the picture's width, a view is carried from its source at most (parallax at infinity; of
-    /// parallel cameras that at the target's distance), unless [`Rig::traced`] says otherwise.
+    /// Maximum parallax at infinity between a view and its source, as a share of the picture's width, unless
+    /// [`Rig::traced`] is set. For parallel cameras, the parallax at the target's distance.
     pub const REACH: f32 = 1.0 / 8.0;
 
     /// # Errors
-    /// [`Error::Rig`] for no eyes, too many, two in one place, several that are toed in, and sources that are no eyes;
-    /// [`Error::Camera`] for a camera whose outermost or closest eyes f32 does not hold.
+    /// [`Error::Rig`] for no eyes, too many eyes, equal offsets, several toed-in eyes, or invalid sources.
+    /// [`Error::Camera`] if f32 does not resolve the outermost or the closest eyes.
     pub(crate) fn eyes(&self, scene_origin: DVec3) -> Result<Eyes, Error> {
         let fault = |reason| Err(Error::Rig { reason });
         let count = self.offsets.len();
@@ -110,7 +112,7 @@ impl Rig {
             };
         }
         if pose.interaxial > 0.0 && count > 1 {
-            // The outermost eyes, and the closest ones, must be a pair that a camera may have.
+            // The outermost eyes and the closest ones must each be a valid pair.
             let span = 2.0 * sorted[0].abs().max(sorted[count - 1].abs());
             let gap = sorted.windows(2).map(|two| two[1] - two[0]).fold(f32::INFINITY, f32::min);
             for apart in [span, gap] {
@@ -125,7 +127,7 @@ impl Rig {
         Ok(Eyes { pose, offsets: self.offsets.clone(), sources, seconds })
     }
 
-    /// Of each view the nearest one of these.
+    /// Returns the nearest of the given views for each view.
     fn sources_asked_for(&self, traced: &[usize]) -> Result<Vec<usize>, Error> {
         if traced.is_empty() {
             return Err(Error::Rig { reason: "no view is to be traced; at least one must be".into() });
@@ -143,14 +145,15 @@ impl Rig {
         (0..self.offsets.len()).filter_map(nearest).collect()
     }
 
-    /// As few traced views as bring each other one within [`Rig::REACH`], from left to right; twice as many where each serves many views.
+    /// Traces as few views as keep every other view within [`Rig::REACH`], or twice as many where each would serve
+    /// many. Returns the source of each view.
     fn sources_by_rule(&self, pose: &Pose) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.offsets.len()).collect();
         order.sort_by(|&a, &b| self.offsets[a].total_cmp(&self.offsets[b]));
         let reach = Self::REACH * pose.size[0] as f32 / pose.typical_parallax_px().max(f32::MIN_POSITIVE);
         let ends = |group: &[usize]| (self.offsets[group[0]], self.offsets[group[group.len() - 1]]);
         let mut traced = Vec::new();
-        // Groups of equal numbers of eyes, so many that none is wider than twice the reach.
+        // Splits the eyes into the fewest groups of equal size that are no wider than twice the reach.
         let fits = |groups: &usize| {
             order.chunks(order.len().div_ceil(*groups)).all(|group| ends(group).1 - ends(group).0 <= 2.0 * reach)
         };
@@ -167,7 +170,7 @@ impl Rig {
     }
 }
 
-/// Of each view the nearest of the sources that stand on its other side than its own one, or that again.
+/// Returns for each view the nearest traced view on the opposite side from its source, or else its source.
 fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     let second = |(view, &source): (usize, &usize)| {
         let side = (offsets[source] - offsets[view]).signum();
@@ -179,36 +182,36 @@ fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     sources.iter().enumerate().map(second).collect()
 }
 
-/// The eyes of a frame, checked.
+/// The checked eyes of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Eyes {
-    /// Of the middle.
+    /// Camera at the rig's midpoint.
     pub(crate) pose: Pose,
-    /// Of each eye from the middle along `pose.right`, in interaxials.
+    /// Offset of each eye from the midpoint along `pose.right`, in interaxials.
     pub(crate) offsets: Vec<f32>,
-    /// Of each view the one that it is made from; one that is traced is its own.
+    /// Source of each view; a traced view is its own source.
     pub(crate) sources: Vec<usize>,
-    /// Of each view the nearest one that is traced on its other side, or its source again where there is none.
+    /// Second source of each view: the nearest traced view on the opposite side from its source, or else its source.
     pub(crate) seconds: Vec<usize>,
 }
 
 impl Eyes {
-    /// Left and right; the right view is made from the left one.
+    /// Returns the eyes of a pair; the right view is made from the left one.
     pub(crate) fn pair(pose: &Pose) -> Self {
         Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0] }
     }
 
-    /// One eye, which is traced.
+    /// Returns a single, traced eye.
     pub(crate) fn mono(pose: Pose) -> Self {
         Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0] }
     }
 
-    /// Where they are, relative to the scene's origin.
+    /// Returns the eyes' positions relative to the scene's origin.
     pub(crate) fn positions(&self) -> Vec<Vec3> {
         self.offsets.iter().map(|offset| self.pose.eye_in_scene(2.0 * offset)).collect()
     }
 
-    /// As kernels read a view and its source.
+    /// Returns the uniform that describes a view and its source to kernels.
     pub(crate) fn frame(&self, view: usize) -> layout::Frame {
         let apart = self.offsets[view] - self.offsets[self.seconds[view]];
         layout::Frame {
@@ -218,43 +221,44 @@ impl Eyes {
         }
     }
 
-    /// Whether some view has a source on either side.
+    /// Returns whether any view has a second source.
     pub(crate) fn has_seconds(&self) -> bool {
         self.seconds != self.sources
     }
 
-    /// The same for the kernels' twins.
+    /// Returns the same for the kernels' CPU twins.
     pub(crate) fn cpu_frame(&self, view: usize) -> cpu::Frame {
         cpu::Frame::between(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
     }
 
-    /// A view and its source as a pair: the pose whose interaxial is the distance between them.
+    /// Returns the pose of a view and its source as a pair: its interaxial is the distance between them.
     pub(crate) fn pair_of(&self, view: usize) -> Pose {
         self.pose.apart((self.offsets[view] - self.offsets[self.sources[view]]).abs())
     }
 }
 
-/// The views of a rig.
+/// Views of a rig.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Views {
-    /// One an eye, in the rig's order.
+    /// One view per eye, in the rig's order.
     pub views: Vec<RigView>,
-    /// The camera in the middle of the rig.
+    /// Camera at the rig's midpoint.
     pub pose: Pose,
-    /// Time of each pass in order; `None` where the adapter has no timestamps, or too few for so many passes.
+    /// Time of each pass in order; `None` if the adapter has no timestamps, or too few for all passes.
     pub times: Option<PassTimes>,
-    /// Whether threads left work to further dispatches: see [`Statistics::in_steps`](crate::Statistics::in_steps).
+    /// Whether threads spread their work over several dispatches: see
+    /// [`Statistics::in_steps`](crate::Statistics::in_steps).
     pub in_steps: bool,
     /// Device memory of the buffers between the passes in bytes, without the views themselves.
     pub intermediate_bytes: u64,
-    /// What filling shadow-buffers cost: see [`Statistics::shadow_buffer`](crate::Statistics::shadow_buffer).
+    /// Cost of filling shadow-buffers: see [`Statistics::shadow_buffer`](crate::Statistics::shadow_buffer).
     pub shadow_buffer: ShadowBufferWork,
 }
 
 impl Views {
-    /// The cost of all views that are not traced relative to that of one traced view, by counters and a view (DESIGN, section 7).
-    /// NaN unless counting was asked for.
+    /// Returns the mean cost of the views that are not traced relative to the mean cost of the traced ones, by counters
+    /// (DESIGN, section 7). NaN unless counting is on.
     pub fn other_views(&self) -> f64 {
         let sum = |traced: bool| {
             let costs = self.views.iter().enumerate().filter(|(index, view)| (view.made_from == *index) == traced);
@@ -265,25 +269,25 @@ impl Views {
     }
 }
 
-/// A view of a rig, and how it came about.
+/// One view of a rig and its statistics.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RigView {
-    /// What the eye sees.
+    /// Picture and G-buffer of the eye.
     pub view: View,
     /// The eye's offset from the rig's midpoint, in interaxials.
     pub offset: f32,
-    /// The view that it was made from; its own place if it was traced.
+    /// Index of the view's source; its own index if it was traced.
     pub made_from: usize,
-    /// The method that made it; why, where [`Method::Auto`] chose.
+    /// The method that made it.
     pub method: Method,
-    /// Why [`Method::Auto`] chose it; `None` by other methods.
+    /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
     pub choice: Option<Choice>,
-    /// Where each pixel came from, row-major.
+    /// Source of each pixel, row-major.
     pub source: Vec<PixelSource>,
-    /// How it is known which lights each pixel sees, row-major; by `bracket` only, else empty.
+    /// Source of each pixel's visibility bits, row-major; empty unless made by `bracket`.
     pub shadow_source: Vec<ShadowSource>,
-    /// What it cost.
+    /// Work of the view.
     pub work: Work,
 }
 

@@ -1,4 +1,4 @@
-//! Samples of a pixel, and the filters that weigh them (docs/DESIGN.md, section 3).
+//! Samples per pixel and their filters (docs/DESIGN.md, section 3).
 
 mod cells;
 mod gather;
@@ -13,11 +13,12 @@ pub(crate) use self::{
 };
 use crate::{Error, Pose, camera, rig::Eyes};
 
-/// Samples of a pixel stand on a grid of so many rows and columns at most.
+/// Maximum number of rows and columns of a pixel's sample grid.
 const MAX_SIDE: u32 = 8;
 
-/// How a pixel's samples are weighed, by their distance from its centre: by `w(x) w(y)`, x and y in pixels, the weights of a pixel divided
-/// by their sum. Colours are weighed in linear light. Samples beyond the picture's borders are not there, and the others weigh the more.
+/// Reconstruction filter of a pixel's samples. A sample at distance (x, y) from the pixel's centre, in pixels, has the
+/// weight `w(x) w(y)`, divided by the sum of the pixel's weights. Filtering is in linear light. Samples beyond the
+/// picture's borders are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Filter {
@@ -34,7 +35,7 @@ impl Filter {
     /// Every filter, the default first.
     pub const ALL: &'static [Self] = &[Self::Box, Self::Tent, Self::Gauss];
 
-    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -43,7 +44,7 @@ impl Filter {
         }
     }
 
-    /// How far from a pixel's centre it reaches, in pixels.
+    /// Returns the filter's radius in pixels.
     pub fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -52,7 +53,7 @@ impl Filter {
         }
     }
 
-    /// `w(x)`, of a distance within its radius.
+    /// Returns `w(x)` for a distance within the radius.
     fn weight(self, x: f64) -> f64 {
         match self {
             Self::Box => 1.0,
@@ -77,27 +78,27 @@ impl FromStr for Filter {
     }
 }
 
-/// The side of the grid that so many samples of a pixel stand on.
+/// Returns the side of the grid of a pixel's samples.
 ///
 /// # Errors
-/// [`Error::Samples`] for a number that no grid has.
+/// [`Error::Samples`] for a number that is not the square of 1 to 8.
 pub(crate) fn side_of(samples: u32) -> Result<u32, Error> {
     let side = (1..=MAX_SIDE).find(|side| side * side == samples);
     side.ok_or_else(|| Error::Samples { samples, reason: "take 1, 4, 9, 16, 25, 36, 49 or 64".into() })
 }
 
 impl Eyes {
-    /// The same eyes before the same screen with a pixel for each sample, on a grid of that side in a pixel.
+    /// Returns the same eyes and screen with one pixel per sample, for `side` x `side` samples per pixel.
     ///
     /// # Errors
-    /// [`Error::Samples`] where these are more than directions in f32 tell apart.
+    /// [`Error::Samples`] if directions in f32 don't resolve the samples.
     pub(crate) fn with_samples(&self, side: u32) -> Result<Self, Error> {
         let size = self.pose.size.map(|pixels| pixels * side);
         self.finer(Pose { size, ..self.pose }, side)
     }
 
-    /// The same with a pixel for each sample of a lattice, so many from pixel to pixel, whose first and last ones stand on the picture's borders:
-    /// a screen that is larger by a sample.
+    /// Returns the same eyes with one pixel per sample of a lattice of `side` samples per pixel side. Its first and
+    /// last samples stand on the picture's borders, so the screen is one sample larger.
     ///
     /// # Errors
     /// As [`Eyes::with_samples`].
@@ -110,7 +111,7 @@ impl Eyes {
         self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, frustum, ..self.pose }, side)
     }
 
-    /// Before a screen with so many samples from pixel to pixel.
+    /// Returns the same eyes with a pose that has `side` samples per pixel side.
     fn finer(&self, mut pose: Pose, side: u32) -> Result<Self, Error> {
         pose.interaxial_px *= side as f32;
         let fault = |reason| Err(Error::Samples { samples: side * side, reason });
@@ -133,7 +134,7 @@ impl Eyes {
     }
 }
 
-/// The samples in a row or a column that make a pixel, and their weights, which add to 1.
+/// The samples of a pixel in a row or a column, and their weights, which sum to 1.
 #[derive(Clone, Debug, PartialEq)]
 struct Window {
     first: u32,
@@ -141,13 +142,13 @@ struct Window {
 }
 
 impl Window {
-    /// Of a pixel of so many, each with so many samples; they stand so far behind their cells' middles, of a
-    /// cell.
+    /// Creates the window of pixel `pixel` of `pixels`, with `side` samples each. Samples stand `aside` cell widths
+    /// beside their cells' centres.
     fn new(filter: Filter, side: u32, [pixel, pixels]: [u32; 2], aside: f32) -> Self {
-        // In samples, like the sample s, which stands at s + 0.5 + aside.
+        // In units of samples: sample s stands at s + 0.5 + aside.
         let (centre, reach) = ((f64::from(pixel) + 0.5) * f64::from(side), filter.radius() * f64::from(side));
         let away = |sample: u32| f64::from(sample) + 0.5 + f64::from(aside) - centre;
-        // (A cell more on either side, since samples stay in their cells.)
+        // (One more cell on either side, since jittered samples stay in their cells.)
         let nearest = (centre - reach - 1.0).floor().max(0.0) as u32;
         let farthest = ((centre + reach + 1.0).ceil() as u32).min(pixels * side);
         let within = |sample: &u32| away(*sample).abs() < reach;
@@ -159,7 +160,7 @@ impl Window {
         Self { first, weights }
     }
 
-    /// Behind the last one.
+    /// Returns the index after the last sample.
     fn end(&self) -> u32 {
         self.first + self.weights.len() as u32
     }
@@ -169,7 +170,7 @@ impl Window {
 mod tests {
     use super::*;
 
-    /// Without jitter.
+    /// Creates a window without jitter.
     fn window(filter: Filter, side: u32, pixel: u32, pixels: u32) -> Window {
         Window::new(filter, side, [pixel, pixels], 0.0)
     }
@@ -179,7 +180,7 @@ mod tests {
         for (filter, own) in [(Filter::Box, 1), (Filter::Tent, 2), (Filter::Gauss, 3)] {
             for side in 1..=MAX_SIDE {
                 let Window { first, weights } = window(filter, side, 5, 11);
-                // A tent's outermost samples weigh nothing where they stand a pixel away.
+                // Outermost tent samples have no weight if they stand exactly a pixel away.
                 let none = u32::from(filter == Filter::Tent && side % 2 == 1);
                 assert_eq!(weights.len() as u32, own * side - none, "{filter} {side}");
                 let mean: f64 = (first..).zip(&weights).map(|(s, weight)| (f64::from(s) + 0.5) * weight).sum();

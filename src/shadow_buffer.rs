@@ -1,13 +1,14 @@
-//! What a frame asks of shadow-buffers: `docs/SHADOW-BUFFER.md`.
+//! Options of shadow-buffers (`docs/SHADOW-BUFFER.md`).
 
 use crate::{Error, Options};
 
-/// Lights that have a shadow-buffer at most; those behind them keep their rays.
+/// Maximum number of lights with a shadow-buffer; further lights use shadow rays.
 pub const MAX_SHADOW_BUFFERS: usize = 16;
 
-/// Shadow-buffers (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer"): around each point light a table of directions
-/// that says what is nearest along each. Shaded points ask it in place of shadow rays, as its [`ShadowRule`] says. The tables depend on lights and
-/// geometry alone, so they are filled once and kept with the uploaded scene, for any number of views and frames.
+/// Shadow-buffers (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer"): a table of directions
+/// around each point light with the nearest surface in each direction. Shaded points query it instead of tracing shadow
+/// rays, by their [`ShadowRule`]. Tables depend on lights and geometry only. They are filled once and kept with the
+/// uploaded scene, for any number of views and frames.
 ///
 /// ```
 /// use stereotrace::{Options, ShadowBuffer, ShadowRule};
@@ -19,44 +20,46 @@ pub const MAX_SHADOW_BUFFERS: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowBuffer {
-    /// Rows of a table, from pole to pole of the sphere around the light, 1 at least; there are twice as many columns. Eight bytes a texel, sixteen
-    /// by [`ShadowRule::Hybrid`].
+    /// Rows of a table, from pole to pole of the sphere around the light, at least 1. It has twice as many columns. A
+    /// texel takes 8 bytes, or 16 with [`ShadowRule::Hybrid`].
     pub rows: u32,
-    /// What a shaded point makes of the texels about its direction.
+    /// How a shaded point uses the texels around its direction.
     pub rule: ShadowRule,
 }
 
-/// What a shaded point makes of the texels of a [`ShadowBuffer`].
+/// How a shaded point uses the texels of a [`ShadowBuffer`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShadowRule {
-    /// The paper's: the point is lit if its direction's texel shows the point's own object, and it faces the light. Objects are spheres, ellipsoids,
-    /// planes, and what hangs together by vertices of triangles. For convex objects alone: what shadows itself is lit. Shadows' edges are off by up to
-    /// half a texel.
+    /// The paper's rule: a point is lit if the texel in its direction shows the point's own object and the point faces
+    /// the light. Objects are spheres, ellipsoids, planes, and triangles connected by vertices. This suits convex
+    /// objects only, since an object casts no shadow on itself. Shadow edges are off by up to half a texel.
     Object,
-    /// The point is hidden if its direction's texel is nearer to the light than the point is by more than a bias, as shadow maps have it.
+    /// A point is hidden if the texel in its direction is nearer to the light by more than a bias, as with shadow maps.
     Depth {
-        /// In widths of a texel at the point's distance, for a surface that faces the light; it grows by the tangent of the angle to it, since a
-        /// texel's depth on a slanting surface does. At least 0.
+        /// Bias in texel widths at the point's distance, for a surface that faces the light. It grows by the tangent of
+        /// the angle to the light, as the depth range of a texel does. At least 0.
         bias: f32,
     },
-    /// Points are lit where nothing stands before the plane that their direction's texel shows and they are on it, and hidden where what texels show
-    /// is met by their own shadow ray; elsewhere a shadow ray is traced: see `docs/SHADOW-BUFFER.md`. Without a margin the shadows are those of rays, but of what stands less than 2⁻¹⁸ of
-    /// the light's distance off a surface.
+    /// A point is lit if nothing stands in front of its texel's plane, and the point lies on or in front of that plane.
+    /// It is hidden if its own shadow ray hits a primitive that texels show. Otherwise a shadow ray is traced
+    /// (`docs/SHADOW-BUFFER.md`). Without a margin the shadows equal those of rays, except for occluders less than 2⁻¹⁸
+    /// of the light's distance off a surface.
     Hybrid {
-        /// How far before the plane that a texel shows something may stand and be no matter, and how far behind it a point of a curved surface
-        /// may be, in widths of a texel there. At least 0. What is that close to a surface may fail to shade it.
+        /// Distance in texel widths, at least 0. An occluder less than this in front of a texel's plane is ignored. A
+        /// point of a curved surface may lie this far behind the plane. Occluders this close to a surface may cast no
+        /// shadow on it.
         margin: f32,
     },
 }
 
 impl ShadowRule {
-    /// [`ShadowRule::Depth`] by the width of a texel.
+    /// [`ShadowRule::Depth`] with a bias of one texel width.
     pub const DEPTH: Self = Self::Depth { bias: 1.0 };
-    /// [`ShadowRule::Hybrid`] by a tenth of the width of a texel.
+    /// [`ShadowRule::Hybrid`] with a margin of a tenth of a texel width.
     pub const HYBRID: Self = Self::Hybrid { margin: 0.1 };
 
-    /// What `shaders/shared/shadow_buffer.wgsl` has sections for.
+    /// Returns the name of the rule's section in `shaders/shared/shadow_buffer.wgsl`.
     fn name(self) -> &'static str {
         match self {
             Self::Object => "object",
@@ -65,7 +68,7 @@ impl ShadowRule {
         }
     }
 
-    /// Its setting.
+    /// Returns the rule's bias or margin.
     fn value(self) -> f32 {
         match self {
             Self::Object => 0.0,
@@ -75,24 +78,24 @@ impl ShadowRule {
 }
 
 impl ShadowBuffer {
-    /// So many rows and twice as many columns, by [`ShadowRule::HYBRID`].
+    /// Creates shadow-buffers of `rows` rows and twice as many columns, with [`ShadowRule::HYBRID`].
     pub fn new(rows: u32) -> Self {
         Self { rows, rule: ShadowRule::HYBRID }
     }
 
-    /// What a shaded point makes of the texels.
+    /// Sets how a shaded point uses the texels.
     pub fn rule(mut self, rule: ShadowRule) -> Self {
         self.rule = rule;
         self
     }
 
-    /// [`ShadowRule::Hybrid`] with this margin.
+    /// Sets [`ShadowRule::Hybrid`] with this margin.
     pub fn margin(self, margin: f32) -> Self {
         self.rule(ShadowRule::Hybrid { margin })
     }
 
     /// # Errors
-    /// [`Error::Options`] for no rows, and for a bias or margin that is no distance.
+    /// [`Error::Options`] for no rows, and for a bias or margin that is negative or not finite.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let fault = |reason| Err(Error::Options { option: "shadow_buffer", reason });
         if self.rows == 0 {
@@ -108,10 +111,10 @@ impl ShadowBuffer {
 }
 
 impl Options {
-    /// Whether points ask shadow-buffers which point lights they see, in place of shadow rays or before them, as the buffer's rule says. In both eyes
-    /// alike; of [`Method::Bracket`](crate::Method::Bracket) what the source's samples say comes first. The first 16 points among the first 32 lights have one; other lights
-    /// keep their rays, as do lights that are not points, lights farther off than 64 times the scene's longest side, and frames
-    /// [in steps](crate::Statistics::in_steps).
+    /// Sets shadow-buffers for point lights. They replace shadow rays, or some of them, as the rule says, in both eyes
+    /// alike. With [`Method::Bracket`](crate::Method::Bracket), visibility bits of the source view come first. The
+    /// first 16 point lights among the first 32 lights have a buffer. Shadow rays remain for other lights, for lights
+    /// farther away than 64 times the scene's longest side, and in frames [in steps](crate::Statistics::in_steps).
     pub fn shadow_buffer(mut self, shadow_buffer: impl Into<Option<ShadowBuffer>>) -> Self {
         self.shadow_buffer = shadow_buffer.into();
         self
@@ -121,11 +124,11 @@ impl Options {
 /// How kernels read shadow-buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Reading {
-    /// The rule's name.
+    /// Name of the rule.
     pub(crate) rule: &'static str,
-    /// Bits of its setting.
+    /// Bits of the rule's bias or margin.
     value: u32,
-    /// Which of the first 32 lights have one, a bit each. Layers are in their order.
+    /// Bit mask of the first 32 lights that have a buffer. Layers are in the order of lights.
     pub(crate) lights: u32,
 }
 
@@ -134,29 +137,29 @@ impl Reading {
         Self { rule: rule.name(), value: rule.value().to_bits(), lights }
     }
 
-    /// The rule's setting.
+    /// Returns the rule's bias or margin.
     pub(crate) fn value(&self) -> f32 {
         f32::from_bits(self.value)
     }
 }
 
-/// What shadow-buffers cost a frame.
+/// Cost of the shadow-buffers of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ShadowBufferWork {
-    /// Texels that were filled for this frame; 0 where all were kept from another one.
+    /// Texels filled for this frame; 0 if all were kept from an earlier one.
     pub filled: u64,
-    /// Primitives that were projected for it, once a light and 2 million texels; 0 unless counting was asked for.
+    /// Primitives projected, once per light and 2 million texels; 0 unless counting is on.
     pub nodes: u64,
-    /// Tests of primitives at texels for it: by the rays through their middles, and by the hybrid rule of what is before what they show; 0 unless
-    /// counting was asked for.
+    /// Tests of primitives at texels: by the rays through texel centres, and, with the hybrid rule, for occluders in
+    /// front of the texels' planes. 0 unless counting is on.
     pub primitive_tests: u64,
-    /// Device memory of all lights' tables in bytes, 0 where the frame asks none.
+    /// Device memory of all lights' tables in bytes; 0 if the frame uses none.
     pub bytes: u64,
 }
 
 impl ShadowBufferWork {
-    /// Together with another frame's of the same tables.
+    /// Returns the sum with another frame's work on the same tables.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             filled: self.filled + other.filled,

@@ -1,4 +1,4 @@
-//! The shading table: what shading reads of a scene, a texel each (`shaders/shared/{shade,materials,textures}.wgsl`).
+//! The shading table: the scene data that shading reads, as texels (`shaders/shared/{shade,materials,textures}.wgsl`).
 
 use std::{iter, sync::OnceLock};
 
@@ -15,19 +15,20 @@ use crate::{
 /// Texels before the lights.
 const HEAD: usize = 3;
 
-/// Rec. 709's, of linear colours.
+/// Rec. 709 luminance weights of linear colours.
 const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// `CHECKERBOARD` of textures.wgsl.
+/// `CHECKERBOARD` in textures.wgsl.
 const CHECKERBOARD: u32 = 1;
 
-/// What a table has behind its lights and materials, and where: it stays where a scene is lit otherwise.
+/// Sky and textures, which follow lights and materials in the table, and their offset. Changed lighting leaves them as
+/// they are.
 #[derive(Clone, Debug)]
 pub(crate) struct Pictures {
     at: usize,
     sky: Option<SkyMap>,
     textures: Vec<Texture>,
-    /// Whether the sky's texels have its weights.
+    /// Set once the sky's texels have their sampling weights.
     weighed: OnceLock<()>,
 }
 
@@ -38,7 +39,7 @@ impl Pictures {
         Self { at: ShadingTable::of(scene).before_pictures(), sky, textures, weighed: OnceLock::new() }
     }
 
-    /// The texels of a sky that has not its weights yet, and the place of the first one.
+    /// Returns the texels of a sky map without weights yet, and the index of the first one.
     pub(crate) fn sky_to_weigh(&self) -> Option<(usize, impl Iterator<Item = Texel> + Send + use<'_>)> {
         let sky = self.sky.as_ref().filter(|_| self.weighed.get().is_none())?;
         let weights = weights_of(sky);
@@ -50,7 +51,7 @@ impl Pictures {
         let _ = self.weighed.set(());
     }
 
-    /// Whether a table has the same ones at the same place.
+    /// Returns whether the scene's table has the same sky and textures at the same offset.
     pub(crate) fn are_those_of(&self, scene: &Scene) -> bool {
         let other = Self::of(scene);
         let same_sky = match (&self.sky, &other.sky) {
@@ -62,12 +63,12 @@ impl Pictures {
     }
 }
 
-/// A scene's table.
+/// The table of a scene.
 pub(crate) struct ShadingTable<'a> {
     scene: &'a Scene,
-    /// Texels of a material.
+    /// Texels per material.
     each: usize,
-    /// Texels of a light.
+    /// Texels per light.
     each_light: usize,
 }
 
@@ -78,7 +79,7 @@ impl<'a> ShadingTable<'a> {
         Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()) }
     }
 
-    /// Texels before the sky's pixels.
+    /// Returns the number of texels before the sky's pixels.
     pub(crate) fn before_pictures(&self) -> usize {
         HEAD + self.each_light * self.scene.lights.len() + self.each * self.scene.materials().len()
     }
@@ -87,12 +88,12 @@ impl<'a> ShadingTable<'a> {
         self.before_pictures() + sky_pixels(self.scene).len()
     }
 
-    /// All texels.
+    /// Returns the number of all texels.
     pub(crate) fn count(&self) -> usize {
         self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
     }
 
-    /// What textured surfaces show; nothing where no surface is.
+    /// Returns the textures; none if no surface is textured.
     fn textures(&self) -> &'a [Texture] {
         if self.scene.is_textured() { self.scene.textures() } else { &[] }
     }
@@ -118,7 +119,7 @@ impl<'a> ShadingTable<'a> {
         head.into_iter().chain(lights).chain(materials).chain(sky).chain(heads).chain(bodies)
     }
 
-    /// Textures, each with the texel that its body begins at.
+    /// Returns the textures, each with the index of its first body texel.
     fn placed_textures(&self) -> impl Iterator<Item = (u32, &'a Texture)> + use<'a> {
         let textures = self.textures();
         let begin = self.before_textures() + textures.len();
@@ -135,13 +136,14 @@ fn texel(vector: Vec3, word: u32) -> Texel {
     [x, y, z, word]
 }
 
-/// The pixels of a sky that is a picture.
+/// Returns the pixels of a sky map.
 fn sky_pixels(scene: &Scene) -> &[Vec3] {
     if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
 }
 
-/// What rays towards a sky are chosen by (`sky_light.wgsl`): of each pixel the share of its row's weight up to and including it; where that is 1 of
-/// itself, in the last column, the share of all weight up to and including the row; and in the last row's place, where that is 1 too, the mean weight.
+/// Returns the sampling weights of a sky map's pixels (`sky_light.wgsl`). A pixel holds the cumulative share of its
+/// row's weight, up to and including itself. In the last column, where that is always 1, it holds the cumulative share
+/// of the total weight up to and including its row. In the last pixel, where that is 1 too, it holds the mean weight.
 fn weights_of(sky: &SkyMap) -> Vec<f32> {
     let [width, height] = sky.size().map(|side| side as usize);
     let mut shares = Vec::with_capacity(width * height);
@@ -174,14 +176,15 @@ fn share_of(part: f64, whole: f64) -> f32 {
     if whole > 0.0 { (part / whole) as f32 } else { 0.0 }
 }
 
-/// By which a row's pixels are smaller than those at the horizon, near enough: as `row_weight` of `sky_light.wgsl` has it.
+/// Returns approximately the solid angle of a row's pixels relative to pixels at the horizon, as `row_weight` of
+/// `sky_light.wgsl`.
 fn row_weight(row: usize, rows: usize) -> f64 {
     let down = (row as f64 + 0.5) / rows as f64;
     let arc = 4.0 * down * (1.0 - down);
     arc * (0.775 + 0.225 * arc)
 }
 
-/// A light's texels (soft.wgsl), at a position relative to the scene's origin.
+/// Returns the texels of a light (soft.wgsl) whose position is relative to the scene's origin.
 fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
     let (kind, size, sides) = match light.shape {
         LightShape::Point => (0, 0.0, [Vec3::ZERO; 2]),
@@ -193,7 +196,7 @@ fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
     [texel(place, kind), texel(light.intensity, f32::to_bits(size)), width, height]
 }
 
-/// A material's texels (materials.wgsl).
+/// Returns the texels of a material (materials.wgsl).
 fn material_of(material: &Material) -> [Texel; 4] {
     let texture = material.texture.map_or(0, |texture| texture.0 + 1);
     let (kind, fresnel, transmission, index) = match material.finish {
@@ -201,7 +204,7 @@ fn material_of(material: &Material) -> [Texel; 4] {
         Finish::Mirror { fresnel } => (1, fresnel, Vec3::ZERO, 1.0),
         Finish::Glass { index, transmission, fresnel } => (2, fresnel, transmission, index),
     };
-    // How much glass hides its transmission says.
+    // Glass takes its opacity from its transmission.
     let opacity = if kind == 2 { 1.0 } else { material.opacity };
     let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
     [
@@ -215,7 +218,7 @@ fn material_of(material: &Material) -> [Texel; 4] {
     ]
 }
 
-/// `WRAP_REPEAT` and so on of textures.wgsl.
+/// Returns `WRAP_REPEAT` and its siblings of textures.wgsl.
 pub(crate) fn wrap_number(wrap: Wrap) -> u32 {
     match wrap {
         Wrap::Repeat => 0,
@@ -232,7 +235,7 @@ fn head_of(texture: &Texture, at: u32) -> Texel {
     }
 }
 
-/// Texels of a texture besides its head: what `body_of` makes.
+/// Returns the number of texels that `body_of` makes.
 fn body_texels(texture: &Texture) -> usize {
     match texture.kind() {
         TextureKind::Image { size, .. } => level_sizes(*size).map(|size| 1 + pixel_texels(size)).sum(),
@@ -240,7 +243,7 @@ fn body_texels(texture: &Texture) -> usize {
     }
 }
 
-/// Heads of a picture's levels, then their pixels; or the colours of a checkerboard.
+/// Returns the heads of a picture's mip levels, then their pixels; or the colours of a checkerboard.
 fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
     let (size, pixels) = match texture.kind() {
         TextureKind::Image { size, pixels } => (*size, pixels),
@@ -266,7 +269,7 @@ fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
     texels
 }
 
-/// Sizes of a picture's mip levels, from its own down to a pixel.
+/// Returns the sizes of a picture's mip levels, from full size down to one pixel.
 fn level_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     iter::successors(Some(size), |&size| (size != [1, 1]).then(|| size.map(|side| (side / 2).max(1))))
 }
@@ -275,7 +278,7 @@ fn pixel_texels([width, height]: [u32; 2]) -> usize {
     (width as usize * height as usize).div_ceil(2)
 }
 
-/// Pixels as halves, two a texel.
+/// Packs pixels as 16-bit floats, two pixels per texel.
 fn halves(pixels: &[Vec4]) -> impl Iterator<Item = Texel> + '_ {
     let words = |pixel: Vec4| {
         let [r, g, b, a] = pixel.to_array().map(|value| u32::from(f16::from_f32(value).to_bits()));
@@ -287,7 +290,7 @@ fn halves(pixels: &[Vec4]) -> impl Iterator<Item = Texel> + '_ {
     })
 }
 
-/// A picture in another size, each pixel the mean of what lies under it.
+/// Resizes a picture; each pixel is the mean of the area that it covers.
 fn smaller(pixels: &[Vec4], [width, height]: [u32; 2], [to_width, to_height]: [u32; 2]) -> Vec<Vec4> {
     let (columns, rows) = (shares(width, to_width), shares(height, to_height));
     let mean = |row: &[(usize, f32)], column: &[(usize, f32)]| {
@@ -297,7 +300,7 @@ fn smaller(pixels: &[Vec4], [width, height]: [u32; 2], [to_width, to_height]: [u
     rows.iter().flat_map(|row| columns.iter().map(move |column| mean(row, column))).collect()
 }
 
-/// Of a row of `from` pixels, those under each of `to`, and by which share.
+/// Returns, for each of `to` pixels, the pixels of a row of `from` that it covers, and their shares.
 fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
     let scale = f64::from(from) / f64::from(to);
     let under = |pixel: u32| {

@@ -1,5 +1,5 @@
-//! How rays go through a scene on an adapter: one algorithm (shaders/shared/bvh.wgsl) in variants that find the same hits,
-//! bit for bit.
+//! Variants of traversal for different adapters. All use one algorithm (shaders/shared/bvh.wgsl) and find the same
+//! hits, bit for bit.
 
 use std::fmt;
 
@@ -9,9 +9,9 @@ use crate::Gpu;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fetch {
-    /// From textures: the fast way on CPU adapters.
+    /// Reads textures, which is faster on CPU adapters.
     Texture,
-    /// From storage buffers.
+    /// Reads storage buffers.
     Buffer,
 }
 
@@ -19,25 +19,25 @@ pub enum Fetch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Boxes {
-    /// As f32 corners: 64 bytes a pair.
+    /// Corners in f32: 64 bytes per pair of nodes.
     F32,
-    /// As 16-bit corners on a grid over the whole scene, rounded outwards: 32 bytes a pair. Detail smaller than a
-    /// 65,536th of the scene is found, but slowly.
+    /// 16-bit corners on a grid over the whole scene, rounded outwards: 32 bytes per pair of nodes. Detail smaller than
+    /// a 65,536th of the scene is found too, but slowly.
     Grid16,
 }
 
-/// How many rays a thread traces on one stack.
+/// The number of rays that a thread traces with one stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RaysPerLane {
-    /// One.
+    /// One ray.
     One,
-    /// Four: a block of 2x2 pixels, or four neighbours of a list.
+    /// Four rays: a block of 2x2 pixels, or four neighbours in a list.
     Four,
 }
 
 impl RaysPerLane {
-    /// Pixels of a thread's block in x and in y.
+    /// Returns the side of a thread's block, in pixels.
     pub(crate) fn block(self) -> u32 {
         match self {
             Self::One => 1,
@@ -46,7 +46,7 @@ impl RaysPerLane {
     }
 }
 
-/// A variant of the traversal. The picture does not depend on it, only the time.
+/// A variant of the traversal. It affects the time only, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Traversal {
@@ -59,7 +59,8 @@ pub struct Traversal {
 }
 
 impl Traversal {
-    /// The fastest variant on an adapter: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by convention.
+    /// Returns the fastest variant for an adapter: on CPU adapters by measurement (docs/TRAVERSAL.md), on GPUs by
+    /// convention.
     pub fn of(gpu: &Gpu) -> Self {
         match gpu.adapter_info().device_type {
             wgpu::DeviceType::Cpu => Self { fetch: Fetch::Texture, boxes: Boxes::F32, rays: RaysPerLane::Four },
@@ -67,25 +68,25 @@ impl Traversal {
         }
     }
 
-    /// How the scene is read.
+    /// Sets how the scene is read.
     pub fn fetch(mut self, fetch: Fetch) -> Self {
         self.fetch = fetch;
         self
     }
 
-    /// How boxes are stored.
+    /// Sets how boxes are stored.
     pub fn boxes(mut self, boxes: Boxes) -> Self {
         self.boxes = boxes;
         self
     }
 
-    /// How many rays a thread traces.
+    /// Sets how many rays a thread traces.
     pub fn rays(mut self, rays: RaysPerLane) -> Self {
         self.rays = rays;
         self
     }
 
-    /// Every variant.
+    /// All variants.
     pub const ALL: &'static [Self] = {
         const fn of(fetch: Fetch, boxes: Boxes, rays: RaysPerLane) -> Traversal {
             Traversal { fetch, boxes, rays }
@@ -105,7 +106,7 @@ impl Traversal {
 }
 
 impl fmt::Display for Traversal {
-    /// As tables show it: `textures, f32, 4 rays`.
+    /// Formats a variant as in tables: `textures, f32, 4 rays`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fetch = match self.fetch {
             Fetch::Texture => "textures",

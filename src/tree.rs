@@ -1,9 +1,9 @@
-//! Trees over boxes: those that obvhs builds, but of bounded depth and in n log n whatever the boxes are.
+//! Builds trees over boxes like obvhs, but with bounded depth and in n log n time for any boxes.
 //!
-//! obvhs merges in each pass the nodes that prefer one another (PLOC, Meister and Bittner 2018). Where boxes are equal,
-//! lie in one another or stand in a line at equal distances, a pass may merge a single pair: the time is then
-//! quadratic, and the tree of nested boxes a chain. So the passes are made here, where they can be counted; what
-//! follows them, reinsertion and the collapse of leaves, is obvhs's.
+//! In each pass, obvhs merges the nodes that are each other's best partners (PLOC, Meister and Bittner 2018). If boxes
+//! are equal, nested, or in a line at equal distances, a pass may merge a single pair. Time is then quadratic, and the
+//! tree of nested boxes a chain. The passes are therefore made here, where they can be counted. Reinsertion and the
+//! collapse of leaves, which follow, are done by obvhs.
 
 use std::cmp::Ordering;
 
@@ -25,29 +25,30 @@ use rayon::{
     slice::ParallelSliceMut,
 };
 
-/// No tree has more pairs of nodes on a path from its root.
+/// Maximum number of node pairs on a path from the root.
 pub(crate) const MAX_DEPTH: u32 = 240;
-/// Nodes that the passes may look at for each box, and besides. Scenes need 3 to 5 for each box, random large boxes 9;
-/// what a few hundred equal boxes need beyond that is nothing beside the allowance.
+/// Nodes that the passes may visit: `WORK` per box, plus `WORK_BESIDES`. Scenes need 3 to 5 per box, random large boxes
+/// need 9. The surplus of a few hundred equal boxes is small compared with the allowance.
 const WORK: usize = 32;
 const WORK_BESIDES: usize = 1 << 21;
-/// Passes before a tree that came out too deep is built in pairs: the fewest that leave most of PLOC's choices.
+/// Passes before a tree that came out too deep is merged in pairs: the fewest that keep most of PLOC's choices.
 const PASSES_OF_DEEP: usize = 48;
-/// Where nodes lie deeper than this, the tree is measured before each round of reinsertion, which may double its depth.
+/// If nodes lie deeper than this, the depth is measured before each round of reinsertion, which may double it.
 const DEEP: u32 = 48;
-/// What obvhs takes half of its stack's size from: a round starts from no deeper tree, so that it can double.
+/// Depth for which obvhs allocates its stack, which holds twice this depth. A round starts from a shallower tree, so it
+/// can double its depth.
 const STACK: usize = 256;
 /// Longer runs of equal Morton codes are sorted by finer codes.
 const LONG_RUN: usize = 8;
-/// With fewer nodes one thread is quicker than several, as in obvhs. (wasm32 has one.)
+/// With fewer nodes, one thread is faster than several, as in obvhs. (wasm32 has one.)
 #[cfg(not(target_arch = "wasm32"))]
 const PARALLEL: usize = 4000;
 
-/// Builds a tree over boxes. Of boxes whose primitives `compare` as equal only the first one gets into the tree.
+/// Builds a tree over boxes. If `compare` finds primitives equal, only the first one's box is in the tree.
 pub(crate) fn build(boxes: &[Aabb], params: BvhBuildParams, compare: &impl Fn(u32, u32) -> Ordering) -> Bvh2 {
     let extent = boxes.iter().fold(Aabb::empty(), |sum, one| sum.union(one)).diagonal().max_element();
     if extent > 0.0 && extent < 1e-9 {
-        // Areas of so small boxes are 0 in f32. Powers of two change nothing else.
+        // In f32, areas of such small boxes are 0. Scaling by a power of two changes nothing else.
         let scaled = |factor: f32| move |one: &Aabb| Aabb::new(one.min * factor, one.max * factor);
         let factor = 2_f32.powi(100);
         let mut tree = build_of_size(&boxes.iter().map(scaled(factor)).collect::<Vec<_>>(), params, compare);
@@ -74,7 +75,7 @@ fn build_of_size(boxes: &[Aabb], params: BvhBuildParams, compare: &impl Fn(u32, 
     tree
 }
 
-/// Pairs of nodes on the longest path from the root.
+/// Returns the number of node pairs on the longest path from the root.
 fn depth(tree: &Bvh2) -> u32 {
     let mut deepest = 0;
     let mut pending = vec![(0, 0)];
@@ -89,8 +90,8 @@ fn depth(tree: &Bvh2) -> u32 {
     deepest
 }
 
-/// obvhs's rounds of reinsertion, one by one: among nested boxes they deepen the tree, each up to twice, and obvhs's
-/// stack does not grow with it.
+/// Runs obvhs's rounds of reinsertion one by one. With nested boxes each may double the depth, and obvhs's stack does
+/// not grow with it.
 fn reinsert(tree: &mut Bvh2, optimizer: &mut ReinsertionOptimizer, batch_ratio: f32) {
     for divisor in (1..32).step_by(2) {
         if looks_deep(tree) && depth(tree) > MAX_DEPTH {
@@ -100,7 +101,8 @@ fn reinsert(tree: &mut Bvh2, optimizer: &mut ReinsertionOptimizer, batch_ratio: 
     }
 }
 
-/// Whether the tree was built in many passes, or some of about a hundred nodes lie deep: measuring all takes longer.
+/// Returns whether the tree took many passes, or some of about a hundred sampled nodes lie deep. Measuring all takes
+/// longer.
 fn looks_deep(tree: &Bvh2) -> bool {
     let level = |mut index: usize| {
         let mut level = 0;
@@ -114,7 +116,7 @@ fn looks_deep(tree: &Bvh2) -> bool {
     tree.max_depth > DEFAULT_MAX_STACK_DEPTH || (0..tree.parents.len()).step_by(step).any(|index| level(index) > DEEP)
 }
 
-/// Indices of boxes in the order of the Morton codes of their centres, without later copies.
+/// Returns the indices of boxes in the Morton order of their centres, without later copies.
 fn in_order(boxes: &[Aabb], precision: SortPrecision, compare: &impl Fn(u32, u32) -> Ordering) -> Vec<u32> {
     let total = boxes.iter().fold(Aabb::empty(), |sum, one| sum.union(one));
     let scale = 1.0 / total.diagonal().as_dvec3();
@@ -157,7 +159,7 @@ fn push_sorted<C: Ord + Copy + Send>(
     }
 }
 
-/// Sorts boxes of equal codes: by codes within the box of their centres, and where all centres are equal by area.
+/// Sorts boxes of equal codes: by finer codes within the box of their centres, or by area if all centres are equal.
 fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Ordering, order: &mut Vec<u32>) {
     let center = |index: u32| boxes[index as usize].min.as_dvec3() + boxes[index as usize].max.as_dvec3();
     let around = |(low, high): (DVec3, DVec3), &index: &u32| (low.min(center(index)), high.max(center(index)));
@@ -172,14 +174,14 @@ fn push_run(boxes: &[Aabb], mut run: Vec<u32>, compare: &impl Fn(u32, u32) -> Or
         order.append(&mut run);
         return;
     }
-    // Less than 1, whose code is that of 0: so each round tells at least two centres apart.
+    // The factor is below 1, since the code of 1 equals that of 0. Each round thus separates at least two centres.
     let scale = 0.999 / (high - low).max_element();
     let code = |index: u32| morton_encode_u64_unorm((center(index) - low) * scale);
     push_sorted(boxes, run.iter().map(|&index| (code(index), index)).collect(), compare, order);
 }
 
-/// PLOC over boxes in order: each pass merges the nodes that are each other's best partners. When all the work that is
-/// allowed is done, or so many passes are, neighbours are merged in pairs, which halves their number each time.
+/// Runs PLOC over ordered boxes: each pass merges the nodes that are each other's best partners. Once the allowed work
+/// or passes are used up, neighbours are merged in pairs, which halves their number each time.
 fn merged(boxes: &[Aabb], order: &[u32], params: &BvhBuildParams, max_passes: usize) -> Bvh2 {
     let mut nodes: Vec<_> = order.iter().map(|&index| Bvh2Node::new(boxes[index as usize], 1, index)).collect();
     let mut next = nodes.clone();
@@ -225,7 +227,7 @@ fn merged(boxes: &[Aabb], order: &[u32], params: &BvhBuildParams, max_passes: us
     tree
 }
 
-/// Partners are given by how many nodes further on they stand. The last of an odd number remains alone.
+/// Sets each partner's offset so that neighbours are paired. The last of an odd number stays alone.
 fn pair_neighbours(partners: &mut [isize]) {
     partners.iter_mut().enumerate().for_each(|(index, partner)| *partner = if index % 2 == 0 { 1 } else { -1 });
     if let [.., last] = partners {
@@ -255,9 +257,10 @@ fn find_within<const DISTANCE: usize>(nodes: &[Bvh2Node], partners: &mut [isize]
     find_part::<DISTANCE>(nodes, 0, partners);
 }
 
-/// The best partner has the least area together with a node; of equal ones it is the last.
+/// Finds the partner whose union with a node has the smallest area; the last one of equal candidates.
 fn find_part<const DISTANCE: usize>(nodes: &[Bvh2Node], start: usize, partners: &mut [isize]) {
-    // Areas of node i with those behind it, in row i modulo DISTANCE: for these it is one of those before.
+    // Areas of node i with the nodes after it, in row i modulo DISTANCE. Those nodes reuse them for the nodes before
+    // them.
     let mut areas = [[0.0; DISTANCE]; DISTANCE];
     for index in start.saturating_sub(DISTANCE)..start + partners.len() {
         let mut best = (f32::INFINITY, 0);
@@ -297,7 +300,7 @@ mod tests {
         Aabb::new((center - half).into(), (center + half).into())
     }
 
-    /// Every box stands in one leaf of at most eight, within all boxes above. Returns the depth.
+    /// Checks that every box is in one leaf of at most eight, and within all boxes above. Returns the depth.
     fn check(tree: &Bvh2, boxes: &[Aabb]) -> u32 {
         let mut found = vec![0; boxes.len()];
         let mut pending = vec![0];
@@ -320,7 +323,7 @@ mod tests {
         depth(tree)
     }
 
-    /// A tree as a text: boxes, and what is in the leaves, depth first.
+    /// Formats a tree as text: boxes and leaf contents, depth first.
     fn text(tree: &Bvh2) -> String {
         let mut text = String::new();
         let mut pending = vec![0];
@@ -351,7 +354,7 @@ mod tests {
         }
     }
 
-    /// Boxes that obvhs alone needs minutes for, or panics over.
+    /// Boxes for which obvhs alone takes minutes, or panics.
     #[test]
     fn boxes_that_prefer_one_partner_are_built_quickly_and_no_deeper_than_kernels_can_go() {
         let mut random = Random::new(5);
@@ -383,7 +386,7 @@ mod tests {
                 let depth = check(&tree, &boxes);
                 println!("{name}, {build_kind:?}: {depth} deep, {elapsed:.2?}");
                 assert!(depth <= MAX_DEPTH, "{name}, {build_kind:?}: {depth} deep");
-                // It takes up to 1.4 s on a busy machine; a pass for each pair that merges takes a minute and more.
+                // It takes up to 1.4 s on a busy machine; with a pass per merged pair it takes a minute or more.
                 assert!(elapsed < Duration::from_secs(15), "{name}, {build_kind:?}: {elapsed:?}");
             }
         }

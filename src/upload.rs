@@ -1,4 +1,4 @@
-//! A scene on a device: its BVH and primitives, and the table that shading reads.
+//! Scenes on a device: the BVH with its primitives, and the shading table.
 
 use std::{
     sync::{Arc, Mutex, OnceLock},
@@ -25,79 +25,81 @@ use crate::{
     variant::{Shadows, Variant},
 };
 
-/// A scene on a device, to be rendered from any number of cameras.
+/// A scene on a device, ready to be rendered from any number of cameras.
 #[derive(Debug)]
 pub struct UploadedScene {
     pub(crate) geometry: wgpu::BindGroup,
     pub(crate) shading: wgpu::BindGroup,
-    /// What these two bind.
+    /// Texels that `geometry` and `shading` bind.
     texels: [Arc<Texels>; 2],
-    /// The pictures that the shading table has.
+    /// Sky and textures of the shading table.
     pictures: Pictures,
-    /// The textures whose masks stand behind the geometry.
+    /// Cut-out textures whose masks follow the geometry.
     cutouts: Vec<(usize, Texture)>,
-    /// Made when edges are first asked for.
+    /// Objects of the primitives; created when edges are first needed.
     pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
     pub(crate) variant: Variant,
     pub(crate) objects: Vec<u32>,
-    /// The scene's id of each primitive, in the BVH's order.
+    /// Scene id of each primitive, in BVH order.
     pub(crate) ids: Vec<u32>,
-    /// Positions of those that are points.
+    /// Positions of the point lights.
     pub(crate) lights: Vec<Vec3>,
-    /// The same with their places among all lights.
+    /// Indices among all lights, and positions, of the point lights.
     pub(crate) point_lights: Vec<(u32, Vec3)>,
-    /// The scene's origin, world coordinates; all positions here are relative to it.
+    /// Scene origin in world coordinates; all positions here are relative to it.
     pub(crate) origin: DVec3,
-    /// Of all but planes.
+    /// Bounds of all primitives except planes.
     pub(crate) bounds: Option<(Vec3, Vec3)>,
-    /// Those of the last frame that asked for some.
+    /// Shadow-buffers of the last frame that used any.
     pub(crate) shadow_tables: Mutex<Option<Arc<Tables>>>,
     pub(crate) soft: SoftLights,
     pub(crate) large: LargePrimitives,
-    /// What is kept of the tree for a refit.
+    /// Data that a refit keeps of the tree.
     shape: TreeShape,
     gpu: Gpu,
     info: UploadInfo,
 }
 
-/// How the tree of a scene that changed is brought up to date: docs/TRAVERSAL.md has what each costs.
+/// How the BVH of a changed scene is updated; docs/TRAVERSAL.md has the costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Update {
-    /// The tree keeps its shape and gets new boxes: quick, but rays visit more of a tree the farther its primitives moved. Where no primitive changed,
-    /// lights, materials and sky alone are uploaded. The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built, and
-    /// none that was without area or an exact copy of another then and is traced now. (A list, [`BvhBuild::Flat`], is made anew, whatever the scene
-    /// has.)
+    /// Keeps the tree's shape and computes new boxes. It is fast, but rays visit more nodes the farther primitives
+    /// moved. If no primitive changed, only lights, materials and sky are uploaded.
+    ///
+    /// The scene must have as many triangles, spheres, ellipsoids and planes as when the tree was built. A primitive
+    /// that was degenerate or an exact copy then must not be traced now. (A list, [`BvhBuild::Flat`], is always built
+    /// anew.)
     Refit,
-    /// The tree is built anew.
+    /// Builds a new tree.
     Rebuild(BvhBuild),
 }
 
-/// How a scene was brought to a device.
+/// Statistics of an upload.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct UploadInfo {
-    /// How its rays are traced. It is read in the other way than the renderer's where it does not fit that one.
+    /// Traversal of the scene's rays. Its fetch differs from the renderer's if the scene does not fit that one.
     pub traversal: Traversal,
     /// Time to build and pack the BVH.
     pub build: Duration,
-    /// Time to hand it to the driver.
+    /// Time to pass the data to the driver.
     pub upload: Duration,
-    /// Bytes of the BVH's nodes.
+    /// Size of the BVH's nodes in bytes.
     pub node_bytes: u64,
-    /// Bytes of the primitives, and of the masks of those that are cut out.
+    /// Size of the primitives and of the cut-out masks in bytes.
     pub primitive_bytes: u64,
-    /// Triangles without area ([`Scene::degenerate_count`]): they are not in the BVH.
+    /// Degenerate triangles ([`Scene::degenerate_count`]), which are not in the BVH.
     pub dropped_triangles: usize,
 }
 
 impl UploadedScene {
-    /// How it was brought to the device.
+    /// Returns the statistics of the upload.
     pub fn info(&self) -> UploadInfo {
         self.info
     }
 
-    /// Whether rays from these points, or from the lights, need t of large primitives more exactly.
+    /// Returns whether rays from these points, or from the lights, need the t of large primitives more exactly.
     pub(crate) fn close_to(&self, eyes: &[Vec3]) -> bool {
         let shadows = if self.variant.shadows == Shadows::None { &[] } else { self.lights.as_slice() };
         let close = self.large.any_close_to(eyes) || self.large.any_close_to(shadows);
@@ -105,7 +107,7 @@ impl UploadedScene {
         close
     }
 
-    /// The primitives' objects in the BVH's order, for the pass that tells edges by them.
+    /// Uploads the primitives' objects in BVH order, for the pass that finds edges.
     pub(crate) async fn upload_object_table(&self, gpu: &Gpu, kernels: &Kernels) -> Result<(), Error> {
         if self.object_table.get().is_some() {
             return Ok(());
@@ -116,31 +118,33 @@ impl UploadedScene {
         let layout = &kernels.layouts(fetch).table;
         let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
         let group = gpu.checked(bind).await?;
-        let _ = self.object_table.set((group, table)); // another frame's is as good
+        let _ = self.object_table.set((group, table)); // another frame's table is equal
         Ok(())
     }
 
-    /// Adds to a sky that is a picture what rays are chosen by, where its light is first asked for: to words of its texels that nothing else reads.
+    /// Adds the importance sampling weights to a sky map when its light is first used. They go to words of its texels
+    /// that nothing else reads.
     pub(crate) async fn weigh_sky(&self) -> Result<(), Error> {
         let Some((first, texels)) = self.pictures.sky_to_weigh() else { return Ok(()) };
         self.gpu.fill_from(&self.texels[1], first, texels).await?;
-        self.pictures.set_weighed(); // another frame's weights are the same
+        self.pictures.set_weighed(); // another frame's weights are equal
         Ok(())
     }
 
-    /// What `Auto` goes by in a frame.
+    /// Returns the cost model of `Auto` for a frame.
     pub(crate) fn cost_model(&self, gpu: &Gpu, options: &Options) -> CostModel {
         CostModel::of(gpu, self.asked(options))
     }
 
-    /// What a frame asks of lights at most.
+    /// Returns the maximum light queries of a frame.
     fn asked(&self, options: &Options) -> Asked {
         let points = if self.variant.shadows == Shadows::None { 0 } else { self.lights.len() as u32 };
         let soft = self.soft.rays(options);
         Asked { points, soft, shares: options.penumbra != Penumbra::Exact }
     }
 
-    /// What `Auto` chooses where even a left view without gaps, with a shadow ray for every light and pixel, could only end in `Naive`.
+    /// Returns `Auto`'s choice if it must be `Naive`: even a left view without gaps, with a shadow ray for every light
+    /// and pixel, would not make `bracket` cheaper.
     pub(crate) fn choose_early(&self, gpu: &Gpu, pose: &Pose, options: &Options) -> Option<Choice> {
         let Asked { points, soft, .. } = self.asked(options);
         let pixels = u64::from(pose.size[0]) * u64::from(pose.size[1]);
@@ -149,13 +153,13 @@ impl UploadedScene {
         (best.method == Method::Naive).then_some(best)
     }
 
-    /// Whether its primitives are this scene's, or a clone's of it.
+    /// Returns whether its primitives are those of this scene or of a clone.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
         self.shape.is_of(scene)
     }
 
     /// # Errors
-    /// [`Error::ForeignScene`] if another [`Gpu`] holds it.
+    /// [`Error::ForeignScene`] if the scene is on another [`Gpu`].
     pub(crate) fn belongs_to(&self, gpu: &Gpu) -> Result<(), Error> {
         if self.gpu.is(gpu) {
             return Ok(());
@@ -165,13 +169,13 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// Builds a scene's BVH with a given effort and uploads it. What does not fit the adapter's storage bindings goes to
-    /// textures, and the other way round. A scene that is so far from the origin that the step of f32 there is over a
-    /// ten-thousandth of its longest side is logged as a warning, once for each renderer.
+    /// Builds a scene's BVH with a given effort and uploads it. If the scene does not fit the adapter's storage
+    /// bindings it is stored in textures, and vice versa. A warning is logged, once per renderer, if the f32 step at
+    /// the scene's distance from the origin exceeds a ten-thousandth of its longest side.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene larger than the adapter
-    /// takes, saying how many primitives fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    /// [`Error::Scene`] for a value that can't be rendered, [`Error::Limit`] for a scene too large for the adapter,
+    /// with the number of primitives that fit, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub async fn upload_async(&self, scene: &Scene, build: BvhBuild) -> Result<UploadedScene, Error> {
         self.check(scene)?;
         let started = Instant::now();
@@ -179,13 +183,14 @@ impl Renderer {
         self.bring(scene, tree, self.traversal, started, None).await
     }
 
-    /// Brings a scene that was uploaded to what it is now: what moved ([`Scene::transform_object`], [`Scene::set_mesh`],
-    /// [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]), was added, or is lit otherwise. Memory of the device is used again where there is room in it. The picture is that of
-    /// a scene uploaded anew. What is left of an update that failed for the want of memory is to be uploaded anew.
+    /// Updates an uploaded scene to its current state. Primitives may have moved ([`Scene::transform_object`],
+    /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`], [`Scene::set_plane`]) or been added, and
+    /// lighting may have changed. Device memory is reused if it is large enough. The picture equals that of a new
+    /// upload. After an update fails for lack of memory, the scene must be uploaded anew.
     ///
     /// # Errors
-    /// Those of [`Renderer::upload_async`], [`Error::ForeignScene`] if another [`Gpu`] holds it, and [`Error::Scene`] where
-    /// [`Update::Refit`] can't keep the tree.
+    /// Those of [`Renderer::upload_async`]; [`Error::ForeignScene`] if the scene is on another [`Gpu`];
+    /// [`Error::Scene`] if [`Update::Refit`] can't keep the tree.
     pub async fn update_async(&self, uploaded: &mut UploadedScene, scene: &Scene, how: Update) -> Result<(), Error> {
         uploaded.belongs_to(&self.gpu)?;
         self.check(scene)?;
@@ -225,7 +230,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Uploads what was packed, to where another state of the scene stands if there is one.
+    /// Uploads a packed scene, into the memory of its earlier state if there is one.
     async fn bring(
         &self,
         scene: &Scene,
@@ -284,7 +289,8 @@ impl Renderer {
         })
     }
 
-    /// Uploads the shading table; of one that stands there with the same pictures at the same place, what is before them.
+    /// Uploads the shading table. If the memory holds the same sky and textures at the same offset, only the texels
+    /// before them are written.
     async fn bring_table(
         &self,
         scene: &Scene,
@@ -307,7 +313,7 @@ impl Renderer {
         Ok((table, group, pictures))
     }
 
-    /// Writes texels to where there is room for so many, or to a place of their own.
+    /// Writes texels to `room` if they fit, else to new memory.
     async fn written(
         &self,
         label: &'static str,
@@ -325,7 +331,7 @@ impl Renderer {
     }
 }
 
-/// A tree, and what a refit keeps of it.
+/// Builds a tree, and the data that a refit keeps of it.
 fn built(scene: &Scene, build: BvhBuild, traversal: Traversal) -> Result<(PackedBvh, TreeShape), Error> {
     let packed = bvh::build(scene, build, traversal.boxes)?;
     let shape = TreeShape::of(scene, &packed);
@@ -341,7 +347,7 @@ fn point_lights(scene: &Scene) -> Vec<(u32, Vec3)> {
     points.map(|(place, light)| (place, scene.local_position(light))).collect()
 }
 
-/// The way to read a scene: the wanted one, or the other one where only that can hold it.
+/// Returns the wanted fetch, or the other one if only that can hold the scene.
 fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) -> Result<Fetch, Error> {
     let other = match wanted {
         Fetch::Texture => Fetch::Buffer,
@@ -380,7 +386,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) 
     })
 }
 
-/// Objects, four a texel.
+/// Packs objects, four per texel.
 fn object_texels(objects: &[u32]) -> Vec<Texel> {
     let texel = |four: &[u32]| std::array::from_fn(|index| four.get(index).copied().unwrap_or(crate::MISS));
     if objects.is_empty() { vec![[crate::MISS; 4]] } else { objects.chunks(4).map(texel).collect() }

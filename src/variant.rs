@@ -1,7 +1,8 @@
-//! What kernels are specialised to, and the choices that follow from it for their WGSL: the only place that makes them.
+//! Pipeline variants: what kernels are specialised to, and the resulting choices for their WGSL. Only this module
+//! chooses.
 //!
-//! `src/wgsl.rs` puts a kernel's text together. What a scene does not have (spheres, ellipsoids, vertex normals, lights, a sky gradient,
-//! anything to hit) is not chosen, so it is not in the kernel that runs (DESIGN, section 6).
+//! `src/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the kernel
+//! (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to hit.
 
 mod choices;
 
@@ -18,7 +19,7 @@ use crate::{
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
 
-/// Which way shadow rays run, if there are any.
+/// The direction of shadow rays, if there are any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Shadows {
     None,
@@ -27,8 +28,8 @@ pub(crate) enum Shadows {
 }
 
 impl Shadows {
-    /// Shadow rays run from the light, but not from one farther off than this many times the scene's largest side: their
-    /// end would be off the surface by a visible part of it.
+    /// Shadow rays run from the light, unless it is farther away than this multiple of the scene's longest side. From
+    /// there their end would be visibly off the surface.
     const FAR_LIGHT: f32 = 64.0;
 
     fn of(scene: &Scene) -> Self {
@@ -46,19 +47,20 @@ impl Shadows {
     }
 }
 
-/// Where the texels of a primitive stand that not all scenes have: behind three that all have, and a fourth of vertex normals or ellipsoids.
+/// Indices of a primitive's optional texels. They follow three texels that all scenes have, and a fourth for vertex
+/// normals or ellipsoids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TexelPlaces {
     /// The first of two with texture coordinates.
     pub(crate) uv: usize,
     /// The one with the corners' colours.
     pub(crate) colors: usize,
-    /// Of all together.
+    /// Number of all texels.
     pub(crate) count: usize,
 }
 
 impl TexelPlaces {
-    /// With a fourth texel or not, and what each primitive has besides.
+    /// Returns the indices, given whether there is a fourth texel, texture coordinates and colours.
     pub(crate) fn of(fourth: bool, has_uv: bool, has_colors: bool) -> Self {
         let uv = if fourth { 4 } else { 3 };
         let colors = if has_uv { uv + 2 } else { uv };
@@ -66,12 +68,13 @@ impl TexelPlaces {
     }
 }
 
-/// Texels of a material in the shading table; `more` where some material shines or sends rays on.
+/// Returns the texels of a material in the shading table; `more` if some material has highlights, emits light or sends
+/// rays on.
 pub(crate) fn material_texels(more: bool) -> usize {
     if more { 4 } else { 1 }
 }
 
-/// How a sky is made.
+/// The kind of a sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum SkyKind {
     Constant,
@@ -89,23 +92,23 @@ impl SkyKind {
     }
 }
 
-/// Texels of a light in the shading table; `soft` where some light is not a point.
+/// Returns the texels of a light in the shading table; `soft` if some light is not a point.
 pub(crate) fn light_texels(soft: bool) -> usize {
     if soft { 4 } else { 2 }
 }
 
-/// What a kernel does about lights that are not points, and ambient light that surroundings keep off.
+/// A kernel's part in soft light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SoftRole {
-    /// There is none.
+    /// There is no soft light.
     None,
-    /// Others add it.
+    /// Other kernels add it.
     Skipped,
-    /// It adds what masks say.
+    /// The kernel adds it by masks.
     Masked,
-    /// It makes the masks.
+    /// The kernel makes the masks.
     Asked,
-    /// It traces its own rays.
+    /// The kernel traces its own rays.
     Followed,
 }
 
@@ -116,66 +119,66 @@ pub(crate) struct Variant {
     pub(crate) triangles: bool,
     /// Spheres or ellipsoids.
     pub(crate) spheres: bool,
-    /// Some of them are ellipsoids: then spheres are traced as such.
+    /// Some of them are ellipsoids. Spheres are then traced as ellipsoids.
     pub(crate) ellipsoids: bool,
-    /// Planes, which are in no tree.
+    /// Number of planes, which are in no tree.
     pub(crate) planes: u32,
     pub(crate) normals: bool,
-    /// Primitives have texture coordinates, and colours at their corners.
+    /// Primitives have texture coordinates, or colours at their corners.
     pub(crate) uv: bool,
     pub(crate) colors: bool,
     /// Some material is textured, or some corner has a colour.
     pub(crate) textures: bool,
-    /// Some material has highlights or gives off light.
+    /// Some material has highlights or emits light.
     pub(crate) shine: bool,
-    /// Some highlights conserve energy.
+    /// Some highlights are normalised.
     pub(crate) normalised: bool,
     /// Some surface sends rays on: a mirror, glass or a veil.
     pub(crate) mirrors: bool,
-    /// Some material, and so some triangle maybe, is cut out.
+    /// Some material, and so perhaps some triangle, is cut out.
     pub(crate) cutouts: bool,
     pub(crate) lights: bool,
     pub(crate) shadows: Shadows,
     /// Some lights are not points.
     pub(crate) soft_lights: bool,
-    /// Whether those cast shadows.
+    /// Whether lights cast shadows.
     pub(crate) casts: bool,
-    /// Rays to each of them, and into the surroundings; 0 for no such light.
+    /// Rays to each soft light, and into the surroundings; 0 without such light.
     pub(crate) shadow_rays: u32,
     pub(crate) occlusion_rays: u32,
-    /// The surroundings are asked for the sky's light, in place of ambient light.
+    /// Sky light takes the place of ambient light.
     pub(crate) sky_light: bool,
-    /// Views take over shares of them, besides bits.
+    /// Views reuse shares of soft light, besides bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
-    /// Boxes are widened each by its own distance, for scenes far larger than their detail.
+    /// Each box is widened by its own distance, for scenes far larger than their detail.
     pub(crate) world_boxes: bool,
     /// An eye or a light is close to a large primitive.
     pub(crate) close: bool,
-    /// What views take over of a source's samples is kept.
+    /// Source samples are kept for reuse.
     pub(crate) samples: bool,
-    /// Views ask a second source too.
+    /// Views also query a second source.
     pub(crate) second: bool,
     /// Linear colour is kept.
     pub(crate) linear: bool,
-    /// Only pixels that a mask names are worked on.
+    /// Only the pixels in a mask are computed.
     pub(crate) masked: bool,
-    /// Samples a side of a pixel that are jittered; 0 or 1: none.
+    /// Jittered samples per side of a pixel; 0 or 1 for none.
     pub(crate) jitter: u32,
     /// Words of a traversal's stack.
     pub(crate) stack_size: u32,
-    /// Which shadow bits are taken over.
+    /// Which visibility bits are reused.
     pub(crate) bits: ShadowReuse,
-    /// Count nodes and primitive tests.
+    /// Nodes and primitive tests are counted.
     pub(crate) count: bool,
-    /// Count them for each pixel.
+    /// They are also counted for each pixel.
     pub(crate) cost_map: bool,
-    /// Points ask shadow-buffers before they trace shadow rays.
+    /// Points query shadow-buffers before they trace shadow rays.
     pub(crate) shadow_buffer: Option<Reading>,
 }
 
 impl Variant {
-    /// What a kernel that doesn't touch the scene is specialised to: nothing.
+    /// The variant of a kernel that does not touch the scene.
     pub(crate) const PIXELS: Self = Self {
         traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
         triangles: false,
@@ -213,12 +216,12 @@ impl Variant {
         shadow_buffer: None,
     };
 
-    /// What a scene needs; counting is the frame's to choose.
+    /// Returns the variant for a scene. Counting is chosen by the frame.
     pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
         Self::over_tree(scene, traversal, packed.world_boxes, packed.stack_size)
     }
 
-    /// The same where all that is known of the tree is this.
+    /// Returns the variant for a scene, given these properties of its tree.
     pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
         let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
         let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();
@@ -248,21 +251,22 @@ impl Variant {
         }
     }
 
-    /// What a kernel depends on of it: one that doesn't touch the scene is the same for every scene.
+    /// Reduces the variant to what a kernel depends on. A kernel that does not touch the scene is the same for every
+    /// scene.
     pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
         let with = match kernel.touches {
-            // Whether samples have shares.
+            // It depends on whether samples have shares.
             Touches::Pixels if kernel.name == MARK_BUSY.name && self.shares && self.is_soft() => {
                 Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
             Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
             Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
-            // A texel a lane.
+            // One texel a lane.
             Touches::Geometry if kernel.name.ends_with("_texels") => {
                 Self { traversal: self.traversal.rays(RaysPerLane::One), bits: ShadowReuse::Rays, ..self.unlit() }
             }
             Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
-            // One ray a lane, which starts anywhere; and where none is cast, a pixel a lane.
+            // One ray a lane, which starts anywhere, or one pixel a lane if none is traced.
             Touches::Shading if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) => Self {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 close: true,
@@ -278,12 +282,12 @@ impl Variant {
         Self { masked: self.masked && kernel.minds_mask(), shadow_buffer: kernel.shadow_buffer(&with), ..with }
     }
 
-    /// Where the texels of a primitive stand that not all scenes have.
+    /// Returns the indices of a primitive's optional texels.
     fn texel_places(&self) -> TexelPlaces {
         TexelPlaces::of(self.ellipsoids || (self.triangles && self.normals), self.uv, self.colors)
     }
 
-    /// For kernels that shade nothing.
+    /// Returns the variant of kernels that shade nothing.
     fn unlit(self) -> Self {
         Self {
             textures: false,
@@ -307,17 +311,17 @@ impl Variant {
         }
     }
 
-    /// Whether there is light that is asked for by more than a ray.
+    /// Returns whether some light is sampled by several rays.
     pub(crate) fn is_soft(&self) -> bool {
         (self.soft_lights || self.occlusion_rays > 0) && (self.has_tree() || self.planes > 0)
     }
 
-    /// Whether shadow rays run from points among its lights.
+    /// Returns whether shadow rays start at point lights.
     pub(crate) fn casts_from_lights(&self) -> bool {
         self.lights && self.shadows == Shadows::FromLight && (self.has_tree() || self.planes > 0)
     }
 
-    /// Whether there is anything to hit but planes.
+    /// Returns whether there are primitives other than planes.
     pub(crate) fn has_tree(&self) -> bool {
         self.triangles || self.spheres
     }
@@ -333,8 +337,8 @@ impl Variant {
         }
     }
 
-    /// With nodes and primitive tests counted or not. What is counted is one ray a lane, on every adapter: so the figures
-    /// do not depend on it.
+    /// Switches the counting of nodes and primitive tests. Counting kernels trace one ray a lane on every adapter, so
+    /// that counters do not depend on it.
     pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
         let count = count || cost_map;
         let rays = if count { RaysPerLane::One } else { self.traversal.rays };

@@ -4,31 +4,38 @@ use std::{fmt, str::FromStr};
 
 use crate::{Error, Options};
 
-/// How the first hits of views that are traced are found: by both ways the same hits. Views that a method makes from another one are
-/// made as ever.
+/// How the first hits of traced views are found. Both ways find the same hits. Views that a method makes from another
+/// view are not affected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Visibility {
-    /// Each pixel's ray goes through the tree. The default, since nothing that was measured was faster without: docs/T-BUFFER.md has the figures.
+    /// Traces each pixel's ray through the BVH. The default, since no measurement was faster with a T-buffer; figures
+    /// are in docs/T-BUFFER.md.
     #[default]
     Rays,
-    /// Each primitive is drawn over the pixels that its projection may reach, by the tests of their own rays; the nearest t of each pixel is kept
-    /// (Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and shadow-buffer", section II; docs/T-BUFFER.md). Then no primary rays
-    /// are shot ([`Rays::primary`](crate::Rays::primary)): each primitive is projected once a view and band of rows instead
-    /// ([`Work::nodes`](crate::Work::nodes)). On software adapters the picture is that of rays to the bit.
+    /// Projects each primitive onto the pixels, tests it against their rays, and keeps the nearest t of each pixel
+    /// (docs/T-BUFFER.md). The method is from Raghuvanshi & Dhande, "Raytraced rendering using t-buffer and
+    /// shadow-buffer", section II. This traces no primary rays ([`Rays::primary`](crate::Rays::primary)). Each
+    /// primitive is projected once per view and band of rows ([`Work::nodes`](crate::Work::nodes)). On software
+    /// adapters the picture is identical, to the bit.
     ///
-    /// Rays are traced all the same where pixels are masked ([`Options::adaptive`](crate::Options::adaptive), but for the first level and pixels' centres), in
-    /// frames [in steps](crate::Statistics::in_steps), in bands of which [`Method::Auto`](crate::Method::Auto) finds out on the device that both
-    /// views are traced, in scenes without anything but planes, and where a scene has more primitives than a list of 12 bytes each in
-    /// one storage buffer holds: 11.1 million at WebGPU's default of 128 MiB.
+    /// Rays are traced nevertheless
+    ///
+    /// - where pixels are masked ([`Options::adaptive`](crate::Options::adaptive), except the first level and pixel
+    ///   centres),
+    /// - in frames [in steps](crate::Statistics::in_steps),
+    /// - in bands where [`Method::Auto`](crate::Method::Auto) decides on the device that both views are traced,
+    /// - in scenes that have planes only,
+    /// - in scenes with more primitives than one storage buffer holds at 12 bytes each: 11.1 million at WebGPU's
+    ///   default of 128 MiB.
     TBuffer,
 }
 
 impl Visibility {
-    /// Both, the default first.
+    /// Both variants, the default first.
     pub const ALL: &'static [Self] = &[Self::Rays, Self::TBuffer];
 
-    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rays => "rays",
@@ -38,7 +45,7 @@ impl Visibility {
 }
 
 impl Options {
-    /// How the first hits of views that are traced are found: [`Visibility::Rays`] unless something else is asked for.
+    /// Sets how the first hits of traced views are found; [`Visibility::Rays`] by default.
     pub fn visibility(mut self, visibility: Visibility) -> Self {
         self.visibility = visibility;
         self

@@ -1,14 +1,15 @@
-//! How a kernel's text is put together: its own file, and the definitions of `shaders/shared/` that it uses.
+//! Linker of WGSL: a kernel's text is its own file and the definitions of `shaders/shared/` that it uses.
 //!
-//! Nothing is listed. A file says what it needs by using it: every top-level name (`fn`, `struct`, `const`, `override`,
-//! `var`, `alias`) is known by the file that defines it, and what a kernel's file uses is added, and what that uses, each
-//! once. WGSL does not mind the order. A name that the kernel's own file defines (a binding such as `view`) is that one, for
-//! shared definitions too.
+//! There is no list of imports. Every top-level name (`fn`, `struct`, `const`, `override`, `var`, `alias`) belongs to
+//! the file that defines it. The linker adds each definition that a kernel's file uses, directly or indirectly, once.
+//! The order of WGSL definitions does not matter. A name that the kernel's own file defines (a binding such as `view`)
+//! takes precedence, for shared definitions too.
 //!
-//! What a definition uses is told by its words: all but comments, what follows a dot, and what it names itself (locals,
-//! parameters, members). So none of these may have the name of a shared definition that it uses too; a compiler then misses it.
+//! A definition uses its words, except comments, words after a dot, and its own names (locals, parameters, members). So
+//! a definition may not give one of its own names the name of a shared definition that it uses. The linker would not
+//! add that definition, and a compiler would miss it.
 //!
-//! Where a name has several definitions, each stands in a section of its file, which says for which choice it is there:
+//! If a name has several definitions, each is in a section of its file with a condition:
 //!
 //! ```wgsl
 //! //! if sky is constant
@@ -18,8 +19,8 @@
 //! //! end
 //! ```
 //!
-//! What depends on several choices says so: `//! if sky is map and lights is none`.
-//! A section ends at the next one, at `//! end`, or with its file. What is chosen, `src/variant.rs` says and nobody else.
+//! A section may depend on several choices: `//! if sky is map and lights is none`. It ends at the next section, at
+//! `//! end`, or with its file. `src/variant.rs` makes all choices.
 
 use std::{collections::HashMap, sync::LazyLock};
 
@@ -37,7 +38,7 @@ macro_rules! part {
 }
 pub(crate) use part;
 
-/// A choice by its name, and what is chosen.
+/// A choice: its name and its value.
 pub(crate) type Choice = (&'static str, &'static str);
 
 macro_rules! shared {
@@ -89,7 +90,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "wanted",
 ];
 
-/// For which of a choice's values a section is there: of several choices, all must be so.
+/// The values of a choice for which a section applies. If a section has several conditions, all must hold.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Condition {
     pub(crate) choice: &'static str,
@@ -97,13 +98,13 @@ pub(crate) struct Condition {
 }
 
 impl Condition {
-    /// Of `sky is gradient or map`.
+    /// Parses one condition, such as `sky is gradient or map`.
     fn of(text: &'static str) -> Option<Self> {
         let (choice, values) = text.split_once(" is ")?;
         Some(Self { choice: choice.trim(), values: values.split(" or ").map(str::trim).collect() })
     }
 
-    /// Of `planes is some and sky is gradient or map`.
+    /// Parses several conditions, such as `planes is some and sky is gradient or map`.
     fn all_of(text: &'static str) -> Option<Vec<Self>> {
         text.split(" and ").map(Self::of).collect()
     }
@@ -117,7 +118,7 @@ impl Condition {
 pub(crate) struct Definition {
     pub(crate) name: &'static str,
     pub(crate) file: &'static str,
-    /// Its first one, from 1.
+    /// Its first line, counted from 1.
     pub(crate) line: usize,
     pub(crate) when: Vec<Condition>,
     text: &'static str,
@@ -125,7 +126,7 @@ pub(crate) struct Definition {
     uses: Vec<&'static str>,
 }
 
-/// The shared definitions, and which of them have a name.
+/// The shared definitions, and their indices by name.
 struct Library {
     definitions: Vec<Definition>,
     by_name: HashMap<&'static str, Vec<usize>>,
@@ -140,9 +141,8 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     Library { definitions, by_name }
 });
 
-/// A kernel's text: what its file uses of the shared definitions, as chosen, and then the file. Above each stands a line with
-/// its file and line (`// shared/lane.wgsl:7`), so that whoever reads the text, a compiler's message about it too, finds
-/// the source.
+/// Returns a kernel's text: the shared definitions that it uses, as chosen, then its own file. A comment with file and
+/// line (`// shared/lane.wgsl:7`) precedes each definition, so that messages of compilers can be traced to the source.
 pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
     let own = definitions(main);
     let mut taken = vec![false; LIBRARY.definitions.len()];
@@ -166,7 +166,7 @@ pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
     text + &format!("// {}:1\n{}", main.file, main.text)
 }
 
-/// The file and line below `shaders/` that a line of a kernel's text comes from, all counted from 1.
+/// Returns the file and line below `shaders/` of a line of a kernel's text. Lines count from 1.
 #[cfg(test)]
 pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
     let above = text.lines().take(line - 1).enumerate();
@@ -177,13 +177,13 @@ pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
     marks.last().map(|(file, line)| format!("{file}.wgsl:{line}"))
 }
 
-/// All shared definitions.
+/// Returns all shared definitions.
 #[cfg(test)]
 pub(crate) fn shared() -> &'static [Definition] {
     &LIBRARY.definitions
 }
 
-/// The top-level definitions of a file, each with the condition of its section.
+/// Returns the top-level definitions of a file, each with the conditions of its section.
 pub(crate) fn definitions(part: Part) -> Vec<Definition> {
     let mut found = Vec::new();
     let mut when = Vec::new();
@@ -221,7 +221,7 @@ pub(crate) fn definitions(part: Part) -> Vec<Definition> {
     found
 }
 
-/// The words, marks and comments (`//` only) of a WGSL text, each with where it begins.
+/// Returns the words, marks and comments (`//` only) of a WGSL text, each with its offset.
 fn words_of(text: &'static str) -> impl Iterator<Item = (usize, &'static str)> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut at = 0;
@@ -239,7 +239,7 @@ fn words_of(text: &'static str) -> impl Iterator<Item = (usize, &'static str)> {
     })
 }
 
-/// What a definition defines: the word before its type, value, parameters or members.
+/// Returns the name that a definition defines: the word before its type, value, parameters or members.
 fn name_of(words: &[&'static str]) -> Option<&'static str> {
     let keywords = ["alias", "const", "fn", "override", "struct", "var"];
     let keyword = words.iter().position(|word| keywords.contains(word))?;
@@ -247,8 +247,8 @@ fn name_of(words: &[&'static str]) -> Option<&'static str> {
     Some(words[keyword + end - 1])
 }
 
-/// The names that a definition may have from outside: not members of something (after a dot), and not what it names itself:
-/// locals, parameters and its own members.
+/// Returns the words that may name other definitions. These exclude words after a dot and the definition's own names:
+/// locals, parameters and members.
 fn used_by(words: &[&'static str]) -> Vec<&'static str> {
     let mut in_case = false;
     let mut own = Vec::new();

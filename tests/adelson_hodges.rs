@@ -1,4 +1,5 @@
-//! The arithmetic of the bench of Adelson and Hodges 1993, which is a program without a test harness of its own, and what it counts.
+//! The arithmetic of the bench of Adelson and Hodges 1993, which is a program without a test harness of its own, and
+//! what it counts.
 #![allow(dead_code, reason = "it is tested by parts")]
 
 #[path = "../benches/adelson-hodges/closed.rs"]

@@ -33,8 +33,8 @@ fn parabolas_are_those_of_least_squares() {
     assert!((exact.constant - 40.0).abs() < 1e-8 && (exact.linear + 0.02).abs() < 1e-11, "{exact:?}");
     assert!((exact.square - 3e-5).abs() < 1e-14 && near(exact.r_squared, 1.0), "{exact:?}");
     assert!(near(exact.at(3000.0), of(3000.0)));
-    // By hand, in the polynomials 1, x and (x² - 5) / 4, which are orthogonal on these places: 1 + 0.3 x + (x² - 5) / 4, and
-    // residuals of 0.1, 0.3, 0.3, 0.1 of a sum of squares of 6.
+    // By hand, in the polynomials 1, x and (x² - 5) / 4, which are orthogonal on these places: 1 + 0.3 x + (x² - 5) /
+    // 4, and residuals of 0.1, 0.3, 0.3, 0.1 of a sum of squares of 6.
     let found = Parabola::through(&[(-3.0, 1.0), (-1.0, 0.0), (1.0, 0.0), (3.0, 3.0)]).unwrap();
     assert!(near(found.constant, -0.25) && near(found.linear, 0.3) && near(found.square, 0.25), "{found:?}");
     assert!(near(found.r_squared, 1.0 - 0.2 / 6.0), "{found:?}");

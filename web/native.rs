@@ -1,7 +1,8 @@
 //! Renders natively what the page shows, for comparison: `cargo run --example web_native -- REQUEST.json FOLDER`.
 //!
-//! The request has `scene` (`{"builtin": NAME}` or `{"file": PATH}`), `camera` as the page has it, `methods`, and `rounds` to be timed. Writes
-//! `METHOD-left.png` and `METHOD-right.png` into the folder, and prints the adapter and the median time of each method's pair as JSON.
+//! The request has `scene` (`{"builtin": NAME}` or `{"file": PATH}`), `camera` as the page has it, `methods`, and
+//! `rounds` to be timed. Writes `METHOD-left.png` and `METHOD-right.png` into the folder, and prints the adapter and
+//! the median time of each method's pair as JSON.
 
 use std::{error::Error, fs, path::Path, time::Instant};
 

@@ -101,9 +101,10 @@ fn by_bracket(
     Ok(values.map(|(figure, value)| row(figure, setting("bracket"), levels, value)).into())
 }
 
-/// M by the paper's way: the samples of each of the n rows of left pixels are carried over by their depths to the right view's finest
-/// samples, the latest one of several; where two neighbours land farther apart than they stood, those between are cleared. The right view
-/// is divided by colours, and a sample that it asks for is traced where none landed.
+/// M by the paper's way: the samples of each of the n rows of left pixels are carried over by their depths to the right
+/// view's finest samples, the latest one of several; where two neighbours land farther apart than they stood, those
+/// between are cleared. The right view is divided by colours, and a sample that it asks for is traced where none
+/// landed.
 fn by_the_paper(renderer: &mut Renderer, scene: &Scene, camera: StereoCamera, levels: u32) -> Result<f64, Error> {
     let finest = lattice::camera(camera, side_of(levels) - 1)?;
     let all = lattice::samples(renderer, scene, &finest)?;

@@ -1,4 +1,5 @@
-//! Rays of a pixel at the worst, as the paper's last section discusses them: counted level by level, and in closed form.
+//! Rays of a pixel at the worst, as the paper's last section discusses them: counted level by level, and in closed
+//! form.
 
 /// What a scene's surfaces do with a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +83,8 @@ impl Surfaces {
         if self.is_diffuse() { lights } else { 0 }
     }
 
-    /// What is saved of a pixel that is carried over, its own ray and its first hit's shadow rays, as a share of all its rays: counted.
+    /// What is saved of a pixel that is carried over, its own ray and its first hit's shadow rays, as a share of all
+    /// its rays: counted.
     pub(crate) fn saved(self, levels: Levels, lights: u64) -> f64 {
         (1 + self.shadow_rays(lights)) as f64 / self.rays(levels, lights) as f64
     }

@@ -39,9 +39,10 @@ fn changed(scene: &Scene, change: impl Fn(&mut Finish, &mut f32)) -> Scene {
     other
 }
 
-/// The rays of a pair's right view where a pixel that is carried over keeps its first hit's shadow rays too, as it does in the paper. This
-/// library asks the lights anew where the first hit sends rays on, since what is seen there is made anew as a whole. So the shadow rays of
-/// first hits are counted in the dull scene, where no pixel is made anew that is carried over.
+/// The rays of a pair's right view where a pixel that is carried over keeps its first hit's shadow rays too, as it does
+/// in the paper. This library asks the lights anew where the first hit sends rays on, since what is seen there is made
+/// anew as a whole. So the shadow rays of first hits are counted in the dull scene, where no pixel is made anew that is
+/// carried over.
 pub(crate) fn rays_as_in_the_paper(
     renderer: &mut Renderer,
     scene: &Scene,

@@ -5,8 +5,8 @@ use stereotrace::{
     metrics::{self, Difference},
 };
 
-/// A camera that has a pixel for each sample, `side` of them from a pixel's corner to the next one; the first stands in the picture's
-/// upper left corner.
+/// A camera that has a pixel for each sample, `side` of them from a pixel's corner to the next one; the first stands in
+/// the picture's upper left corner.
 pub(crate) fn camera(camera: StereoCamera, side: u32) -> Result<StereoCamera, Error> {
     let pose = camera.pose()?;
     let [width, height] = pose.size.map(|pixels| pixels * side);

@@ -1,9 +1,11 @@
-//! Sets the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", beside ours: `cargo bench --bench adelson-hodges`.
+//! Sets the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", beside ours: `cargo bench --bench
+//! adelson-hodges`.
 //!
-//! Its random scenes at its size of picture and at both distances between the eyes that its text implies: what is traced again, what that
-//! saves by rays and by counters, and how far the pictures differ; then several rays a pixel, its worst cases, its table 4, and the scenes in
-//! which it fails. Prints a table in Markdown and writes `results.csv` and `results.json`, whole or not at all. studies/ADELSON-HODGES.md
-//! says what comes of it. `cargo bench --bench adelson-hodges -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
+//! Its random scenes at its size of picture and at both distances between the eyes that its text implies: what is
+//! traced again, what that saves by rays and by counters, and how far the pictures differ; then several rays a pixel,
+//! its worst cases, its table 4, and the scenes in which it fails. Prints a table in Markdown and writes `results.csv`
+//! and `results.json`, whole or not at all. studies/ADELSON-HODGES.md says what comes of it. `cargo bench --bench
+//! adelson-hodges -- --help` lists the options; `cargo test --benches` runs it as `--smoke`.
 
 mod adaptive;
 mod closed;

@@ -1,6 +1,6 @@
-//! The paper's first way to several rays a pixel: nine on corners, sides and in the middle, of which neighbours share all but one. A pixel
-//! of the left view is carried over whole, by the depth of its middle ray, the aiming ray; pixels that none reaches are traced, with
-//! all nine.
+//! The paper's first way to several rays a pixel: nine on corners, sides and in the middle, of which neighbours share
+//! all but one. A pixel of the left view is carried over whole, by the depth of its middle ray, the aiming ray; pixels
+//! that none reaches are traced, with all nine.
 
 use std::{error::Error, path::Path};
 
@@ -37,9 +37,9 @@ fn pixels(samples: &View, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     (0..width * height).map(mean).collect()
 }
 
-/// The left column that each right pixel takes over, of one row: by the aiming rays' depths, the last one of several; where two
-/// neighbours land more than one pixel apart, those from behind the first to before the second are cleared, and the second as well
-/// with `extra`, the paper's remedy for ghosts.
+/// The left column that each right pixel takes over, of one row: by the aiming rays' depths, the last one of several;
+/// where two neighbours land more than one pixel apart, those from behind the first to before the second are cleared,
+/// and the second as well with `extra`, the paper's remedy for ghosts.
 fn carried(frame: &cpu::Frame, depths: &[f32], extra: bool) -> Vec<Option<usize>> {
     let width = depths.len();
     let mut row = vec![None; width];

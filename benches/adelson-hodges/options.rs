@@ -47,8 +47,8 @@ pub(crate) struct Plan {
     pub(crate) parts: Vec<Part>,
     /// Pixels a side.
     pub(crate) side: u32,
-    /// Distances between the eyes: a fortieth of the width, as the paper describes its renderer, and what its left edge of 11,520 pixels
-    /// in 512 rows amounts to.
+    /// Distances between the eyes: a fortieth of the width, as the paper describes its renderer, and what its left
+    /// edge of 11,520 pixels in 512 rows amounts to.
     pub(crate) e_px: [f32; 2],
     /// Lights; its "single shadow ray" makes it one, the built-in scenes have five.
     pub(crate) lights: Vec<usize>,

@@ -1,4 +1,5 @@
-//! Scenes in which every ray does the worst that the paper discusses, to the last level: panes that fill the view, before and behind the eyes.
+//! Scenes in which every ray does the worst that the paper discusses, to the last level: panes that fill the view,
+//! before and behind the eyes.
 
 use stereotrace::{
     Finish, Light, Material, Mesh, Scene, StereoCamera,

@@ -1,4 +1,5 @@
-//! Looks: colour, marker and dash by number. A method has the same number, so the same look, in every chart and on every page.
+//! Looks: colour, marker and dash by number. A method has the same number, so the same look, in every chart and on
+//! every page.
 
 use plotters::prelude::*;
 
@@ -73,7 +74,8 @@ const SHAPES: [&[Pixel]; 13] = [
 /// A circle's radius.
 const RADIUS: i32 = 6;
 
-/// The number of a method's look. Names that are not listed are told apart by their letters, so that they look the same everywhere too.
+/// The number of a method's look. Names that are not listed are told apart by their letters, so that they look the same
+/// everywhere too.
 pub fn of_method(name: &str) -> usize {
     let by_letters = || name.bytes().fold(0, |sum: usize, letter| (31 * sum + usize::from(letter)) % 101);
     METHODS.iter().position(|method| *method == name).unwrap_or_else(|| METHODS.len() + by_letters())

@@ -1,4 +1,5 @@
-//! The scenes: built-in ones, those of the stability suite, OBJ files unpacked beside the build, and any scene file by its path.
+//! The scenes: built-in ones, those of the stability suite, OBJ files unpacked beside the build, and any scene file by
+//! its path.
 
 use std::path::{Path, PathBuf};
 
@@ -27,9 +28,9 @@ pub struct BenchScene {
     pub camera: StereoCamera,
 }
 
-/// The scene of this name, or that of the file at this path; `None` if there is none of a name. `lights` are placed by the library's rule; without
-/// a number built-in scenes, trials and files keep their own, and files without any get five. A file is seen by its first camera, and without one so that all of
-/// it fits the picture.
+/// The scene of this name, or that of the file at this path; `None` if there is none of a name. `lights` are placed by
+/// the library's rule; without a number built-in scenes, trials and files keep their own, and files without any get
+/// five. A file is seen by its first camera, and without one so that all of it fits the picture.
 pub fn load(
     name: &str,
     [width, height]: [u32; 2],
@@ -69,8 +70,8 @@ fn open(path: &Path, [width, height]: [u32; 2]) -> Result<(Scene, StereoCamera),
     Ok((scene, camera))
 }
 
-/// A scene of the thesis, with camera and lights from scenes/thesis.json and a sky, or `None` if no such file is there. `spheres-turned`
-/// is a picture out of the animation. Another number of lights is placed by the library's rule.
+/// A scene of the thesis, with camera and lights from scenes/thesis.json and a sky, or `None` if no such file is there.
+/// `spheres-turned` is a picture out of the animation. Another number of lights is placed by the library's rule.
 pub fn load_thesis(
     name: &str,
     [width, height]: [u32; 2],

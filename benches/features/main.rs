@@ -1,7 +1,8 @@
 //! What each feature costs: off, compiled in but unused, and on; and what more effort at the BVH costs and brings.
 //!
-//! `cargo bench --bench features` prints both tables. Set `MESA_SHADER_CACHE_DISABLE=true` for the compile times of Mesa's
-//! software driver, which else keeps compiled kernels on disk. Variants of a feature take turns in interleaved rounds.
+//! `cargo bench --bench features` prints both tables. Set `MESA_SHADER_CACHE_DISABLE=true` for the compile times of
+//! Mesa's software driver, which else keeps compiled kernels on disk. Variants of a feature take turns in interleaved
+//! rounds.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,5 @@
-//! The chart: how far the second eye's colours are off, and how dear the first one is, against what the second one costs.
+//! The chart: how far the second eye's colours are off, and how dear the first one is, against what the second one
+//! costs.
 
 use std::error::Error;
 

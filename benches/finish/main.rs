@@ -1,9 +1,11 @@
-//! How dear the first eye is with each thing that makes pictures good, and what the second one then costs: `cargo bench --bench finish`.
+//! How dear the first eye is with each thing that makes pictures good, and what the second one then costs: `cargo bench
+//! --bench finish`.
 //!
-//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of the rounds. Counts and
-//! colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and `finish.svg`, whole or not at all: the chart of
-//! accuracy against cost with a second axis, the first eye's cost. `cargo bench --bench finish -- NAME…` takes other scenes: built-in ones,
-//! folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files.
+//! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of
+//! the rounds. Counts and colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and
+//! `finish.svg`, whole or not at all: the chart of accuracy against cost with a second axis, the first eye's cost.
+//! `cargo bench --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ files, or paths of .obj,
+//! .gltf, .glb or .ply files.
 
 mod chart;
 #[path = "../common/mod.rs"]

@@ -31,7 +31,8 @@ impl Stack {
         Some((self.objects as f64, gain(&self.ways, Way::CLASSICAL, way, by)?))
     }
 
-    /// What the gain of a T-buffer is at most whose shadow rays stay: tests of both kinds of rays over those of shadow rays.
+    /// What the gain of a T-buffer is at most whose shadow rays stay: tests of both kinds of rays over those of shadow
+    /// rays.
     fn limit(&self, side: u32) -> Option<f64> {
         let all = of_way(&self.ways, Way::CLASSICAL)?.work.primitive_tests as f64;
         let primary = f64::from(side).powi(2) * self.objects as f64;
@@ -140,7 +141,8 @@ fn fits(stacks: &[Stack], plan: &Plan, by: By) -> String {
     text + "\n"
 }
 
-/// How the cost itself grows: the paper has the classical ray tracer's linear and that of both buffers all but constant.
+/// How the cost itself grows: the paper has the classical ray tracer's linear and that of both buffers all but
+/// constant.
 fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
     let mut text =
         format!("Cost by {} over objects:\n\n| way | most over least | r² of the line |\n|---|---|---|\n", by.name());

@@ -18,7 +18,8 @@ use crate::{
 #[derive(Clone, Copy)]
 pub(crate) struct Measured {
     pub(crate) way: Way,
-    /// A frame by the host's clock, milliseconds: the filling of a shadow-buffer is in no pass. `None` where counts alone were asked for.
+    /// A frame by the host's clock, milliseconds: the filling of a shadow-buffer is in no pass. `None` where counts
+    /// alone were asked for.
     pub(crate) ms: Option<Spread>,
     /// Its passes.
     passes_ms: Option<Spread>,
@@ -85,7 +86,8 @@ impl<'a> View<'a> {
         Self { scene, rig: Rig::at(camera, vec![0.0]) }
     }
 
-    /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no rounds.
+    /// What each way costs, in the order of the ways: times of `rounds` rounds after one that warms up, or none for no
+    /// rounds.
     pub(crate) fn measure(&self, renderer: &mut Renderer, ways: &[Way], rounds: usize) -> Result<Vec<Measured>, Error> {
         let options: Vec<Options> = ways.iter().map(|way| way.options()).collect();
         let mut scenes = Vec::new();

@@ -21,7 +21,8 @@ pub(crate) struct Table {
     /// There are twice as many columns.
     pub(crate) rows: u32,
     pub(crate) rule: Rule,
-    /// It is filled once and kept from frame to frame, since it does not depend on the eye; else it is filled in each frame.
+    /// It is filled once and kept from frame to frame, since it does not depend on the eye; else it is filled in each
+    /// frame.
     pub(crate) kept: bool,
 }
 
@@ -46,7 +47,8 @@ impl Way {
     /// The T-buffer with shadow rays through a tree.
     pub(crate) const BVH_T_BUFFER: Self = Self { t_buffer: true, ..Self::BVH };
 
-    /// The paper's both buffers, by its own rule. What few rays are left, and those that fill the table, go through a tree.
+    /// The paper's both buffers, by its own rule. What few rays are left, and those that fill the table, go through a
+    /// tree.
     pub(crate) fn both(rows: u32) -> Self {
         Self { t_buffer: true, ..Self::bvh_shadow_buffer(rows) }
     }

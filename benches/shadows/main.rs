@@ -1,10 +1,13 @@
-//! Shadow-buffers against shadow rays: `cargo bench --bench shadows` prints tables, and writes them as shadows.csv with a chart, shadows.svg, to target/bench.
+//! Shadow-buffers against shadow rays: `cargo bench --bench shadows` prints tables, and writes them as shadows.csv with
+//! a chart, shadows.svg, to target/bench.
 //!
-//! Of each scene, method, rule and number of rows: how many pixels of both views are not those of the same method by shadow rays, and how many of
-//! its shadow rays are saved over a pair, over a rig of 16 views, and over 16 pairs of a camera that moves aside; what filling its tables takes, and what they occupy.
-//! Times are those of a pair's passes with tables that are filled, and of the same by rays, in turns; filling is timed by the host's clock. Names of scenes choose
-//! others than the usual ones; `--rows 100,400`, `--rules object,depth,0.1,0.5` (numbers are margins of hybrid ones), `--methods naive,bracket`,
-//! `--size 600x600` and `--rounds 5` do what they say; `--rounds 0` takes no times.
+//! Of each scene, method, rule and number of rows: how many pixels of both views are not those of the same method by
+//! shadow rays, and how many of its shadow rays are saved over a pair, over a rig of 16 views, and over 16 pairs of a
+//! camera that moves aside; what filling its tables takes, and what they occupy. Times are those of a pair's passes
+//! with tables that are filled, and of the same by rays, in turns; filling is timed by the host's clock. Names of
+//! scenes choose others than the usual ones; `--rows 100,400`, `--rules object,depth,0.1,0.5` (numbers are margins of
+//! hybrid ones), `--methods naive,bracket`, `--size 600x600` and `--rounds 5` do what they say; `--rounds 0` takes no
+//! times.
 
 mod chart;
 #[path = "../common/mod.rs"]
@@ -237,7 +240,8 @@ fn measure(
     Ok(())
 }
 
-/// What filling a scene's tables takes: counts, and milliseconds, those of a first small frame less those of a second one.
+/// What filling a scene's tables takes: counts, and milliseconds, those of a first small frame less those of a second
+/// one.
 fn filling(
     renderer: &mut Renderer,
     bench: &BenchScene,

@@ -1,5 +1,5 @@
-//! The chart: accuracy, by colours and by surfaces, against cost; one point a method and scene, with the frontier of the
-//! methods' means.
+//! The chart: accuracy, by colours and by surfaces, against cost; one point a method and scene, with the frontier of
+//! the methods' means.
 
 use std::error::Error;
 

@@ -29,7 +29,8 @@ pub(crate) struct Options {
     /// Rounds that are timed, after two to warm up [default: 7]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
-    /// Scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files [default: six built-in ones, `sponza_4x`, dragon]
+    /// Scenes: built-in ones, folders of OBJ files, or paths of .obj, .gltf, .glb or .ply files [default: six built-in
+    /// ones, `sponza_4x`, dragon]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     scenes: Vec<String>,
     /// Methods; naive and ideal are always among them [default: atomic, es-isler, bracket, verified]

@@ -1,8 +1,8 @@
 //! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench --bench thesis`.
 //!
-//! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two cores, `--full`
-//! all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes on where it stopped.
-//! Writes results.json, results.csv, an SVG a plot and report.html.
+//! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two
+//! cores, `--full` all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes
+//! on where it stopped. Writes results.json, results.csv, an SVG a plot and report.html.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -32,7 +32,8 @@ use crate::{
     report::{Content, Stability},
 };
 
-/// The thesis's scenes, as far as they are to be had: scenes/README.md and studies/THESIS.md say how they stand to its own.
+/// The thesis's scenes, as far as they are to be had: scenes/README.md and studies/THESIS.md say how they stand to its
+/// own.
 const SCENES: [&str; 5] = ["spheres", "spheres-turned", "sponza_4x", "buddha_1m2", "dragon"];
 /// The built-in scenes that show where right pixels come from, and the size and interaxial they are shown at.
 const SHOWN: [&str; 2] = ["spheres", "hall"];

@@ -1,4 +1,5 @@
-//! The report's pictures: what each method sees, how far it is from naive, what it costs, and where right pixels come from.
+//! The report's pictures: what each method sees, how far it is from naive, what it costs, and where right pixels come
+//! from.
 
 use std::{error::Error, io::Cursor};
 

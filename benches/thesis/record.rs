@@ -51,7 +51,8 @@ pub(crate) struct Record {
     pub(crate) bad: u64,
     pub(crate) missed: u64,
     pub(crate) lost_candidates: u64,
-    /// Slots a right pixel, of buffers only, and the nanoseconds that storing and searching them take a slot and pixel.
+    /// Slots a right pixel, of buffers only, and the nanoseconds that storing and searching them take a slot and
+    /// pixel.
     pub(crate) buffer_depth: u32,
     pub(crate) slot_ns: Option<f64>,
     pub(crate) intermediate_bytes_per_pixel: f64,

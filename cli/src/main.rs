@@ -1,7 +1,8 @@
 //! The command `stereotrace`: stereo pairs, films, quilts and ground truth for stereo vision from scene files.
 //!
-//! `arguments` reads the command line; `commands` has a file for each command, which begins with what it takes. What pictures are made
-//! of comes from `arguments::Subject`, where they go from `target`. `view` is the window, of builds with that feature.
+//! `arguments` reads the command line. `commands` has one file for each command, which begins with its arguments.
+//! `arguments::Subject` gives scene, camera and options; `target` writes the pictures. `view` is the window, in builds
+//! with that feature.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
@@ -37,7 +38,7 @@ use crate::{
     summary::Summary,
 };
 
-/// Of a command line that says nothing that can be done.
+/// Exit status of a wrong command line.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -46,7 +47,7 @@ fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error,stereotrace=warn")).init();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        // Help, asked for or for want of a command, has lines of its own.
+        // Help keeps its line breaks, whether requested or printed for a missing command.
         Err(error) if !error.use_stderr() || error.kind() == DisplayHelpOnMissingArgumentOrSubcommand => error.exit(),
         Err(error) => {
             complain(&format!("{}; --help lists what there is", usage_fault(&error)));
@@ -83,7 +84,7 @@ fn run(cli: &Cli) -> Result<Summary, Box<dyn Error>> {
     }
 }
 
-/// The manual page, and behind it one of each command.
+/// Writes the manual page, followed by one page for each command.
 fn manual(out: &mut impl Write) -> io::Result<()> {
     let mut whole = Cli::command();
     whole.build();
@@ -94,7 +95,7 @@ fn manual(out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a command line, and what may have been meant; the other paragraphs are advice on usage.
+/// Returns the fault of a command line and clap's tips. Other paragraphs of the message, about usage, are left out.
 fn usage_fault(error: &clap::Error) -> String {
     let text = error.to_string();
     let mut paragraphs = text.split("\n\n");
@@ -103,7 +104,7 @@ fn usage_fault(error: &clap::Error) -> String {
     [first].into_iter().chain(tips.flat_map(|tip| tip.lines().take(1))).collect::<Vec<_>>().join("; ")
 }
 
-/// Prints an error as one line that does not steer the terminal; messages of the graphics driver have several.
+/// Prints an error as one line without control characters. Messages of graphics drivers may have several lines.
 fn complain(text: &str) {
     let _ = writeln!(io::stderr(), "error: {}", error_line(text));
 }
@@ -113,14 +114,14 @@ fn error_line(text: &str) -> String {
     message::escaped(&lines.join(" "))
 }
 
-/// A path as it is printed: names must not steer the terminal.
+/// Returns a path for printing, with control characters escaped.
 fn shown(path: &Path) -> String {
     message::escaped(&path.to_string_lossy())
 }
 
-/// Without a user's session, Mesa prints `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which means nothing
-/// here and looks like an error of ours. What stops it must be in the environment before the program starts, so it starts
-/// itself again.
+/// Suppresses Mesa's line `error: XDG_RUNTIME_DIR is invalid or not set in the environment.`, which it prints outside
+/// a user's session and which means nothing here. The variable that suppresses it must be set before the program
+/// starts, so the program starts itself again.
 #[cfg(target_os = "linux")]
 fn keep_mesa_quiet() {
     use std::{env, os::unix::process::CommandExt, process};
@@ -130,7 +131,7 @@ fn keep_mesa_quiet() {
         return;
     }
     if let Ok(program) = env::current_exe() {
-        // This comes back only where it fails, and then the line does no harm.
+        // `exec` returns only if it fails. Then Mesa's line does no harm.
         let _ = process::Command::new(program).args(env::args_os().skip(1)).env("NODEVICE_SELECT", "1").exec();
     }
 }

@@ -1,4 +1,4 @@
-//! `view` of a build without it: it says how to get it.
+//! `view` in builds without the feature `view`: an error that says how to build it.
 
 use std::{error::Error, ffi::OsString};
 
@@ -8,7 +8,7 @@ use crate::{arguments::Global, summary::Summary};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Whatever would be shown
+    /// All arguments, which are ignored
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
     _all: Vec<OsString>,
 }

@@ -1,4 +1,4 @@
-//! How far the work is: a bar with the time left on a terminal, plain lines now and then elsewhere.
+//! Progress: a bar with the remaining time on a terminal, and plain lines now and then elsewhere.
 
 use std::{
     io::{self, IsTerminal, Write},
@@ -10,25 +10,25 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::arguments::Global;
 
-/// What is done sooner shows nothing.
+/// Time before the bar appears.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Between two plain lines.
+/// Interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(10);
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    /// Plain lines are written.
+    /// Whether to write plain lines.
     plain: bool,
     begin: Instant,
     last: Instant,
-    /// Pictures in all, and how many are there already.
+    /// Number of all pictures, and of finished ones.
     pictures: (u32, u32),
 }
 
 impl Progress {
-    /// Of so many pictures.
+    /// Begins the progress of this many pictures.
     pub(crate) fn new(global: &Global, pictures: u32) -> Self {
         let on_terminal = io::stderr().is_terminal();
         let begin = Instant::now();
@@ -46,7 +46,7 @@ impl Progress {
         self
     }
 
-    /// Within a picture; it never asks to stop.
+    /// Shows progress within a picture. It never stops the work.
     pub(crate) fn show(&mut self, progress: stereotrace::Progress) -> ControlFlow<()> {
         let (all, done) = self.pictures;
         let share = (f64::from(done) + f64::from(progress.done)) / f64::from(all.max(1));
@@ -68,12 +68,12 @@ impl Progress {
         ControlFlow::Continue(())
     }
 
-    /// A picture is there.
+    /// Counts a finished picture.
     pub(crate) fn next(&mut self) {
         self.pictures.1 += 1;
     }
 
-    /// Takes the bar away, so that what is printed next has the line to itself.
+    /// Removes the bar, so that the next output begins on a clean line.
     pub(crate) fn clear(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

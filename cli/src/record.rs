@@ -1,4 +1,4 @@
-//! What files were made with, so that nothing else is mixed with them.
+//! Records of what files were made with, so that other settings do not mix with them.
 
 use std::{error::Error, fmt::Debug, fs};
 
@@ -8,7 +8,8 @@ use stereotrace::Scene;
 
 use crate::{arguments::Subject, shown};
 
-/// The program's version, the files that the command line names, what the scene shows, MTL files and textures included, and all settings.
+/// Returns a record of the program's version, hashes of the named files and of the scene's content (with MTL files and
+/// textures), and all settings.
 pub(crate) fn of(subject: &Subject, scene: &Scene, more: &impl Debug) -> Result<Value, Box<dyn Error>> {
     let files = subject.files().into_iter().map(|file| {
         let bytes = fs::read(&file).map_err(|error| format!("{}: {error}", shown(&file)))?;

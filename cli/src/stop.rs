@@ -1,4 +1,4 @@
-//! An end between two pictures: where the user asks for it, or the system.
+//! A clean stop between two pictures, on SIGINT or SIGTERM.
 
 use std::{
     error::Error,
@@ -17,15 +17,15 @@ use signal_hook::{
 /// Exit status of a program that SIGINT ends.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Whether SIGINT or SIGTERM has come.
+/// A flag that SIGINT and SIGTERM set.
 pub(crate) struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// From now on the first of these signals is only remembered. The second one ends the program at once.
+    /// Installs the handlers. The first signal sets the flag, the second ends the program at once.
     pub(crate) fn on_signals() -> Result<Self, Box<dyn Error>> {
         let asked = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // In this order, so that the first signal finds the flag down.
+            // The order matters: the first signal must find the flag unset.
             flag::register_conditional_shutdown(signal, INTERRUPTED.into(), asked.clone())?;
             flag::register(signal, asked.clone())?;
         }
@@ -37,12 +37,12 @@ impl Stop {
     }
 }
 
-/// The work was ended before it was done.
+/// Error of a run that a signal ended early.
 #[derive(Debug)]
 pub(crate) struct Interrupted {
     pub(crate) done: usize,
     pub(crate) of: usize,
-    /// Whether the same command goes on with the rest.
+    /// Whether the same command can make the rest.
     pub(crate) can_go_on: bool,
 }
 

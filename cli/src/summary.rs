@@ -1,4 +1,4 @@
-//! What is said at the end.
+//! The summary that a command prints at the end.
 
 use std::{
     error::Error,
@@ -9,14 +9,14 @@ use serde_json::Value;
 
 use crate::arguments::Global;
 
-/// What a command did, for people and for programs.
+/// Result of a command, as text and as JSON.
 #[derive(Default)]
 pub(crate) struct Summary {
     /// Whole lines.
     pub(crate) text: String,
-    /// One object; null where there is nothing to tell.
+    /// One object, or null if there is no result.
     pub(crate) json: Value,
-    /// Standard output has been taken by pictures.
+    /// Whether to print to standard error, since standard output carries pictures.
     pub(crate) to_stderr: bool,
 }
 
@@ -32,7 +32,7 @@ impl Summary {
             false => io::stdout().write_all(text.as_bytes()),
         };
         match written {
-            // Who reads only the first lines (`| head`) closes the pipe: no fault.
+            // A reader of the first lines only, such as `head`, closes the pipe. That is no fault.
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(format!("standard output: {error}").into()),
             _ => Ok(()),
         }

@@ -1,4 +1,4 @@
-//! Where pictures go, and what becomes of both eyes.
+//! Output: files and folders, and how both eyes become one picture.
 
 use std::{
     error::Error,
@@ -14,36 +14,38 @@ use stereotrace::{
 
 use crate::shown;
 
-/// Endings of pictures that are written.
+/// Endings of picture files that can be written.
 const WRITTEN: [&str; 6] = ["png", "jpg", "jpeg", "jps", "mpo", "exr"];
-/// Endings of pictures that aren't: a folder of such a name is not what is meant.
+/// Endings of picture files that can't be written. They are refused rather than taken as names of folders.
 const NOT_WRITTEN: [&str; 8] = ["avif", "bmp", "gif", "hdr", "tga", "tif", "tiff", "webp"];
 
 /// How both eyes become one picture.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Both eyes in one picture")]
 pub(crate) struct EyesArguments {
-    /// Colours of the anaglyph: dubois, dubois-lcd, grey, colour, half-colour, green-magenta or amber-blue
+    /// Colours of the anaglyph: dubois or dubois-lcd (red-cyan with little ghosting), grey, colour, half-colour,
+    /// green-magenta or amber-blue
     #[arg(long, value_name = "KIND", default_value_t)]
     pub(crate) anaglyph: Anaglyph,
-    /// In its place: side-by-side, half-side-by-side, cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
+    /// Place the eyes side by side, or by another packing, instead of an anaglyph: side-by-side, half-side-by-side,
+    /// cross-eyed, top-bottom, half-top-bottom, row-interlaced, column-interlaced or checkerboard
     #[arg(long, value_name = "KIND", conflicts_with = "anaglyph")]
     pub(crate) packing: Option<Packing>,
-    /// Exchange the eyes in everything that is written, except the re-trace and shadow maps
+    /// Exchange the eyes in all output except the re-trace and shadow maps
     #[arg(long)]
     pub(crate) swap: bool,
-    /// Of JPEG, JPS and MPO files, 1 to 100
+    /// Quality of JPEG, JPS and MPO files, 1 to 100
     #[arg(long, value_name = "Q", default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: u8,
 }
 
 impl EyesArguments {
-    /// The eyes as they are written: left and right.
+    /// Returns the views in the order of output: left, right; exchanged by --swap.
     pub(crate) fn ordered<'a>(&self, left: &'a View, right: &'a View) -> (&'a View, &'a View) {
         if self.swap { (right, left) } else { (left, right) }
     }
 
-    /// The one picture: a packing if one is asked for, else the anaglyph.
+    /// Returns one picture of both views: the packing if one is given, else the anaglyph.
     pub(crate) fn picture(&self, left: &View, right: &View) -> Picture {
         let (left, right) = self.ordered(left, right);
         match self.packing {
@@ -53,7 +55,7 @@ impl EyesArguments {
     }
 }
 
-/// Where pictures go.
+/// Where output goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Several files in a folder.
@@ -63,7 +65,11 @@ pub(crate) enum Target {
 }
 
 impl Target {
-    /// A name with a picture's ending is a file, unless a folder has it; all else is a folder, which is made.
+    /// Takes a name with a picture's ending as a file, unless a folder of that name exists. All other names are
+    /// folders, which are made.
+    ///
+    /// # Errors
+    /// If a picture can't be written there, or not by that ending.
     pub(crate) fn of(path: &Path) -> Result<Self, Box<dyn Error>> {
         let ending = ending(path);
         if !path.is_dir() && WRITTEN.contains(&&*ending) {
@@ -83,14 +89,14 @@ impl Target {
     }
 }
 
-/// Fails before anything is rendered that could not be written: makes a file in the folder, and removes it.
+/// Makes a file in the folder and removes it, so that an unwritable target fails before rendering.
 fn check_writable(folder: &Path, target: &Path) -> Result<(), String> {
     let probe = folder.join(format!(".stereotrace-{}", std::process::id()));
     let written = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
     written.map_err(|error| format!("{}: nothing can be written there: {error}", shown(target)))
 }
 
-/// Makes a folder to write into.
+/// Makes the output folder.
 fn make_folder(path: &Path) -> Result<(), String> {
     let fault = |error: io::Error| match path.exists() {
         true => format!("{}: it is no folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
@@ -99,17 +105,17 @@ fn make_folder(path: &Path) -> Result<(), String> {
     fs::create_dir_all(path).map_err(fault)
 }
 
-/// A picture's kind by its name's ending.
+/// Returns a file name's ending in lower case.
 fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// Whether a file of this name holds both eyes, whatever else is asked for.
+/// Returns whether the file name ends in .exr.
 pub(crate) fn is_open_exr(path: &Path) -> bool {
     ending(path) == "exr"
 }
 
-/// Adds a picture to what is written, of the kind that its name's ending says.
+/// Adds a PNG or JPEG file of a picture to the batch, by the ending of its name.
 pub(crate) fn add_picture(
     batch: &mut Batch,
     path: &Path,
@@ -123,7 +129,7 @@ pub(crate) fn add_picture(
     }
 }
 
-/// Adds a file of both eyes, of the kind that its name's ending says.
+/// Adds a file of both eyes to the batch, by the ending of its name.
 pub(crate) fn add_pair(
     batch: &mut Batch,
     path: &Path,

@@ -168,8 +168,8 @@ fn xdotool(arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The top left of what Xvfb shows, which it keeps in a file as X Window Dump: a header of 4-byte words, the highest byte first, a
-/// table of colours of 12 bytes each, and rows of pixels of 4 bytes: blue, green, red and nothing.
+/// The top left of what Xvfb shows, which it keeps in a file as X Window Dump: a header of 4-byte words, the highest
+/// byte first, a table of colours of 12 bytes each, and rows of pixels of 4 bytes: blue, green, red and nothing.
 fn framebuffer((width, height): (u32, u32)) -> RgbaImage {
     let file = env::var_os("STEREOTRACE_FRAMEBUFFER").expect("the file that Xvfb shows");
     let bytes = fs::read(&file).expect("Xvfb's file");

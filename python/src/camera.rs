@@ -12,34 +12,35 @@ use crate::{
     values::{Position, Size, shown, tuple},
 };
 
-/// The fields that the constructor and `replace` take beside eye and target.
+/// Fields that the constructor and `replace` take.
 const FIELDS: &str =
     "eye, target, up, size, fov, screen_width, intrinsics, screen_distance, interaxial, interaxial_px and toe_in";
 
-/// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or side by side as parallel cameras.
+/// A stereo camera: two eyes that look through one screen rectangle (off-axis projection), or two parallel cameras.
 ///
-/// ``Camera(eye, target)`` stands with the midpoint between its eyes at ``eye`` and looks at ``target``, both world positions
-/// (right-handed, y up). What lies on the screen has no disparity; what is nearer has more, what is farther less. The other fields are
-/// keywords:
+/// In ``Camera(eye, target)``, ``eye`` is the midpoint between the eyes and ``target`` the point that they look at.
+/// Both are world positions (right-handed, y up). Points on the screen have disparity 0, nearer points more, farther
+/// points less. The other fields are keywords:
 ///
-/// - ``up``: the direction that is up in the picture, +y where nothing is said. It must not be parallel to the view.
-/// - ``size``: a tuple of width and height in pixels, ``(640, 480)`` where nothing is said, 1 to 131072 each.
-/// - ``fov``: the vertical field of view in degrees, between 0 and 180; 45 where nothing is said.
-/// - ``screen_width``: the width of the screen rectangle in world units, in place of ``fov``.
-/// - ``intrinsics``: what a calibration says, in place of ``fov``: a dict of focal lengths ``fx`` and ``fy``, the columns ``cx0`` and
-///   ``cx1`` of the left and the right eye's principal point, and their row ``cy``, in pixels, pixel centres at halves. ``fy`` is ``fx``
-///   and ``cx1`` is ``cx0`` where they are left out. The screen then stands at ``fx * interaxial / (cx1 - cx0)``, infinitely far where both
-///   columns are equal, unless ``screen_distance`` is given too.
-/// - ``screen_distance``: from the eyes to the screen, world units; that of the target where nothing is said. ``math.inf`` makes parallel
+/// - ``up``: up direction of the picture, not parallel to the view. Default +y.
+/// - ``size``: tuple of width and height in pixels, 1 to 131072 each. Default ``(640, 480)``.
+/// - ``fov``: vertical field of view in degrees, between 0 and 180. Default 45.
+/// - ``screen_width``: width of the screen rectangle in world units, in place of ``fov``.
+/// - ``intrinsics``: a calibration in place of ``fov``: a dict of focal lengths ``fx`` and ``fy``, the columns ``cx0``
+///   and ``cx1`` of the left and right principal points, and their row ``cy``, in pixels, with pixel centres at halves.
+///   ``fy`` defaults to ``fx``, and ``cx1`` to ``cx0``. The screen is then at ``fx * interaxial / (cx1 - cx0)``, or at
+///   infinity for equal columns, unless ``screen_distance`` is given too.
+/// - ``screen_distance``: distance from the eyes to the screen (convergence distance) in world units. Default the
+///   target's distance. ``math.inf`` makes parallel cameras.
+/// - ``interaxial``: distance between the eyes (baseline) in world units. Default a thirtieth of the target's distance.
+/// - ``interaxial_px``: the interaxial in pixels: the disparity between the screen and infinity. Not for parallel
 ///   cameras.
-/// - ``interaxial``: the distance between the eyes in world units; a thirtieth of the target's distance where nothing is said.
-/// - ``interaxial_px``: the same in pixels of the picture, as the disparity between the screen and infinity; not for parallel cameras.
-/// - ``toe_in``: whether the eyes are turned towards each other, so that their axes meet at the screen's distance. Points then don't stay
-///   in their rows, and both views are traced whatever method is asked for. ``False`` where nothing is said.
+/// - ``toe_in``: whether the eyes turn towards each other, so that their axes meet at the screen distance. Points then
+///   leave their rows, and both views are traced by every method. Default ``False``.
 ///
-/// Cameras don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
-/// ``ValueError``, naming the field, for what lies out of range or contradicts itself, such as both ``fov`` and
-/// ``screen_width``, a target that is the eye, or an unknown field.
+/// Cameras are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Raises
+/// ``ValueError``, which names the field, for values out of range, for unknown fields and for contradictions, such as
+/// both ``fov`` and ``screen_width``, or a target at the eye.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Camera(pub(crate) StereoCamera);
@@ -57,12 +58,12 @@ impl Camera {
         self.0.pose().map_err(raised)
     }
 
-    /// The camera that was pickled.
+    /// Restores a pickled camera.
     pub(crate) fn restored(state: &[u8]) -> PyResult<Self> {
         StereoCamera::from_json_str(&String::from_utf8_lossy(state)).map(Self).map_err(raised)
     }
 
-    /// A camera that has a picture.
+    /// Returns the camera if it is valid.
     pub(crate) fn checked(camera: StereoCamera) -> PyResult<Self> {
         camera.pose().map_err(raised)?;
         Ok(Self(camera))
@@ -77,12 +78,12 @@ impl Camera {
         with(StereoCamera::look_at(eye.0, target.0), fields)
     }
 
-    /// A camera that holds all of a scene: from the front (+z), a little to the right and above, the screen through the middle of the
-    /// scene's bounds, the eyes a thirtieth of the nearest distance apart.
+    /// Returns a camera that shows the whole scene: from the front (+z), a little from the right and above. The screen
+    /// passes through the middle of the scene's bounds. The interaxial is a thirtieth of the nearest distance.
     ///
-    /// The vertical field of view is 35 degrees, less where a picture is ten times as wide as high and more. ``size`` is a tuple of width
-    /// and height in pixels. Raises ``ValueError`` for a scene that is empty or has only infinite planes, and for a size that no camera can
-    /// have.
+    /// The vertical field of view is 35 degrees, or less if the picture is at least ten times as wide as high. ``size``
+    /// is a tuple of width and height in pixels. Raises ``ValueError`` for a scene that is empty or has only infinite
+    /// planes, and for an invalid size.
     #[staticmethod]
     #[pyo3(signature = (scene, size = Size(640, 480)))]
     pub(crate) fn fitting(scene: &Scene, size: Size) -> PyResult<Self> {
@@ -90,19 +91,22 @@ impl Camera {
         Self::checked(StereoCamera::fitting(bounds, size.0, size.1))
     }
 
-    /// Reads a camera from JSON: what ``to_json`` wrote, as text or as a file, or the camera ``name`` of a file of
-    /// several, an object of cameras by name.
+    /// Reads a camera from JSON: the text or file that ``to_json`` wrote, or the camera ``name`` from a file of several
+    /// cameras by name.
     ///
-    /// Text is what begins with a brace. From what ``to_json`` wrote, without a ``name``, comes an equal camera;
-    /// ``size`` gives it another picture. Cameras of a file of several are 640 x 480 where no ``size`` is given. Each
-    /// has ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; ``vfov_deg`` in degrees;
-    /// ``screen_distance`` in world units, or ``"inf"`` for parallel cameras; and ``eye_separation`` in world units.
-    /// Calibrations may stand in the place of ``vfov_deg`` (``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``,
-    /// pixel centres at halves), a matrix ``pose`` of the left eye in that of the first three, and ``baseline`` in that
-    /// of ``eye_separation``. ``size`` is a tuple of width and height in pixels.
+    /// A ``source`` that begins with a brace is text, else it is a path. Without a ``name`` the camera equals the one
+    /// that ``to_json`` wrote, and ``size`` changes its picture. ``size`` is a tuple of width and height in pixels. It
+    /// defaults to ``(640, 480)`` for files of several cameras. Each of their cameras has
     ///
-    /// Raises ``OSError`` if the file can't be read, and ``ValueError``, naming the line or the camera and its field, if it is no JSON, has
-    /// no such camera, or the camera is invalid.
+    /// - ``eye`` (the midpoint between the eyes), ``target`` and ``up``, three numbers each; or a matrix ``pose`` of
+    ///   the left eye;
+    /// - ``vfov_deg`` in degrees; or ``fx``, ``fy``, ``cy``, and ``cx`` or ``cx0`` and ``cx1``, with pixel centres at
+    ///   halves;
+    /// - ``screen_distance`` in world units, or ``"inf"`` for parallel cameras;
+    /// - ``eye_separation`` or ``baseline`` in world units.
+    ///
+    /// Raises ``OSError`` if the file can't be read. Raises ``ValueError``, which names the line or the camera and its
+    /// field, if it is no JSON, has no such camera, or the camera is invalid.
     #[staticmethod]
     #[pyo3(signature = (source, name = None, size = None))]
     fn from_json(source: &Bound<'_, PyAny>, name: Option<&str>, size: Option<Size>) -> PyResult<Self> {
@@ -124,89 +128,90 @@ impl Camera {
         Self::checked(size.map_or(camera, |Size(width, height)| camera.size(width, height)))
     }
 
-    /// The camera with other fields: the keywords of ``Camera``, ``eye`` and ``target`` among them; all else stays.
+    /// Returns a copy with other fields: the keywords of ``Camera``, and ``eye`` and ``target``.
     ///
-    /// With another ``eye`` or ``target`` the screen's distance and the interaxial stay what they are. With another ``screen_distance`` the
-    /// interaxial stays as it was given: in world units, or in pixels, but in world units for a screen at infinity. Raises ``ValueError``
-    /// as ``Camera`` does.
+    /// A new ``eye`` or ``target`` keeps the screen distance and the interaxial. A new ``screen_distance`` keeps the
+    /// interaxial in the unit in which it was given; for a screen at infinity it keeps it in world units. Raises
+    /// ``ValueError`` as ``Camera`` does.
     #[pyo3(signature = (**fields))]
     fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(self.0, fields)
     }
 
-    /// The camera turned about its target by an angle in degrees, around its ``up_direction``: at positive angles the eye moves to its own
-    /// right. All else stays. Raises ``ValueError`` for an angle that makes no camera.
+    /// Returns the camera moved about its target by an angle in degrees, around its ``up_direction``. For positive
+    /// angles the eye moves to its own right. Raises ``ValueError`` if the moved camera is invalid.
     fn orbited(&self, degrees: f32) -> PyResult<Self> {
         Self::checked(self.0.orbited(degrees.to_radians()))
     }
 
-    /// The midpoint between the eyes, a world position: a tuple of three.
+    /// World position of the midpoint between the eyes: a tuple of three.
     #[getter]
     fn eye(&self) -> PyResult<(f64, f64, f64)> {
         Ok(self.pose()?.eye.into())
     }
 
-    /// The view direction in the world, of unit length: a tuple of three.
+    /// View direction in the world, of unit length: a tuple of three.
     #[getter]
     fn forward(&self) -> PyResult<(f32, f32, f32)> {
         Ok(tuple(self.pose()?.forward))
     }
 
-    /// The picture's right in the world, of unit length: a tuple of three. The eyes stand half the interaxial to either side of ``eye``
-    /// along it.
+    /// Right direction of the picture in the world, of unit length: a tuple of three. The eyes are half the interaxial
+    /// from ``eye`` along it, to either side.
     #[getter]
     fn right(&self) -> PyResult<(f32, f32, f32)> {
         Ok(tuple(self.pose()?.right))
     }
 
-    /// The picture's up in the world, of unit length and at right angles to the view: a tuple of three.
+    /// Up direction of the picture in the world, of unit length and perpendicular to the view: a tuple of three.
     #[getter]
     fn up(&self) -> PyResult<(f32, f32, f32)> {
         Ok(tuple(self.pose()?.up))
     }
 
-    /// The point that is looked at, as it was given, a world position: a tuple of three.
+    /// World position that the camera looks at, as given: a tuple of three.
     #[getter]
     fn target(&self) -> (f64, f64, f64) {
         self.0.target_position().into()
     }
 
-    /// The direction that is up, as it was given: a tuple of three, of any length, and mostly not at right angles to the view.
+    /// Up direction as given: a tuple of three, of any length, not necessarily perpendicular to the view.
     #[getter]
     fn up_direction(&self) -> (f32, f32, f32) {
         tuple(self.0.up_direction())
     }
 
-    /// The picture's size in pixels: a tuple of width and height. Arrays of views are ``(height, width)``.
+    /// Size of the picture in pixels: a tuple of width and height. Arrays of views are ``(height, width)``.
     #[getter]
     fn size(&self) -> PyResult<(u32, u32)> {
         Ok(self.pose()?.size.into())
     }
 
-    /// The distance from the eyes to the screen, where disparity is 0, in world units; infinite for parallel cameras.
+    /// Distance from the eyes to the screen, where disparity is 0, in world units; infinite for parallel cameras.
     #[getter]
     fn screen_distance(&self) -> PyResult<f32> {
         Ok(self.pose()?.screen_distance)
     }
 
-    /// The distance between the eyes in world units.
+    /// Distance between the eyes (baseline) in world units.
     #[getter]
     fn interaxial(&self) -> PyResult<f32> {
         Ok(self.pose()?.interaxial)
     }
 
-    /// The distance between the eyes in pixels of the picture: sky has the disparity ``-interaxial_px``. 0 for parallel cameras.
+    /// Distance between the eyes in pixels of the picture; 0 for parallel cameras. Sky has the disparity
+    /// ``-interaxial_px``.
     #[getter]
     fn interaxial_px(&self) -> PyResult<f32> {
         Ok(self.pose()?.interaxial_px)
     }
 
-    /// The camera as calibrations have it, in pixels: a dict of the focal lengths ``fx`` and ``fy``, the columns ``cx0`` and ``cx1`` of the
-    /// left and the right eye's principal point, and their row ``cy``.
+    /// Intrinsics in pixels: a dict of the focal lengths ``fx`` and ``fy``, the columns ``cx0`` and ``cx1`` of the left
+    /// and right principal points, and their row ``cy``.
     ///
-    /// A point ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it stands at ``fx X / Z + cx`` and ``fy Y / Z + cy``,
-    /// from the picture's top left corner with pixel centres at halves. Programs that count pixel centres at whole numbers, such as
-    /// ``OpenCV``, take half a pixel less of each ``cx`` and ``cy``.
+    /// A point ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it is at ``fx X / Z + cx`` and
+    /// ``fy Y / Z + cy``, from the picture's top left corner, with pixel centres at halves. For programs with pixel
+    /// centres at whole numbers, such as ``OpenCV``, subtract 0.5 from each ``cx`` and ``cy``.
     #[getter]
     fn intrinsics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let Intrinsics { fx, fy, cx0, cx1, cy, .. } = self.pose()?.intrinsics();
@@ -217,18 +222,21 @@ impl Camera {
         Ok(dict)
     }
 
-    /// The disparity ``x_left - x_right`` in pixels of a point at a depth along the view direction, in world units: above 0 before the
-    /// screen, 0 on it, below 0 behind it, ``-interaxial_px`` at infinity. Of parallel cameras it is 0 at infinity and above 0 before it.
+    /// Returns the disparity ``x_left - x_right`` in pixels of a point at ``depth``, in world units along the view. It
+    /// is positive before the screen, 0 on it, negative behind it, and ``-interaxial_px`` at infinity. For parallel
+    /// cameras it is 0 at infinity and positive before it.
     ///
-    /// It is infinite at depth 0. Of eyes that are toed in it is that of points on the axis between them.
+    /// At depth 0 it is infinite. For toed-in eyes it holds for points on the axis between them.
     fn disparity(&self, depth: f32) -> PyResult<f64> {
         Ok(self.pose()?.disparity_px(depth))
     }
 
-    /// Where a world position stands in the picture of an ``eye``, ``"left"``, ``"middle"`` or ``"right"``: a tuple of x, y and depth.
+    /// Projects a world position into the picture of an ``eye``, ``"left"``, ``"middle"`` or ``"right"``. Returns a
+    /// tuple of x, y and depth.
     ///
-    /// x and y are in pixels from the picture's top left corner, with pixel centres at halves: the pixel in row j and column i has its
-    /// centre at (i + 0.5, j + 0.5). The depth is along the eye's view direction, in world units. Raises ``ValueError`` for another eye.
+    /// x and y are in pixels from the picture's top left corner. The pixel in row j and column i has its centre at
+    /// (i + 0.5, j + 0.5). The depth is along the eye's view direction, in world units. Raises ``ValueError`` for
+    /// another eye.
     #[pyo3(signature = (point, eye = "left"))]
     fn project(&self, point: Position, eye: &str) -> PyResult<(f32, f32, f32)> {
         let side = match eye {
@@ -241,9 +249,9 @@ impl Camera {
         Ok((x, y, z))
     }
 
-    /// The camera as JSON text, which ``from_json`` reads back: of ``left`` and ``right`` the intrinsics in pixels and
-    /// the matrices ``world_to_camera`` and ``camera_to_world``, row by row; ``baseline`` and ``doffs``; and the
-    /// numbers of the camera itself. Its ``conventions`` say what frames and units are.
+    /// Returns the camera as JSON text, which ``from_json`` reads. ``left`` and ``right`` have intrinsics in pixels and
+    /// the matrices ``world_to_camera`` and ``camera_to_world``, by rows. ``baseline``, ``doffs`` and the fields of the
+    /// camera follow. ``conventions`` describes frames and units.
     #[pyo3(name = "to_json")]
     fn json(&self) -> PyResult<String> {
         self.0.to_json().map_err(raised)
@@ -261,7 +269,7 @@ impl Camera {
     }
 }
 
-/// A camera with other fields.
+/// Returns the camera with other fields.
 fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Camera> {
     let Some(fields) = fields else { return Camera::checked(camera) };
     let has = |name: &str| fields.contains(name);
@@ -275,7 +283,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             return Err(refused(format!("camera: {one} and {other} say the same; give one of them")));
         }
     }
-    // Parallel cameras have no parallax at infinity and no screen width: both are converted, so that the view stays.
+    // Parallel cameras have neither parallax at infinity nor a screen width. Both are converted, to keep the view.
     if let Some(distance) = fields.get_item("screen_distance")?
         && distance.extract::<f32>().is_ok_and(f32::is_infinite)
         && !has("interaxial_px")?
@@ -311,7 +319,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             _ => return Err(refused(format!("camera: unknown field '{name}'; there are {FIELDS}"))),
         };
     }
-    // Intrinsics say where the screen is; a distance that is given besides holds in turn, whatever order they came in.
+    // Intrinsics set the screen distance, and a given distance replaces that, in whatever order they were given.
     if has("intrinsics")?
         && let Some(distance) = fields.get_item("screen_distance")?
     {
@@ -320,7 +328,8 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
     Camera::checked(camera)
 }
 
-/// A calibration: a dict of `fx`, `fy` (else `fx` again), `cx0`, `cx1` (else `cx0` again) and `cy`, pixel centres at halves.
+/// Reads intrinsics from a dict of `fx`, `fy` (default `fx`), `cx0`, `cx1` (default `cx0`) and `cy`, with pixel centres
+/// at halves.
 fn intrinsics(value: &Bound<'_, PyAny>) -> PyResult<Intrinsics> {
     let expected =
         "camera: intrinsics: it must be a dict of fx, fy, cx0, cx1 and cy, of which fy and cx1 may be left out";

@@ -1,4 +1,4 @@
-//! The library's errors as Python's: what a program may do about one tells its class; its text is the library's.
+//! The library's errors as Python exceptions. The class says what a program may do; the text is the library's.
 
 use std::io::ErrorKind;
 
@@ -28,7 +28,7 @@ create_exception!(
     "The device went away: make a new Renderer and try again."
 );
 
-/// An error of the library as an exception.
+/// Converts an error of the library to an exception.
 pub(crate) fn raised(error: Error) -> PyErr {
     let text = error.to_string();
     match error {
@@ -38,7 +38,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
         Error::Io { source, .. } => match source.kind() {
             ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
             ErrorKind::PermissionDenied => PyPermissionError::new_err(text),
-            // What is to be written makes no file of its kind.
+            // The data can't be written in the file's format.
             ErrorKind::InvalidInput if source.raw_os_error().is_none() => PyValueError::new_err(text),
             _ => PyOSError::new_err(text),
         },
@@ -46,7 +46,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
     }
 }
 
-/// Input that this package itself refuses.
+/// Returns the exception for input that this package itself refuses.
 pub(crate) fn refused(text: impl Into<String>) -> PyErr {
     PyValueError::new_err(text.into())
 }

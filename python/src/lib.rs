@@ -1,5 +1,6 @@
-//! The Python package `stereotrace`: classes over the library's, whose arrays are `NumPy`'s. What needs no device and no Rust is in
-//! the package's Python files; `_stereotrace.pyi` has the types, and the docstrings that users read.
+//! The Python package `stereotrace`: classes over the library's, with `NumPy` arrays. Parts that need neither a device
+//! nor Rust are in the package's Python files. `_stereotrace.pyi` has the types. The `///` comments of exported items
+//! are the Python docstrings.
 
 mod camera;
 mod errors;
@@ -36,7 +37,7 @@ mod _stereotrace {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        // What the library logs goes to Python's logger `stereotrace`; with another logger there already it stays where it goes.
+        // The library logs to Python's logger `stereotrace`, unless another Rust logger is installed already.
         drop(pyo3_log::try_init());
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("MISS", stereotrace::MISS)?;

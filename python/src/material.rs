@@ -9,7 +9,7 @@ use crate::{
     values::{Color, shown, tuple},
 };
 
-/// The fields that the constructor and `replace` take.
+/// Fields that the constructor and `replace` take.
 const FIELDS: [&str; 11] = [
     "albedo",
     "name",
@@ -23,36 +23,36 @@ const FIELDS: [&str; 11] = [
     "finish",
     "index",
 ];
-/// Those of mirrors and glass alone.
+/// Fields of mirrors and glass only.
 const FINISH_FIELDS: [&str; 2] = ["transmission", "fresnel"];
 
-/// A surface: what it scatters, shines, reflects, lets through and gives off.
+/// A surface: diffuse reflectance, highlights, reflection, transmission and emission.
 ///
-/// ``Material()`` is a grey, matte, opaque one of albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for three equal ones. The
-/// fields are keywords, of which ``albedo`` may come first without its name:
+/// ``Material()`` is grey, matte and opaque, with albedo 0.7. Colours are linear RGB, 0 to 1; one number stands for
+/// three equal channels. The fields are keywords; ``albedo`` may also be the first argument:
 ///
-/// - ``albedo``: diffuse (Lambertian) reflectance; of mirrors and glass black where nothing is said.
-/// - ``name``: for messages; empty where nothing is said.
-/// - ``texture``: the id of a texture that the albedo is multiplied by; its alpha says nothing. ``None`` for none.
-/// - ``cutout``: the id of a texture where whose alpha is below a half there is no surface; triangles only. ``None`` for none.
-/// - ``opacity``: the share of what is behind the surface that it hides, 0 to 1; 1 where nothing is said.
-/// - ``specular``: the colour of highlights; of mirrors and glass the share that they reflect. Where nothing is said it
-///   is 0.95 for mirrors, what ``index`` gives straight on for glass with ``fresnel`` (0.04 for 1.5), and black for all
-///   else.
-/// - ``exponent``: Phong's exponent, 0 to 10000; the larger, the smaller a highlight. 30 where nothing is said.
-/// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the share of a light that they send on. ``False`` where
-///   nothing is said.
-/// - ``emission``: the radiance that it gives off by itself, 0 or more; it lights nothing else. Black where nothing is said.
-/// - ``finish``: ``"matte"``, ``"mirror"``, which reflects its surroundings, or ``"glass"``, which refracts what is behind it. Matte where
-///   nothing is said.
-/// - ``index``: of glass, its index of refraction over that of what surrounds it, 0.1 to 10; 1.5 where nothing is said.
-/// - ``transmission``: of glass, the share of the light that comes through; white where nothing is said.
-/// - ``fresnel``: of mirrors and glass, whether the angle of view says how much is reflected: mirrors reflect more the more the view grazes
-///   them, and of glass what is not reflected comes through. ``False`` for mirrors and ``True`` for glass where nothing is said.
+/// - ``albedo``: diffuse (Lambertian) reflectance. Default 0.7, or black for mirrors and glass.
+/// - ``name``: name in messages. Default empty.
+/// - ``texture``: id of a texture that multiplies the albedo; its alpha is ignored. Default ``None``.
+/// - ``cutout``: id of a texture that cuts the surface out where its alpha is below a half; triangles only. Default
+///   ``None``.
+/// - ``opacity``: share of the background that the surface hides, 0 to 1. Default 1.
+/// - ``specular``: colour of highlights, or reflectance of mirrors and glass. Default 0.95 for mirrors; for glass with
+///   ``fresnel`` its reflectance at normal incidence by ``index`` (0.04 for 1.5); else black.
+/// - ``exponent``: Phong's exponent, 0 to 10000; larger values make smaller highlights. Default 30.
+/// - ``normalised``: whether highlights conserve energy, so that ``specular`` is the reflected share of a light.
+///   Default ``False``.
+/// - ``emission``: emitted radiance, 0 or more. It does not light other surfaces. Default black.
+/// - ``finish``: ``"matte"``, ``"mirror"``, which reflects the surroundings, or ``"glass"``, which refracts rays.
+///   Default ``"matte"``.
+/// - ``index``: refractive index of glass, relative to the surrounding medium, 0.1 to 10. Default 1.5.
+/// - ``transmission``: share of light that glass transmits. Default white.
+/// - ``fresnel``: whether the reflectance of a mirror or glass depends on the angle. Mirrors then reflect more at
+///   grazing angles, and glass transmits what it does not reflect. Default ``False`` for mirrors, ``True`` for glass.
 ///
-/// Materials don't change: ``replace`` makes others. Equal ones are ``==``, and they can be pickled. Raises
-/// ``ValueError`` for unknown fields, fields of another finish and values of another type. Ranges are checked when a
-/// scene is rendered: there what is scattered, reflected and let through may be at most 1 together in each channel.
+/// Materials are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Raises
+/// ``ValueError`` for unknown fields, fields of another finish and values of another type. Rendering checks the ranges:
+/// scattered, reflected and transmitted shares may add up to at most 1 in each channel.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Material(pub(crate) stereotrace::Material);
@@ -75,7 +75,7 @@ impl Material {
             material.albedo = albedo.0;
         }
         let Self(mut material) = with(material, fields)?;
-        // Mirrors and glass return nearly all light: with the grey albedo they would return more than they get.
+        // Mirrors and glass return nearly all light. With the grey albedo they would return more than they receive.
         if albedo.is_none() && material.finish != Finish::Matte {
             material.albedo = Vec3::ZERO;
         }
@@ -85,15 +85,15 @@ impl Material {
         Ok(Self(material))
     }
 
-    /// The material with other fields, ``albedo`` and the other keywords of ``Material``; all else stays. With ``finish``, those of
-    /// ``index``, ``transmission`` and ``fresnel`` that are not given too become what they are where nothing is said. Raises ``ValueError``
-    /// as ``Material`` does.
+    /// Returns a copy with other fields: the keywords of ``Material``. If ``finish`` is given, ``index``,
+    /// ``transmission`` and ``fresnel`` get their defaults unless they are given too. Raises ``ValueError`` as
+    /// ``Material`` does.
     #[pyo3(signature = (**fields))]
     fn replace(&self, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         with(self.0.clone(), fields)
     }
 
-    /// The name, or an empty text.
+    /// Name in messages; may be empty.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
@@ -105,31 +105,31 @@ impl Material {
         tuple(self.0.albedo)
     }
 
-    /// The id of the texture that the albedo is multiplied by, or ``None``.
+    /// Id of the texture that multiplies the albedo, or ``None``.
     #[getter]
     fn texture(&self) -> Option<u32> {
         self.0.texture.map(|id| id.0)
     }
 
-    /// The id of the texture where whose alpha is below a half there is no surface, or ``None``.
+    /// Id of the texture that cuts the surface out where its alpha is below a half, or ``None``.
     #[getter]
     fn cutout(&self) -> Option<u32> {
         self.0.cutout.map(|id| id.0)
     }
 
-    /// The share of what is behind the surface that it hides, 0 to 1.
+    /// Share of the background that the surface hides, 0 to 1.
     #[getter]
     fn opacity(&self) -> f32 {
         self.0.opacity
     }
 
-    /// The colour of highlights, of mirrors and glass the share that they reflect, linear RGB: a tuple of three.
+    /// Colour of highlights, or reflectance of mirrors and glass, linear RGB: a tuple of three.
     #[getter]
     fn specular(&self) -> (f32, f32, f32) {
         tuple(self.0.specular)
     }
 
-    /// Phong's exponent: the larger, the smaller a highlight.
+    /// Phong's exponent; larger values make smaller highlights.
     #[getter]
     fn exponent(&self) -> f32 {
         self.0.exponent
@@ -141,13 +141,13 @@ impl Material {
         self.0.normalised
     }
 
-    /// The radiance that the surface gives off by itself, linear RGB: a tuple of three.
+    /// Emitted radiance, linear RGB: a tuple of three.
     #[getter]
     fn emission(&self) -> (f32, f32, f32) {
         tuple(self.0.emission)
     }
 
-    /// ``"matte"``, ``"mirror"`` or ``"glass"``.
+    /// Finish: ``"matte"``, ``"mirror"`` or ``"glass"``.
     #[getter]
     fn finish(&self) -> &'static str {
         match self.0.finish {
@@ -158,19 +158,19 @@ impl Material {
         }
     }
 
-    /// The index of refraction of glass over that of what surrounds it; ``None`` of other materials.
+    /// Refractive index of glass, relative to the surrounding medium; ``None`` for other materials.
     #[getter]
     fn index(&self) -> Option<f32> {
         if let Finish::Glass { index, .. } = self.0.finish { Some(index) } else { None }
     }
 
-    /// The share of the light that comes through glass, linear RGB: a tuple of three; ``None`` of other materials.
+    /// Share of light that glass transmits, linear RGB: a tuple of three; ``None`` for other materials.
     #[getter]
     fn transmission(&self) -> Option<(f32, f32, f32)> {
         if let Finish::Glass { transmission, .. } = self.0.finish { Some(tuple(transmission)) } else { None }
     }
 
-    /// Of mirrors and glass, whether the angle of view says how much is reflected; ``None`` of matte materials.
+    /// Whether the reflectance of a mirror or glass depends on the angle; ``None`` for matte materials.
     #[getter]
     fn fresnel(&self) -> Option<bool> {
         match self.0.finish {
@@ -189,7 +189,7 @@ impl Material {
     }
 }
 
-/// A material with other fields.
+/// Returns the material with other fields.
 fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>) -> PyResult<Material> {
     let Some(fields) = fields else { return Ok(Material(material)) };
     for (name, value) in fields {
@@ -209,7 +209,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
             "normalised" => material.normalised = value.extract().map_err(of)?,
             "emission" => material.emission = color().map_err(of)?,
             "finish" => material.finish = finish(&value.extract::<String>().map_err(of)?)?,
-            "index" | "transmission" | "fresnel" => {} // of the finish, which must be known first
+            "index" | "transmission" | "fresnel" => {} // read below, once the finish is known
             _ => {
                 let known = FIELDS.iter().chain(&FINISH_FIELDS).copied().collect::<Vec<_>>().join(", ");
                 return Err(refused(format!("material: unknown field '{name}'; there are {known}")));
@@ -236,11 +236,11 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
     Ok(Material(material))
 }
 
-/// Default specular reflectance of a finish.
+/// Returns the default specular reflectance of a finish.
 fn default_specular(finish: &Finish) -> Vec3 {
     match *finish {
         Finish::Mirror { .. } => Vec3::splat(0.95),
-        // Straight on (Fresnel).
+        // Fresnel reflectance at normal incidence.
         Finish::Glass { index, fresnel: true, .. } => Vec3::splat(((index - 1.0) / (index + 1.0)).powi(2)),
         _ => Vec3::ZERO,
     }

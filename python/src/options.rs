@@ -1,4 +1,4 @@
-//! What to render with: `Options` of the library, and which arrays are asked for, as keywords.
+//! Keywords of rendering: the library's `Options`, and the arrays to return.
 
 use std::str::FromStr;
 
@@ -10,7 +10,7 @@ use crate::{
     values::{named, shown, two},
 };
 
-/// An array that a picture may come with.
+/// An array that a view may have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Output {
     Color,
@@ -70,12 +70,12 @@ impl Output {
         Self::ALL.map(Self::name).to_vec()
     }
 
-    /// Whether it is made by [`stereotrace::Renderer::ground_truth_async`].
+    /// Returns whether [`stereotrace::Renderer::ground_truth_async`] makes it.
     fn is_ground_truth(self) -> bool {
         matches!(self, Self::Distance | Self::Occlusion | Self::Normal | Self::GeometricNormal | Self::Material)
     }
 
-    /// Whether it needs depths.
+    /// Returns whether it needs depths.
     fn needs_depth(self) -> bool {
         matches!(self, Self::Depth | Self::Disparity)
     }
@@ -90,7 +90,7 @@ impl FromStr for Output {
     }
 }
 
-/// What is rendered, and what comes back.
+/// Render options, and the arrays to return.
 pub(crate) struct Request {
     pub(crate) options: Options,
     pub(crate) outputs: Vec<Output>,
@@ -105,7 +105,7 @@ impl Request {
         self.outputs.iter().any(|output| output.is_ground_truth())
     }
 
-    /// For a rig, whose views have no disparities: those of two views follow from their depths.
+    /// Reads the keywords for a rig. Its views have no disparity, which belongs to a pair of views; depths give it.
     pub(crate) fn of_rig(fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut request = Self::of(fields)?;
         if fields.is_none_or(|fields| !fields.contains("outputs").unwrap_or(false)) {
@@ -117,7 +117,7 @@ impl Request {
         }
     }
 
-    /// By the names that `stereotrace.RenderOptions` has.
+    /// Reads the keywords of `stereotrace.RenderOptions`.
     pub(crate) fn of(fields: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut options = Options::default();
         let mut outputs = vec![Output::Color, Output::Depth, Output::Disparity];
@@ -197,7 +197,7 @@ impl Request {
     }
 }
 
-/// The keywords.
+/// Names of the keywords.
 const NAMES: [&str; 18] = [
     "method",
     "outputs",
@@ -219,7 +219,8 @@ const NAMES: [&str; 18] = [
     "count",
 ];
 
-/// Checks the keywords that ``Renderer.render`` takes as options: their names and values, without a device. Raises ``ValueError``.
+/// Checks names and values of the options of ``Renderer.render``, without a device. Raises ``ValueError`` if one is
+/// wrong.
 #[pyfunction]
 #[pyo3(signature = (**options))]
 pub(crate) fn check_options(options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {

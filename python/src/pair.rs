@@ -1,4 +1,4 @@
-//! What comes back from rendering: views whose arrays are made when they are first asked for, one copy each.
+//! Results of rendering: pairs and views. An array is copied when it is first accessed, and then kept.
 
 use std::{
     collections::HashMap,
@@ -27,7 +27,7 @@ use crate::{
     values::named,
 };
 
-/// A pair as it was rendered, and what was asked for.
+/// A rendered pair and its request.
 pub(crate) struct Frame {
     pub(crate) pair: stereotrace::StereoPair,
     pub(crate) truth: Option<GroundTruth>,
@@ -35,14 +35,14 @@ pub(crate) struct Frame {
     pub(crate) request: Request,
 }
 
-/// The views of a rig, and what was asked for.
+/// Rendered views of a rig and their request.
 pub(crate) struct RigFrame {
     pub(crate) views: stereotrace::Views,
     pub(crate) camera: Camera,
     pub(crate) request: Request,
 }
 
-/// Whose pixels a view shows.
+/// Frame and eye of a view.
 #[derive(Clone)]
 enum Source {
     Left(Arc<Frame>),
@@ -74,7 +74,7 @@ impl Source {
         }
     }
 
-    /// Where each pixel came from; of a pair's right view.
+    /// Returns where each pixel came from. It is empty for a pair's left view.
     fn pixel_source(&self) -> &[PixelSource] {
         match self {
             Self::Left(_) => &[],
@@ -84,44 +84,48 @@ impl Source {
     }
 }
 
-/// What one eye sees. Its arrays are attributes, each of which is there if it was named in ``outputs``.
+/// The view of one eye. Arrays are attributes; a view has those that ``outputs`` named.
 ///
-/// Arrays are row-major, top row first; each is made when it is first asked for, and kept. Depths, ids and ground truth are of the first
-/// surface that the ray through a pixel's centre meets, whatever mirrors or glass show there. The world is right-handed with y up.
+/// Arrays are row-major, top row first. Each is made on first access and kept. Depths, ids and ground truth belong to
+/// the first surface that the ray through the pixel's centre hits, even if it is a mirror or glass. The world is
+/// right-handed with y up. Sky means that the ray hits nothing.
 ///
-/// - ``color``: uint8, ``(height, width, 3)``. The picture, as sRGB bytes.
-/// - ``linear``: float32, ``(height, width, 3)``. Light as it comes, linear RGB, before the options ``exposure`` and ``tone``; it may be
-///   above 1.
-/// - ``depth``: float32, ``(height, width)``. Depth along the view direction in world units; infinite where nothing is.
-/// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite where nothing is.
-/// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: above 0 before the screen, 0 on it and below 0 behind it;
-///   of parallel cameras 0 at infinity and above 0 before it. Where nothing is it is that of infinite depth. What the left view's pixel in
-///   column i shows stands at ``i + 0.5 - disparity`` in the right view, and what the right view's shows at ``i + 0.5 + disparity`` in the
-///   left one. Of pairs whose eyes are not toed in.
-/// - ``occlusion``: uint8, ``(height, width)``. Whether the other eye sees the point: 0 visible, 1 hidden by something nearer, 2 out of the
-///   other picture's frame, seen or not. Of pairs.
-/// - ``normal``: float32, ``(height, width, 3)``. The normal that the surface is lit by, interpolated where a mesh has normals: in the
-///   world's frame, of unit length, on the side of the geometric one; zero where nothing is. Of pairs.
-/// - ``geometric_normal``: float32, ``(height, width, 3)``. The normal of the surface itself, towards the eye: in the world's frame, of
-///   unit length; zero where nothing is. Of pairs.
-/// - ``primitive``: uint32, ``(height, width)``. The id of the primitive; ``MISS``, which is 2**32 - 1, where nothing is.
-/// - ``object``: uint32, ``(height, width)``. The id of its object; ``MISS`` where nothing is.
-/// - ``material``: uint32, ``(height, width)``. The id of its material; ``MISS`` where nothing is. Of pairs.
-/// - ``source``: uint8, ``(height, width)``. Where each pixel of a pair's right view, or of a rig's views, came from: 0 reused, taken over
-///   from another view; 1 bad, traced since what landed there was not what is seen; 2 missed, traced since nothing landed there; 3 traced
-///   without looking at another view.
-/// - ``shadow_source``: uint8, ``(height, width)``. How it is known which lights each pixel of the same views sees: 0 taken over from
-///   another view, or there was nothing to ask; 1 traced, by one shadow ray at least. Of views made by a bracket only.
-/// - ``cost``: uint32, ``(height, width)``. BVH nodes visited and primitives tested for the pixel, by all its rays.
+/// - ``color``: uint8, ``(height, width, 3)``. The picture in sRGB.
+/// - ``linear``: float32, ``(height, width, 3)``. Linear RGB before the options ``exposure`` and ``tone``; may exceed
+///   1.
+/// - ``depth``: float32, ``(height, width)``. Depth along the view direction in world units; infinite for sky.
+/// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite
+///   for sky. Pairs only.
+/// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: positive before the screen, 0 on it,
+///   negative behind it; for parallel cameras 0 at infinity and positive before it. Sky has that of infinite depth. A
+///   point in column i of the left view is at ``i + 0.5 - disparity`` in the right view; one in column i of the right
+///   view is at ``i + 0.5 + disparity`` in the left view. Pairs only, without toe-in.
+/// - ``occlusion``: uint8, ``(height, width)``. Visibility from the other eye: 0 visible, 1 hidden by an occluder, 2
+///   outside the other picture. Pairs only.
+/// - ``normal``: float32, ``(height, width, 3)``. Shading normal, interpolated if a mesh has normals: unit length,
+///   world frame, on the side of the geometric normal; zero for sky. Pairs only.
+/// - ``geometric_normal``: float32, ``(height, width, 3)``. Normal of the surface itself, towards the eye: unit length,
+///   world frame; zero for sky. Pairs only.
+/// - ``primitive``: uint32, ``(height, width)``. Id of the primitive; ``MISS``, which is 2**32 - 1, for sky.
+/// - ``object``: uint32, ``(height, width)``. Id of the object; ``MISS`` for sky.
+/// - ``material``: uint32, ``(height, width)``. Id of the material; ``MISS`` for sky. Pairs only.
+/// - ``source``: uint8, ``(height, width)``. Where a pixel of a pair's right view, or of a rig's view, came from: 0
+///   reused from another view; 1 bad: traced, since the sample that landed there was rejected; 2 missed: traced, since
+///   no sample landed there; 3 traced without reuse.
+/// - ``shadow_source``: uint8, ``(height, width)``. How the visibility of lights was found in the same views: 0 without
+///   shadow rays, by reuse or since no light had to be queried; 1 by at least one shadow ray. Bracket methods only.
+/// - ``cost``: uint32, ``(height, width)``. Number of BVH nodes visited and primitives tested by all rays of the pixel.
 ///
-/// ``distance`` and what is said to be of pairs, but for ``disparity``, are ground truth, by the methods ``auto``, ``naive`` and the
-/// brackets. Of the other methods, depths, disparities and ids of the right view are those of points up to half a pixel aside.
+/// ``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material`` are ground truth. They need the
+/// methods ``auto``, ``naive`` or a bracket method. With other methods, depths, disparities and ids of the right view
+/// belong to points up to half a pixel from the pixel's centre.
 ///
-/// Raises ``AttributeError`` for an array that was not asked for or that the view can't have. Notebooks show the picture.
+/// Raises ``AttributeError`` for an array that was not requested or that the view can't have. Notebooks show the
+/// picture.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct View {
     source: Source,
-    /// The arrays that were asked for so far.
+    /// Arrays that were accessed so far.
     made: Mutex<HashMap<&'static str, Py<PyAny>>>,
 }
 
@@ -130,7 +134,7 @@ impl View {
         Self { source, made: Mutex::default() }
     }
 
-    /// An array: that which was made before, or a new one.
+    /// Returns an array: the kept one, or a new one on first access.
     fn get(&self, py: Python<'_>, output: Output) -> PyResult<Py<PyAny>> {
         if !self.source.request().has(output) {
             let name = output.name();
@@ -202,7 +206,7 @@ impl View {
     }
 }
 
-/// One value a pixel, `(height, width)`.
+/// Returns one value a pixel as an array, `(height, width)`.
 fn plane<T: Element>(py: Python<'_>, [width, height]: [u32; 2], values: Vec<T>) -> Py<PyAny> {
     match Array2::from_shape_vec((height as usize, width as usize), values) {
         Ok(array) => array.into_pyarray(py).into_any().unbind(),
@@ -219,14 +223,14 @@ impl View {
         }
     }
 
-    /// The picture's size in pixels: a tuple of width and height. Arrays are ``(height, width)``.
+    /// Size of the picture in pixels: a tuple of width and height. Arrays are ``(height, width)``.
     #[getter]
     fn size(&self) -> (u32, u32) {
         let view = self.source.view();
         (view.width, view.height)
     }
 
-    /// All arrays that were asked for and that the view has: a dict by their names, in the order in which they were asked for.
+    /// Returns all requested arrays that the view has: a dict by name, in the order of the request.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for &output in &self.source.request().outputs {
@@ -244,7 +248,7 @@ impl View {
         outputs.chain(["size", "arrays"]).collect()
     }
 
-    /// The picture as the bytes of a PNG file, for notebooks.
+    /// Returns the picture as the bytes of a PNG file, for notebooks.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let view = self.source.view();
         png(py, &Picture::new(view.width, view.height, view.rgba8.clone()))
@@ -257,7 +261,7 @@ impl View {
     }
 }
 
-/// A picture as the bytes of a PNG file.
+/// Encodes a picture as a PNG file.
 fn png<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyBytes>> {
     let size = [picture.width as usize, picture.height as usize];
     let rgb: Vec<u8> = picture.rgba8.iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
@@ -265,15 +269,15 @@ fn png<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyBytes>>
     Ok(PyBytes::new(py, &file))
 }
 
-/// A stereo pair, as ``Renderer.render`` and ``stereotrace.render`` make it: two views and what they cost. Notebooks show it as an
+/// A stereo pair from ``Renderer.render`` or ``stereotrace.render``: two views and their cost. Notebooks show it as an
 /// anaglyph.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct StereoPair {
     frame: Arc<Frame>,
-    /// What the left eye sees: a ``View``.
+    /// Left view: a ``View``.
     #[pyo3(get)]
     left: Py<View>,
-    /// What the right eye sees: a ``View``.
+    /// Right view: a ``View``.
     #[pyo3(get)]
     right: Py<View>,
 }
@@ -288,37 +292,39 @@ impl StereoPair {
 
 #[pymethods]
 impl StereoPair {
-    /// The camera that the pair was rendered with: a ``Camera``.
+    /// Camera of the pair: a ``Camera``.
     #[getter]
     fn camera(&self) -> Camera {
         self.frame.camera
     }
 
-    /// What the pair cost: a dict.
+    /// Cost of the pair: a dict.
     ///
-    /// - ``method``: the name of the method that made the pair, such as the one that ``auto`` chose.
-    /// - ``choice``: why ``auto`` chose it, ``None`` by other methods: a dict of ``method``; ``by_bracket``, the share of the right view
-    ///   that was made by bracket; ``gaps``, the share of right pixels that no left sample saw; ``shadow_rays`` and ``secondary_rays`` a
-    ///   pixel of the left view; ``bracket`` and ``naive``, what the right view was predicted to cost by either, in primary rays a pixel.
-    /// - ``in_steps``: whether the frame was rendered again, in steps, since the adapter ended the loops of threads before they were done.
-    /// - ``left`` and ``right``: each view's work, a dict of ``primary_rays``, ``verification_rays``, ``shadow_rays``, ``secondary_rays``,
-    ///   ``nodes`` (BVH nodes visited), ``primitive_tests``, and ``cost``, which is ``2 * nodes + primitive_tests``. The last three are 0
-    ///   unless the option ``count`` or the output ``cost`` was asked for.
-    /// - ``reused``, ``bad``, ``missed``: right pixels that were taken over, whose left sample was rejected, and that no left sample landed
-    ///   in.
-    /// - ``retraced_share``: the share of the right pixels that were traced, 0 to 1.
-    /// - ``second_eye``: the right view's cost relative to the left view's; ``None`` where it was not counted.
-    /// - ``lost_candidates`` and ``buffer_depth``: of ``buffer`` methods, candidates that were lost and slots a right pixel.
-    /// - ``times``: a list of the name and the seconds of each pass on the device, in order; ``None`` where the adapter has no timestamps.
-    ///   Drivers may compile a kernel when it first runs.
+    /// - ``method``: name of the method that made the pair, such as the one that ``auto`` chose.
+    /// - ``choice``: reasons of ``auto``, or ``None`` for other methods: a dict of ``method``; ``by_bracket``, the
+    ///   share of the right view made by bracket; ``gaps``, the share of right pixels that no left sample saw;
+    ///   ``shadow_rays`` and ``secondary_rays`` a pixel of the left view; ``bracket`` and ``naive``, the predicted cost
+    ///   of the right view by each, in primary rays a pixel.
+    /// - ``in_steps``: whether the frame was rendered again in steps, since the adapter ended long loops early.
+    /// - ``left`` and ``right``: work of each view, a dict of ``primary_rays``, ``verification_rays``, ``shadow_rays``,
+    ///   ``secondary_rays``, ``nodes`` (BVH nodes visited), ``primitive_tests``, and ``cost``, which is ``2 * nodes +
+    ///   primitive_tests``. The last three are 0 without the option ``count`` or the output ``cost``.
+    /// - ``reused``, ``bad``, ``missed``: number of right pixels that were reused, whose left sample was rejected, and
+    ///   in which no left sample landed.
+    /// - ``retraced_share``: share of right pixels that were traced, 0 to 1.
+    /// - ``second_eye``: cost of the right view relative to the left view; ``None`` if it was not counted.
+    /// - ``lost_candidates`` and ``buffer_depth``: for ``buffer`` methods, the number of lost candidates, and of slots
+    ///   a right pixel.
+    /// - ``times``: list of name and seconds of each pass on the device, in order; ``None`` if the adapter has no
+    ///   timestamps. Drivers may compile a kernel when it first runs.
     /// - ``intermediate_bytes``: device memory of the buffers between the passes.
     #[getter]
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         statistics::dict(py, &self.frame.pair.statistics)
     }
 
-    /// Both views in one picture for coloured glasses: uint8, ``(height, width, 3)``, sRGB. ``kind`` is one of ``ANAGLYPHS``. Raises
-    /// ``ValueError`` for another name.
+    /// Returns the anaglyph for coloured glasses: uint8, ``(height, width, 3)``, sRGB. ``kind`` is one of
+    /// ``ANAGLYPHS``. Raises ``ValueError`` for another name.
     #[pyo3(signature = (kind = "dubois"))]
     fn anaglyph<'py>(&self, py: Python<'py>, kind: &str) -> PyResult<Bound<'py, PyAny>> {
         let kind: Anaglyph = named(kind)?;
@@ -326,8 +332,9 @@ impl StereoPair {
         Ok(array(py, &mixed).into_any())
     }
 
-    /// Both views beside, below or between each other in one picture: uint8, sRGB, ``(height, width, 3)`` with twice the width or height
-    /// where the packing says so. ``packing`` is one of ``PACKINGS``. Raises ``ValueError`` for another name.
+    /// Returns both views packed into one picture, side by side, one above the other, or interlaced: uint8, sRGB,
+    /// ``(height, width, 3)``, with twice the width or height for some packings. ``packing`` is one of ``PACKINGS``.
+    /// Raises ``ValueError`` for another name.
     #[pyo3(signature = (packing = "side-by-side"))]
     fn packed<'py>(&self, py: Python<'py>, packing: &str) -> PyResult<Bound<'py, PyAny>> {
         let packing: Packing = named(packing)?;
@@ -335,18 +342,18 @@ impl StereoPair {
         Ok(array(py, &packed).into_any())
     }
 
-    /// Where the right view's pixels came from, as a picture: uint8, ``(height, width, 3)``, sRGB. Green is reused, red bad, yellow missed,
-    /// grey traced without reuse.
+    /// Returns a picture of where the right view's pixels came from: uint8, ``(height, width, 3)``, sRGB. Green pixels
+    /// were reused, red ones bad, yellow ones missed, grey ones traced without reuse; see ``View`` at ``source``.
     fn retrace_map<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         array(py, &self.frame.pair.retrace_picture()).into_any()
     }
 
-    /// Writes the pair's files, ground truth among them, as a data set of a ``layout``, one of ``LAYOUTS``, has them, as number ``index``
-    /// of the data set in ``folder``. Makes folders where there are none, and returns the paths of the files.
+    /// Writes the pair with its ground truth as number ``index`` of a data set in ``folder``. ``layout`` is one of
+    /// ``LAYOUTS``. Makes missing folders, and returns the paths of the files.
     ///
-    /// Raises ``ValueError`` where no ground truth was asked for (an output such as ``occlusion``), where ``kitti`` or ``sceneflow`` are to
-    /// have a pair whose cameras are not parallel, and for disparities that ``kitti`` can't hold: 0 and less, or 256 pixels and more.
-    /// Raises ``OSError`` if a file can't be written.
+    /// Raises ``ValueError`` if no ground truth was requested (an output such as ``occlusion``), if ``kitti`` or
+    /// ``sceneflow`` get cameras that are not parallel, and for disparities that ``kitti`` can't hold: 0 or less, or
+    /// 256 pixels or more. Raises ``OSError`` if a file can't be written.
     #[pyo3(signature = (folder, layout = "middlebury", index = 0))]
     fn write(&self, py: Python<'_>, folder: PathBuf, layout: &str, index: u32) -> PyResult<Vec<PathBuf>> {
         let layout: Layout = named(layout)?;
@@ -362,12 +369,12 @@ impl StereoPair {
         .map_err(raised)
     }
 
-    /// Writes the pair into one file, whose ending says how: the anaglyph as ``.png`` or ``.jpg``, or both views as ``.jps`` (side by
-    /// side), ``.mpo`` or ``.exr``.
+    /// Writes the pair into one file. Its ending selects the format: the anaglyph as ``.png`` or ``.jpg``, or both
+    /// views as ``.jps`` (side by side), ``.mpo`` or ``.exr``.
     ///
-    /// An ``OpenEXR`` file has linear light, depths and ids, so the outputs must have ``linear``, and ``primitive`` or ``object``; with
-    /// ground truth among them it has that too. Raises ``ValueError`` for another ending and for what was not asked for, and ``OSError`` if
-    /// the file can't be written.
+    /// An ``OpenEXR`` file holds linear light, depths and ids, so the outputs must include ``linear``, and
+    /// ``primitive`` or ``object``. It also holds the ground truth if that was requested. Raises ``ValueError`` for
+    /// another ending and for missing outputs, and ``OSError`` if the file can't be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let frame = &self.frame;
@@ -394,7 +401,7 @@ impl StereoPair {
         .ok_or_else(|| refused(format!("{}: pairs are written as .png, .jpg, .jps, .mpo or .exr", path.display())))
     }
 
-    /// The anaglyph as the bytes of a PNG file, for notebooks.
+    /// Returns the anaglyph as the bytes of a PNG file, for notebooks.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let mixed = py.detach(|| self.frame.pair.anaglyph(Anaglyph::default()));
         png(py, &mixed)
@@ -408,11 +415,11 @@ impl StereoPair {
     }
 }
 
-/// The views of several eyes on one line, as ``Renderer.render_views`` makes them: a sequence of ``View``, in the order of the eyes.
+/// Views of several eyes on one line, from ``Renderer.render_views``: a sequence of ``View`` in the order of the eyes.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Views {
     frame: Arc<RigFrame>,
-    /// The views in the order of the eyes: a list of ``View``.
+    /// Views in the order of the eyes: a list of ``View``.
     #[pyo3(get)]
     views: Vec<Py<View>>,
 }
@@ -430,38 +437,39 @@ impl Views {
 
 #[pymethods]
 impl Views {
-    /// The camera in the middle of the eyes: a ``Camera``.
+    /// Camera at the midpoint that the offsets count from: a ``Camera``.
     #[getter]
     fn camera(&self) -> Camera {
         self.frame.camera
     }
 
-    /// The eyes' offsets from the camera's midpoint, in interaxials, to the right: a list of floats.
+    /// Offsets of the eyes from the camera's midpoint to the right, in interaxials: a list of floats.
     #[getter]
     fn offsets(&self) -> Vec<f32> {
         self.frame.views.views.iter().map(|view| view.offset).collect()
     }
 
-    /// Of each view the index of the one that it was made from, its own where it was traced: a list of ints.
+    /// Index of the source view of each view, or its own index if it was traced: a list of ints.
     #[getter]
     fn made_from(&self) -> Vec<usize> {
         self.frame.views.views.iter().map(|view| view.made_from).collect()
     }
 
-    /// Where the eyes stand, world positions: a list of tuples of three.
+    /// World positions of the eyes: a list of tuples of three.
     #[getter]
     fn eyes(&self) -> Vec<(f64, f64, f64)> {
         self.frame.views.views.iter().map(|view| self.frame.views.pose.eye_position(2.0 * view.offset).into()).collect()
     }
 
-    /// What each view cost: a list of dicts as ``left`` and ``right`` of ``StereoPair.statistics`` are.
+    /// Cost of each view: a list of dicts like ``left`` and ``right`` of ``StereoPair.statistics``.
     #[getter]
     fn work<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.frame.views.views.iter().map(|view| statistics::work(py, &view.work)).collect()
     }
 
-    /// All views in one picture, as light-field displays take them: from left to right as the eyes come, the bottom row first. uint8,
-    /// ``(rows * height, columns * width, 3)``, sRGB. Raises ``ValueError`` if ``columns * rows`` is not the number of views.
+    /// Returns all views in one picture for light-field displays, from left to right in the order of the eyes, with the
+    /// bottom row first: uint8, ``(rows * height, columns * width, 3)``, sRGB. Raises ``ValueError`` if ``columns *
+    /// rows`` is not the number of views.
     fn quilt<'py>(&self, py: Python<'py>, columns: u32, rows: u32) -> PyResult<Bound<'py, PyAny>> {
         let quilt = py.detach(|| quilt(&self.frame.views, columns, rows)).map_err(raised)?;
         Ok(array(py, &quilt).into_any())

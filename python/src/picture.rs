@@ -1,4 +1,4 @@
-//! Pictures as bytes and arrays.
+//! Pictures as arrays and PNG files.
 
 use numpy::{IntoPyArray, PyArray3, PyReadonlyArray2, PyReadonlyArray3, ndarray::Array3};
 use pyo3::{prelude::*, types::PyBytes};
@@ -6,13 +6,13 @@ use stereotrace::output::Picture;
 
 use crate::errors::refused;
 
-/// A picture's colours, `(height, width, 3)`.
+/// Returns a picture's colours as an array, `(height, width, 3)`.
 pub(crate) fn rgb<'py>(py: Python<'py>, [width, height]: [u32; 2], rgba8: &[[u8; 4]]) -> Bound<'py, PyArray3<u8>> {
     let rgb: Vec<[u8; 3]> = rgba8.iter().map(|&[red, green, blue, _]| [red, green, blue]).collect();
     shaped(py, [width, height], rgb)
 }
 
-/// Three values a pixel, `(height, width, 3)`.
+/// Returns `N` values a pixel as an array, `(height, width, N)`.
 pub(crate) fn shaped<T: numpy::Element, const N: usize>(
     py: Python<'_>,
     [width, height]: [u32; 2],
@@ -25,12 +25,12 @@ pub(crate) fn shaped<T: numpy::Element, const N: usize>(
     }
 }
 
-/// A picture as an array.
+/// Returns a picture as an array, `(height, width, 3)`.
 pub(crate) fn array<'py>(py: Python<'py>, picture: &Picture) -> Bound<'py, PyArray3<u8>> {
     rgb(py, [picture.width, picture.height], &picture.rgba8)
 }
 
-/// The bytes of a PNG file.
+/// Encodes pixels as a PNG file.
 pub(crate) fn encoded(
     [width, height]: [usize; 2],
     color: png::ColorType,
@@ -52,8 +52,10 @@ pub(crate) fn encoded(
     Ok(file)
 }
 
-/// A picture as the bytes of a PNG file. ``picture`` is an array, top row first: uint8, ``(height, width, 3)`` or with alpha
-/// ``(height, width, 4)``, sRGB; or grey, uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another shape or dtype, and for a
+/// Encodes a picture as a PNG file and returns its bytes.
+///
+/// ``picture`` is an array, top row first: sRGB colours, uint8, ``(height, width, 3)`` or with alpha ``(height, width,
+/// 4)``; or grey, uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another shape or dtype, and for a
 /// picture without pixels.
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {

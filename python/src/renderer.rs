@@ -1,4 +1,4 @@
-//! The renderer: a device, and the scenes that stand on it.
+//! The renderer: a device, and the scenes uploaded to it.
 
 use std::{
     ops::ControlFlow,
@@ -25,39 +25,40 @@ use crate::{
     values,
 };
 
-/// Scenes that stay on the device where nothing is said.
+/// Default number of scenes that stay on the device.
 const KEPT_SCENES: usize = 4;
 
-/// t and primitive of each ray.
+/// Arrays of t and of the primitive id, for each ray.
 type Hits<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u32>>);
 
-/// A graphics device that renders, and the scenes that stand on it.
+/// A graphics device that renders, and the scenes uploaded to it.
 ///
-/// ``Renderer()`` takes the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest one. ``adapter`` names
-/// another: ``"fastest"``, ``"software"`` for one that runs on the CPU, or a part of an adapter's name. ``kept_scenes`` is how many scenes
-/// stay on the device, the ones that were used last; 4 where nothing is said.
+/// ``Renderer()`` opens the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else the fastest.
+/// ``adapter`` selects another: ``"fastest"``, ``"software"`` for one that runs on the CPU, or a part of an adapter's
+/// name. ``kept_scenes`` is the number of most recently used scenes that stay on the device. Default 4.
 ///
-/// A renderer may be used from several threads: it does one frame after the other, without Python's lock. Raises ``AdapterError`` where no
-/// such adapter is found.
+/// Several threads may use one renderer. It renders one frame after the other, without Python's lock. Raises
+/// ``AdapterError`` if no such adapter is found.
 #[pyclass(frozen, module = "stereotrace")]
 pub(crate) struct Renderer {
     stage: Mutex<Stage>,
-    /// Who uses it now.
+    /// Thread that uses the renderer now.
     at_work: Mutex<Option<ThreadId>>,
     adapter: String,
     driver: String,
     is_software: bool,
 }
 
-/// A lock that another thread's panic poisoned still guards whole values here.
+/// Locks a mutex. The values stay whole if another thread panics, so poisoning is ignored.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Which process opened the first device; 0 before.
+/// Id of the process that opened the first device; 0 before that.
 static OPENED_BY: AtomicU32 = AtomicU32::new(0);
 
-/// Drivers don't survive a fork: in a child of a process that has opened a device all that uses one, a new one too, waits for ever.
+/// Refuses to run in a child forked from a process that had opened a device. Drivers don't survive a fork: any use of a
+/// device, even of a new one, would wait for ever.
 fn check_process() -> PyResult<()> {
     match OPENED_BY.load(Ordering::Relaxed) {
         opened_by if opened_by == 0 || opened_by == process::id() => Ok(()),
@@ -68,7 +69,7 @@ fn check_process() -> PyResult<()> {
     }
 }
 
-/// A thread's use of a renderer, until it is dropped.
+/// Marks a thread's use of a renderer until it is dropped.
 struct AtWork<'a>(&'a Mutex<Option<ThreadId>>);
 
 impl<'a> AtWork<'a> {
@@ -84,23 +85,23 @@ impl Drop for AtWork<'_> {
     }
 }
 
-/// What one thread at a time works with.
+/// State that one thread uses at a time.
 struct Stage {
     renderer: stereotrace::Renderer,
-    /// The scenes on the device, the one that was used last at the end.
+    /// Scenes on the device, with the most recently used at the end.
     scenes: Vec<(State, UploadedScene)>,
     kept: usize,
 }
 
 impl Stage {
-    /// Lets go of the scene that was used longest ago, where there is no place for one more.
+    /// Drops the least recently used scene if the list is full.
     fn make_room(&mut self) {
         if self.scenes.len() >= self.kept {
             self.scenes.remove(0);
         }
     }
 
-    /// The scene on the device as it is now, the last of the list then.
+    /// Uploads or updates a scene, and moves it to the end of the list.
     fn bring(&mut self, scene: &stereotrace::Scene, state: State) -> Result<(), Error> {
         let place = self.scenes.iter().position(|(known, _)| known.is_of_scene(state));
         let Some(place) = place else {
@@ -111,7 +112,7 @@ impl Stage {
         };
         let (known, mut uploaded) = self.scenes.remove(place);
         if known != state {
-            // What moved keeps its tree where that is possible, and light and materials alone take no tree.
+            // Moved objects keep their tree if possible. Changes of lights and materials alone keep it too.
             if self.renderer.update(&mut uploaded, scene, Update::Refit).is_err() {
                 uploaded = self.renderer.upload(scene)?;
             }
@@ -122,8 +123,10 @@ impl Stage {
 }
 
 impl Renderer {
-    /// Does what takes the device without Python's lock, once no other thread uses it. A thread that is at it already, and now runs a callback or handles
-    /// a signal, would wait for itself: that is an error.
+    /// Runs work on the device without Python's lock, once no other thread uses it.
+    ///
+    /// # Errors
+    /// If this thread uses the renderer already and now runs a callback or a signal handler: it would wait for itself.
     fn with_stage<T: Send>(
         &self,
         py: Python<'_>,
@@ -143,7 +146,7 @@ impl Renderer {
         done.map_err(raised)
     }
 
-    /// Does a frame's work without Python's lock. Between bands of rows Python may handle signals, and `progress` is called.
+    /// Renders a frame without Python's lock. Between bands of rows, Python handles signals and `progress` is called.
     fn work<T: Send>(
         &self,
         py: Python<'_>,
@@ -176,7 +179,7 @@ impl Renderer {
                 }
             })
         });
-        // What stopped it is the error to tell.
+        // An exception that stopped the frame is the error to raise.
         stopped.map_or(done, Err)
     }
 }
@@ -204,13 +207,13 @@ impl Renderer {
         Ok(Self { stage, at_work: Mutex::default(), adapter: name, driver, is_software })
     }
 
-    /// The name of the adapter.
+    /// Name of the adapter.
     #[getter]
     fn adapter(&self) -> &str {
         &self.adapter
     }
 
-    /// The name and version of the adapter's driver.
+    /// Name and version of the adapter's driver.
     #[getter]
     fn driver(&self) -> &str {
         &self.driver
@@ -222,45 +225,46 @@ impl Renderer {
         self.is_software
     }
 
-    /// Renders a stereo pair of a scene as it is now.
+    /// Renders a stereo pair of a scene's current state.
     ///
-    /// The first call with a scene builds its tree and brings it to the device; later ones bring what has changed. ``progress`` is called
-    /// with the name of a pass and the share of the frame's rows that are done, 0 to 1, as rows get done; what it raises ends the frame and
-    /// is raised here, as is a ``KeyboardInterrupt``. It must not call this renderer, which is at work until the frame is done, nor change
-    /// the scene. The options are keywords:
+    /// The first call with a scene builds its tree and uploads it. Later calls upload changes. ``progress`` is called
+    /// with the name of a pass and the share of finished rows, 0 to 1. An exception from it, or a
+    /// ``KeyboardInterrupt``, ends the frame and is raised here. ``progress`` must neither call this renderer nor
+    /// change the scene. The options are keywords:
     ///
-    /// - ``method``: how the right view is made, one of ``METHODS``; ``"auto"`` where nothing is said. ``"naive"`` traces both views;
-    ///   ``"bracket-rays"`` shows the same for less, and ``"bracket"`` takes over shadows too.
-    /// - ``outputs``: the arrays that come back, a list of names of ``OUTPUTS`` or one name; ``["color", "depth", "disparity"]`` where
-    ///   nothing is said. ``View`` says what each is.
-    /// - ``samples``: samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 1 where nothing is said. Depths, ids and ground truth stay those of
-    ///   one ray through the pixel's centre.
-    /// - ``filter``: how samples are weighed: ``"box"``, ``"tent"`` or ``"gauss"``; the first where nothing is said.
-    /// - ``jitter``: whether samples stand aside of the middles of their cells; ``True`` where nothing is said.
-    /// - ``adaptive``: more samples only where a pixel's differ: a tuple of levels, 2 to 5, and of the tolerance in values of a channel of
-    ///   the picture, 0 to 255, as ``(4, 8.0)``. ``None`` where nothing is said. With one sample, the box filter, and the methods ``auto``,
-    ///   ``naive``, ``ideal`` and the brackets only.
-    /// - ``bounces``: surfaces, one behind the other, that a ray may come from, 0 to 8; 5 where nothing is said.
-    /// - ``shadow_rays``: rays to each light that is not a point, 1 to 32; 16 where nothing is said.
-    /// - ``ambient_occlusion``: whether what stands near keeps ambient light off: a tuple of rays, 1 to 32, and of a radius in world units,
-    ///   above 0, as ``(16, 0.5)``. ``None`` where nothing is said.
-    /// - ``sky_rays``: by how many rays, 1 to 32, the sky lights surfaces, in place of ambient light; ``None``, by none, where nothing is
-    ///   said. Not with ``ambient_occlusion``.
-    /// - ``penumbra``: what a view takes over of the answers of these rays: ``"exact"``, of places that are fully lit or not at all;
-    ///   ``"shared"``, penumbrae too. The latter where nothing is said.
-    /// - ``seed``: of all random numbers, 0 where nothing is said. The same seed makes the same picture.
-    /// - ``exposure``: by how many stops pictures are brighter than the light that scenes give, -64 to 64; 0 where nothing is said.
-    /// - ``tone``: what becomes of what is too bright: ``"clamp"`` cuts it off, ``"filmic"`` bends all towards white along a film's curve.
-    ///   The first where nothing is said.
-    /// - ``noise_by_view``: whether each view has random numbers of its own; ``False`` where nothing is said.
-    /// - ``visibility``: how the first hits of traced views are found: ``"rays"`` or ``"t-buffer"``; the same hits by both. The first where
-    ///   nothing is said.
-    /// - ``shadow_buffer``: whether points ask shadow-buffers which point lights they see: a tuple of the rows of a table and of a rule,
-    ///   ``"object"``, ``"depth"`` or ``"hybrid"``, as ``(400, "hybrid")``. ``None`` where nothing is said.
-    /// - ``count``: whether BVH nodes and primitive tests are counted, which is slower; ``False`` where nothing is said.
+    /// - ``method``: how the right view is made, one of ``METHODS``. ``"naive"`` traces both views; ``"bracket-rays"``
+    ///   makes the same picture for less, and ``"bracket"`` reuses visibility bits too. Default ``"auto"``.
+    /// - ``outputs``: arrays to return, a list of names of ``OUTPUTS`` or one name. ``View`` describes them. Default
+    ///   ``["color", "depth", "disparity"]``.
+    /// - ``samples``: samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Depths, ids and ground truth
+    ///   still belong to one ray through the pixel's centre. Default 1.
+    /// - ``filter``: weights of samples: ``"box"``, ``"tent"`` or ``"gauss"``. Default ``"box"``.
+    /// - ``jitter``: whether to jitter the sample grid. Default ``True``.
+    /// - ``adaptive``: adaptive antialiasing: a tuple of levels, 2 to 5, and a tolerance in 8-bit values, 0 to 255,
+    ///   such as ``(4, 8.0)``. Only with one sample, the box filter, and the methods ``auto``, ``naive``, ``ideal`` and
+    ///   the bracket methods. Default ``None``.
+    /// - ``bounces``: maximum number of reflections and refractions along a ray, 0 to 8. Default 5.
+    /// - ``shadow_rays``: rays to each light that is not a point, 1 to 32. Default 16.
+    /// - ``ambient_occlusion``: a tuple of rays, 1 to 32, and the radius for occluders in world units, above 0, such as
+    ///   ``(16, 0.5)``. Default ``None``.
+    /// - ``sky_rays``: number of rays, 1 to 32, by which the sky lights surfaces, in place of ambient light. Not with
+    ///   ``ambient_occlusion``. Default ``None``: the sky lights nothing.
+    /// - ``penumbra``: which results of soft shadow rays a view reuses: ``"exact"``, only of points that are fully lit
+    ///   or fully shadowed; ``"shared"``, of penumbrae too. Default ``"shared"``.
+    /// - ``seed``: seed of all random numbers. The same seed makes the same picture. Default 0.
+    /// - ``exposure``: exposure in stops, -64 to 64. Default 0.
+    /// - ``tone``: tone mapping: ``"clamp"`` clamps values above 1, ``"filmic"`` maps all values by a filmic curve.
+    ///   Default ``"clamp"``.
+    /// - ``noise_by_view``: whether each view has its own random numbers. Default ``False``.
+    /// - ``visibility``: how traced views find their closest hits: ``"rays"`` or ``"t-buffer"``, with the same result.
+    ///   Default ``"rays"``.
+    /// - ``shadow_buffer``: shadow buffers in place of shadow rays to point lights: a tuple of the rows of a table and
+    ///   a rule, ``"object"``, ``"depth"`` or ``"hybrid"``, such as ``(400, "hybrid")``. Default ``None``.
+    /// - ``count``: whether to count BVH nodes and primitive tests, which is slower. Default ``False``.
     ///
-    /// Raises ``ValueError`` for options, cameras and scenes that can't be rendered, ``LimitError`` for what is larger than the adapter
-    /// allows or has memory for, ``DeviceLostError`` where the device went away, and ``AdapterError`` where its driver refused something.
+    /// Raises ``ValueError`` for invalid options, cameras and scenes, ``LimitError`` if the picture or scene exceeds
+    /// the adapter's limits or memory, ``DeviceLostError`` if the device was lost, and ``AdapterError`` for other
+    /// errors of its driver.
     #[pyo3(signature = (scene, camera, *, progress = None, **options))]
     fn render(
         &self,
@@ -280,15 +284,17 @@ impl Renderer {
         StereoPair::of(py, Frame { pair, truth, camera, request })
     }
 
-    /// Renders the views of several eyes on one line, which look through the same screen.
+    /// Renders the views of several eyes on one line behind one screen.
     ///
-    /// ``eyes`` is their number, 1 to 1024, an interaxial between neighbours and the camera's midpoint in their middle; or their offsets
-    /// from that midpoint in interaxials, to the right. Some views are traced, and each other one is made from the nearest of these:
-    /// ``traced`` are their indices; where nothing is said the library chooses. ``progress`` and the options are those of ``render``;
-    /// ground truth (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are of pairs alone.
+    /// ``eyes`` is either their number, 1 to 1024, or a list of offsets. With a number, neighbours are one interaxial
+    /// apart and the camera's midpoint is in their middle. Offsets count from that midpoint to the right, in
+    /// interaxials. The views with the indices ``traced`` are traced; by default the library chooses them. Each other
+    /// view is made from the nearest traced one. ``progress`` and the options are those of ``render``. Ground truth
+    /// (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are only
+    /// available for pairs.
     ///
-    /// Raises what ``render`` raises, and ``ValueError`` for ground truth among the outputs, for no eyes or too many, two in one place,
-    /// several that are toed in, and indices that are no eyes.
+    /// Raises as ``render`` does, and ``ValueError`` for ground truth among the outputs, for no eyes or over 1024, for
+    /// two eyes in one place, for several toed-in eyes, and for indices out of range.
     #[pyo3(signature = (scene, camera, eyes, *, traced = None, progress = None, **options))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn render_views(
@@ -322,21 +328,21 @@ impl Renderer {
         Views::of(py, RigFrame { views, camera, request })
     }
 
-    /// A random camera in the free space of a scene, like ``camera`` but elsewhere: a tuple of the camera and of how many were tried for
-    /// it. It follows from the scene, the camera, the ``seed`` and the number ``item`` alone.
+    /// Finds a random camera in the free space of a scene, with the properties of ``camera``. Returns a tuple of the
+    /// camera and the number of tries. The result depends only on the scene, the camera, ``seed`` and ``item``.
     ///
-    /// A camera within the scene's bounds becomes one anywhere in them, looking anywhere, at most 23 degrees up or down; one outside of
-    /// them stays as far from their middle, and looks at what is there. Rejected are cameras inside of something, those whose eyes don't
-    /// see each other, and:
+    /// If ``camera`` is within the scene's bounds, the result is anywhere in them and looks in any direction, at most
+    /// 23 degrees up or down. If it is outside, the result keeps its distance from their middle and looks at the scene.
+    /// Cameras are rejected if they are inside an object, if their eyes don't see each other, and
     ///
-    /// - with a surface nearer than ``clearance`` to the midpoint between the eyes, in world units; twice the interaxial where nothing is
-    ///   said;
-    /// - with disparities, before or behind the screen, of ``max_disparity`` pixels or more; none are too large where nothing is said;
-    /// - whose left picture shows surfaces on less than ``min_surfaces`` of it, 0 to 1; where nothing is said a half within a scene, and a
-    ///   tenth of what is seen from outside.
+    /// - if a surface is nearer than ``clearance`` to the midpoint between the eyes, in world units. Default twice the
+    ///   interaxial;
+    /// - if a disparity, before or behind the screen, is ``max_disparity`` pixels or more. Default no limit;
+    /// - if surfaces cover less than the share ``min_surfaces`` of the left picture, 0 to 1. Default 0.5 within the
+    ///   scene's bounds, 0.1 outside.
     ///
-    /// Raises ``ValueError`` where 2000 cameras were all rejected, with the reasons, and for a scene that is empty or has only infinite
-    /// planes; else what ``render`` raises.
+    /// Raises ``ValueError`` with the reasons if 2000 cameras were all rejected, and for a scene that is empty or has
+    /// only infinite planes. Else raises as ``render`` does.
     #[pyo3(signature = (scene, camera, seed, item, *, clearance = None, max_disparity = None, min_surfaces = None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn free_camera(
@@ -366,12 +372,13 @@ impl Renderer {
         Ok((Camera(found.camera), found.tries))
     }
 
-    /// The nearest hit of each of n rays: a tuple of two arrays of shape ``(n,)``.
+    /// Traces n rays to their closest hits. Returns a tuple of two arrays of shape ``(n,)``.
     ///
-    /// ``origins`` are world positions, ``(n, 3)`` or one for all, ``(1, 3)``; ``directions`` are ``(n, 3)``, of any length but 0. The
-    /// first array, float32, is t: the point is ``origin + t * direction``; infinite where nothing is hit. The second one, uint32, is the
-    /// id of the primitive, or ``MISS``. Rays that are neighbours in the list are traced together: the more alike they are, the faster.
-    /// Raises ``ValueError`` for a ray without direction and for numbers of rays that don't fit; else what ``render`` raises.
+    /// ``origins`` are world positions, ``(n, 3)``, or one for all rays, ``(1, 3)``. ``directions`` are ``(n, 3)``, of
+    /// any length but 0. The first array, float32, is t, where the hit is at ``origin + t * direction``; it is infinite
+    /// for a miss. The second array, uint32, is the primitive's id, or ``MISS``. Neighbouring rays of the list are
+    /// traced together, which is faster if they are similar. Raises ``ValueError`` for a direction of 0 and for arrays
+    /// of different lengths. Else raises as ``render`` does.
     fn closest_hits<'py>(
         &self,
         py: Python<'py>,
@@ -398,11 +405,11 @@ impl Renderer {
         Ok((PyArray1::from_vec(py, t), PyArray1::from_vec(py, ids)))
     }
 
-    /// Builds a scene's tree and brings it to the device, which ``render`` does by itself.
+    /// Builds a scene's tree and uploads it. ``render`` does so by itself if needed.
     ///
-    /// ``build`` says how much time goes into the tree: ``"fast"``, ``"balanced"``, as by ``render``, or ``"best"``, for a scene that many
-    /// pictures are made of. Where objects of the scene move later the tree keeps its shape; where it can't, it is built anew as
-    /// ``"balanced"``. Raises ``ValueError`` for another name and for a scene that can't be rendered; else what ``render`` raises.
+    /// ``build`` is the effort for the tree: ``"fast"``, ``"balanced"``, which ``render`` uses, or ``"best"``, for many
+    /// pictures of one scene. If objects move later, the tree is refitted. If that is not possible, it is rebuilt as
+    /// ``"balanced"``. Raises ``ValueError`` for another name and for an invalid scene. Else raises as ``render`` does.
     #[pyo3(signature = (scene, *, build = "balanced"))]
     fn upload(&self, py: Python<'_>, scene: &Scene, build: &str) -> PyResult<()> {
         let build = match build {
@@ -421,7 +428,7 @@ impl Renderer {
         })
     }
 
-    /// Lets go of a scene on the device, where it stands there. The next frame that asks for it brings it again.
+    /// Frees a scene's memory on the device, if it is uploaded. Rendering the scene uploads it again.
     fn release(&self, py: Python<'_>, scene: &Scene) -> PyResult<()> {
         let state = scene.state;
         self.with_stage(py, |stage| {

@@ -26,7 +26,7 @@ use crate::{
     values::{self, Color, Point, Position, Size, named, shown, tuple},
 };
 
-/// Of all scenes and their states, so that a renderer knows which of them stands on its device.
+/// Identity of a scene and of its state, by which a renderer knows what it has uploaded.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct State {
     scene: u64,
@@ -34,7 +34,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Whether two are states of one scene.
+    /// Returns whether both are states of one scene.
     pub(crate) fn is_of_scene(self, other: Self) -> bool {
         self.scene == other.scene
     }
@@ -47,25 +47,26 @@ impl State {
 
 /// A scene to render: meshes, spheres, ellipsoids and planes, their materials, lights and a sky.
 ///
-/// ``Scene()`` is empty: the sky is black, ambient light is by rule (see ``ambient``), and there is one grey material, id 0. ``Scene.open``
-/// reads a file, and ``Scene.builtin`` makes a scene that comes with the library.
+/// ``Scene()`` is empty: the sky is black, ambient light has its default (see ``ambient``), and there is one grey
+/// material, id 0. ``Scene.open`` reads a file, and ``Scene.builtin`` makes a built-in scene.
 ///
-/// World space is right-handed with y up. Coordinates are in world units, within 1e8. Colours are linear RGB, 0 to 1, of lights and skies 0
-/// or more; one number stands for three equal ones. Arrays are all that ``numpy.asarray`` takes.
+/// World space is right-handed with y up. Coordinates are in world units, within 1e8. Colours are linear RGB, 0 to 1,
+/// or 0 or more for lights and skies; one number stands for three equal channels. Array arguments may be anything that
+/// ``numpy.asarray`` accepts.
 ///
-/// Ids count from 0. Primitives are the triangles in the order in which they were added, those without area too, then spheres, ellipsoids
-/// and planes. Objects are the meshes in the order in which they were added, then spheres, ellipsoids and planes, one each. So a mesh that
-/// is added moves the ids of spheres, ellipsoids and planes.
+/// Ids count from 0. Primitives are the triangles in the order of addition, including those without area, then spheres,
+/// ellipsoids and planes. Objects are the meshes in the order of addition, then each sphere, ellipsoid and plane. So a
+/// new mesh shifts the ids of spheres, ellipsoids and planes.
 ///
-/// A renderer brings changes to its device when the scene is rendered next. Then the values of materials, lights and sky are checked too:
-/// what is out of range is a ``ValueError``. A scene can't be changed while it is rendered: that is a ``RuntimeError``.
+/// A renderer uploads changes when it next renders the scene. It then checks materials, lights and sky too, and raises
+/// ``ValueError`` for values out of range. Changing a scene while it is rendered raises ``RuntimeError``.
 ///
-/// Scenes can be pickled, with all that they show and their cameras; renderers can't.
+/// Scenes can be pickled, including their cameras. Renderers can't.
 #[pyclass(module = "stereotrace")]
 pub(crate) struct Scene {
     pub(crate) inner: stereotrace::Scene,
     pub(crate) state: State,
-    /// A file's own cameras.
+    /// Names and cameras of the scene's file.
     cameras: Vec<(Arc<str>, StereoCamera)>,
     builtin: Option<Builtin>,
 }
@@ -75,13 +76,13 @@ impl Scene {
         Self { inner, state: State::new(), cameras, builtin }
     }
 
-    /// The scene, which changes now.
+    /// Returns the scene to change, and counts the change.
     fn changed(&mut self) -> &mut stereotrace::Scene {
         self.state.change += 1;
         &mut self.inner
     }
 
-    /// The scene that was pickled.
+    /// Restores a pickled scene.
     pub(crate) fn restored(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
         let (inner, cameras, builtin): (stereotrace::Scene, Vec<(String, String)>, Option<String>) =
             py.detach(|| pickled::value("Scene", state))?;
@@ -109,21 +110,24 @@ impl Scene {
         Self::of(stereotrace::Scene::new(), Vec::new(), None)
     }
 
-    /// Reads a scene from a file: OBJ with its MTL files, glTF 2.0 (.gltf and .glb) or PLY. The content tells the format, and where it does
-    /// not the name's ending.
+    /// Reads a scene from a file: OBJ with its MTL files, glTF 2.0 (.gltf, .glb) or PLY. The content tells the format;
+    /// where it does not, the file's ending does.
     ///
-    /// A glTF file brings its lights and cameras (``camera_names``); scenes of other files have no lights yet: see ``place_lights``.
-    /// ``crease_angle`` in degrees, 0 to 180, gives smooth normals to objects without any: edges across which the normals of triangles are
-    /// less than so many degrees apart are smooth. Without it such objects are flat. ``missing_textures`` says what becomes of a texture
-    /// that can't be read: ``"error"`` is an error, with ``"warn"`` the material is without it and a warning is logged. Files outside the
-    /// scene file's folder that it names, as textures in ``../textures``, are refused unless ``outside_files`` is ``"allow"``.
+    /// Only glTF files bring lights and cameras (``camera_names``). For other files see ``place_lights``.
     ///
-    /// Raises ``OSError`` if the file can't be read, and ``ValueError`` for a file of another format, for content that is wrong (the
-    /// message names line or item), and for files over 1 GiB.
+    /// - ``crease_angle``: in degrees, 0 to 180. Objects without normals get smooth edges where adjacent triangles
+    ///   differ by less than this angle. Default: such objects are flat.
+    /// - ``missing_textures``: ``"error"`` raises for a texture that can't be read; ``"warn"`` logs a warning and
+    ///   leaves the texture out.
+    /// - ``outside_files``: ``"refuse"`` raises if the scene names files outside its folder, such as ``../textures``;
+    ///   ``"allow"`` reads them.
+    /// - ``origin``: world position that the file's coordinates are stored relative to: three numbers, ``"none"`` for
+    ///   (0, 0, 0), or ``"auto"``, the default. That is (0, 0, 0) too, unless the file lies farther away than 8 times
+    ///   its longest side: then the rounded middle of the file. Cameras, lights, bounds and ground truth stay in world
+    ///   coordinates, in double precision.
     ///
-    /// ``origin`` is the world position that the file's coordinates are stored relative to: three numbers, ``"none"`` for 0,
-    /// or ``"auto"``: the middle of a file that lies farther away than 8 times its size. Cameras, lights, bounds and
-    /// ground truth stay in world coordinates, in double precision.
+    /// Raises ``OSError`` if the file can't be read. Raises ``ValueError`` for other formats, for files over 1 GiB, and
+    /// for wrong content, where the message names the line or item.
     #[staticmethod]
     #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error", outside_files = "refuse", origin = None))]
     fn open(
@@ -151,15 +155,15 @@ impl Scene {
         Ok(Self::of(scene, cameras, None))
     }
 
-    /// A scene that comes with the library, with lights and a sky: one of ``BUILTINS``. ``camera`` gives the camera that goes with it.
-    /// Raises ``ValueError`` for another name.
+    /// Makes a built-in scene with lights and a sky, one of ``BUILTINS``. ``camera`` returns its camera. Raises
+    /// ``ValueError`` for another name.
     #[staticmethod]
     fn builtin(py: Python<'_>, name: &str) -> PyResult<Self> {
         let builtin: Builtin = named(name)?;
         Ok(Self::of(py.detach(|| builtin.scene()), Vec::new(), Some(builtin)))
     }
 
-    /// A copy, which changes on its own. It has the same cameras. ``copy.copy`` and ``copy.deepcopy`` make the same.
+    /// Returns an independent copy, with the same cameras. ``copy.copy`` and ``copy.deepcopy`` do the same.
     fn copy(&self) -> Self {
         Self::of(self.inner.clone(), self.cameras.clone(), self.builtin)
     }
@@ -180,19 +184,19 @@ impl Scene {
         reduced(py, "Scene", &state)
     }
 
-    /// The camera that goes with the scene: that of a built-in scene, the camera of its file by its ``name`` or else the first one, or
-    /// where there is none a camera that holds all of the scene, as ``Camera.fitting`` has it.
+    /// Returns the scene's camera: that of a built-in scene, else the file's camera ``name`` or its first. A scene
+    /// without cameras gets that of ``Camera.fitting``.
     ///
-    /// ``size`` is a tuple of width and height in pixels. The eyes of a built-in scene's camera are 15 pixels apart in a picture 600 pixels
-    /// wide, and so in proportion. Raises ``ValueError`` for a name that is not there, for a size that no camera can have, and where the
-    /// scene has no camera and is empty or has only infinite planes.
+    /// ``size`` is a tuple of width and height in pixels. The interaxial of a built-in scene's camera is 15 pixels at a
+    /// width of 600 pixels, and scales with the width. Raises ``ValueError`` for an unknown name, for an invalid size,
+    /// and if a scene without cameras is empty or has only infinite planes.
     #[pyo3(signature = (name = None, size = Size(640, 480)))]
     fn camera(&self, name: Option<&str>, size: Size) -> PyResult<Camera> {
         let own = match name {
             None => self.cameras.first(),
             Some(name) => match self.cameras.iter().find(|(own, _)| **own == *name) {
                 None => {
-                    // A message has no place for more.
+                    // The message lists at most 20 names.
                     let own: Vec<&str> = self.cameras.iter().take(20).map(|(name, _)| &**name).collect();
                     let own = own.join(", ");
                     let there_are = if own.is_empty() { "none".into() } else { own };
@@ -208,7 +212,7 @@ impl Scene {
         }
     }
 
-    /// The names of the cameras that the scene's file has, in its order: a list of str. Only glTF files have some.
+    /// Names of the file's cameras, in its order: a list of str. Only glTF files have cameras.
     #[getter]
     fn camera_names<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyString>> {
         // Thousands of cameras may share one long name.
@@ -219,21 +223,23 @@ impl Scene {
 
     /// Adds triangles as one object and returns the object's id.
     ///
-    /// - ``vertices``: positions relative to ``origin``, which is 0 unless it was set, ``(n, 3)``.
-    /// - ``faces``: the corners of each triangle as indices into them, whole numbers, ``(m, 3)``.
-    /// - ``name``: the object's name.
-    /// - ``material``: the id of a material, or one for each triangle; the grey one, 0, where nothing is said.
-    /// - ``normals``: unit normals for smooth shading, one a vertex, ``(n, 3)``, or one a corner, ``(m, 3, 3)``. A triangle with a zero
-    ///   among them is flat.
-    /// - ``uv``: texture coordinates, ``(n, 2)`` or ``(m, 3, 2)``; (0, 0) is the lower left corner of a texture, (1, 1) the upper right.
-    /// - ``colors``: what the albedo is multiplied by, ``(n, 3)`` or ``(m, 3, 3)``: floats are linear RGB, bytes (uint8) sRGB. A fourth
-    ///   channel says nothing.
-    /// - ``crease_angle``: in degrees, 0 to 180; makes normals, smooth across edges where those of the triangles are less than so far
-    ///   apart. Not with ``normals``.
+    /// - ``vertices``: positions relative to ``origin`` (by default world positions), ``(n, 3)``.
+    /// - ``faces``: indices of the corners of each triangle, whole numbers, ``(m, 3)``.
+    /// - ``name``: name of the object.
+    /// - ``material``: id of a material, or one id for each triangle. Default 0, the grey material.
+    /// - ``normals``: unit normals for smooth shading, for each vertex ``(n, 3)`` or each corner ``(m, 3, 3)``. A
+    ///   triangle with a zero normal is flat.
+    /// - ``uv``: texture coordinates, ``(n, 2)`` or ``(m, 3, 2)``. (0, 0) is the lower left corner of a texture, (1, 1)
+    ///   the upper right.
+    /// - ``colors``: factors of the albedo, ``(n, 3)`` or ``(m, 3, 3)``. Floats are linear RGB, bytes (uint8) are sRGB.
+    ///   A fourth channel is ignored.
+    /// - ``crease_angle``: in degrees, 0 to 180. Makes normals that are smooth across edges where adjacent triangles
+    ///   differ by less than this angle. Not with ``normals``.
     ///
-    /// Triangles without area are dropped, which is logged; they keep their ids. Raises ``ValueError``, naming the element, for an array of
-    /// another shape, an index out of range, a coordinate that is not finite or is larger than 1e8, a normal, texture coordinate or colour
-    /// that is not finite, a negative colour, and a material that is not there. The scene then stays as it was.
+    /// Triangles without area are dropped with a log message; they keep their ids. Raises ``ValueError``, which names
+    /// the element, for an array of another shape, an index or material out of range, a coordinate that is not finite
+    /// or larger than 1e8, a normal, texture coordinate or colour that is not finite, and a negative colour. The scene
+    /// then stays unchanged.
     #[pyo3(signature = (vertices, faces, *, name = "", material = None, normals = None, uv = None, colors = None, crease_angle = None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn add_mesh(
@@ -270,7 +276,7 @@ impl Scene {
         if let Some(degrees) = crease_angle {
             mesh = mesh.smooth(degrees).map_err(raised)?;
         }
-        // Meshes count first among objects.
+        // Meshes are the first objects.
         let scene = self.changed();
         let others = scene.spheres().len() + scene.ellipsoids().len() + scene.planes().len();
         let object = scene.object_count() - others;
@@ -278,16 +284,17 @@ impl Scene {
         Ok(object as u32)
     }
 
-    /// Adds a sphere about a position relative to ``origin`` as an object of its own; the radius is in world units, above 0. Raises ``ValueError`` for a
-    /// centre or radius that is not finite or too large, a radius that is not above 0, and a material that is not there.
+    /// Adds a sphere as an object. ``center`` is relative to ``origin``; ``radius`` is in world units, above 0. Raises
+    /// ``ValueError`` for values that are not finite or too large, a radius that is not above 0, and an unknown
+    /// material.
     #[pyo3(signature = (center, radius, material = 0))]
     fn add_sphere(&mut self, center: Point, radius: f32, material: u32) -> PyResult<()> {
         self.changed().add_sphere(Sphere::new(center.0, radius, MaterialId(material))).map_err(raised)
     }
 
-    /// Adds many spheres, each as an object of its own: ``centers`` are relative to ``origin``, ``(n, 3)``; ``radii`` are in world units, one
-    /// number or one each; ``materials`` are ids, one or one each, 0 where nothing is said. Raises ``ValueError`` as ``add_sphere`` does;
-    /// then none is added.
+    /// Adds spheres, each as an object. ``centers`` are relative to ``origin``, ``(n, 3)``. ``radii`` are in world
+    /// units: one number, or one for each sphere. ``materials`` are ids: one, or one for each sphere; default 0. Raises
+    /// ``ValueError`` as ``add_sphere`` does. The scene then stays unchanged.
     #[pyo3(signature = (centers, radii, materials = None))]
     fn add_spheres(
         &mut self,
@@ -309,7 +316,7 @@ impl Scene {
         let spheres = centers.iter().zip(&radii).enumerate().map(|(index, (&center, &radius))| {
             Sphere::new(center, radius, MaterialId(materials[if materials.len() == 1 { 0 } else { index }]))
         });
-        // All of them or none: a scene of the same materials says whether they can be added.
+        // Either all spheres are added or none: a trial scene with the same materials checks them first.
         let mut trial = stereotrace::Scene::new();
         for material in &self.inner.materials()[1..] {
             trial.add_material(material.clone());
@@ -319,45 +326,46 @@ impl Scene {
         spheres.into_iter().try_for_each(|sphere| scene.add_sphere(sphere)).map_err(raised)
     }
 
-    /// Adds an ellipsoid as an object of its own: all points ``center + axes @ v`` of vectors ``v`` of length 1.
+    /// Adds an ellipsoid as an object: all points ``center + axes @ v`` for vectors ``v`` of length 1. ``center`` is
+    /// relative to ``origin``.
     ///
-    /// ``axes`` are three semi-axes along the axes of the world, in world units, or a matrix, ``(3, 3)``, whose columns say where the axes
-    /// of the unit sphere come to lie. Raises ``ValueError`` for values that are not finite or too large, for semi-axes below 1e-15 or of
-    /// which the longest is over 10000 times the shortest, and for a material that is not there.
+    /// ``axes`` are three semi-axes along the world's axes, in world units, or a matrix ``(3, 3)`` whose columns are
+    /// the images of the unit sphere's axes. Raises ``ValueError`` for values that are not finite or too large, for
+    /// semi-axes below 1e-15, for a longest one over 10000 times the shortest, and for an unknown material.
     #[pyo3(signature = (center, axes, material = 0))]
     fn add_ellipsoid(&mut self, center: Point, axes: &Bound<'_, PyAny>, material: u32) -> PyResult<()> {
         let axes = match axes.extract::<[f32; 3]>() {
             Ok(radii) => Mat3::from_diagonal(Vec3::from_array(radii)),
-            // Rows as NumPy has them; glam's columns.
+            // NumPy's matrices are by rows, glam's by columns.
             Err(_) => Mat3::from_cols_array_2d(&matrix::<3>("axes", axes)?).transpose(),
         };
         self.changed().add_ellipsoid(Ellipsoid::new(center.0, axes, MaterialId(material))).map_err(raised)
     }
 
-    /// Adds an infinite plane through a position relative to ``origin`` as an object of its own; at most 8 can be in a scene.
+    /// Adds an infinite plane through a position relative to ``origin``, as an object. A scene may have 8 planes.
     ///
-    /// ``normal`` is of any length but 0; it points up where nothing is said. A texture fills squares whose side is ``tile`` world units,
-    /// 1e-6 to 1e8: on grounds its right is the world's +x, on walls, seen from where the normal points, its top is up. A plane of glass is
-    /// the face of a half-space of glass, on the side that its normal points away from. Raises ``ValueError`` for values out of these
-    /// ranges, for a material that is not there, and for a ninth plane.
+    /// ``normal`` has any length but 0; it points up by default. A texture fills squares with a side of ``tile`` world
+    /// units, 1e-6 to 1e8. On a ground its right is the world's +x. On a wall, seen from the normal's side, its top is
+    /// up. A glass plane bounds a half-space of glass on the side opposite to its normal. Raises ``ValueError`` for
+    /// values out of range, for an unknown material, and for a ninth plane.
     #[pyo3(signature = (point, normal = Point(Vec3::Y), material = 0, *, tile = 1.0))]
     fn add_plane(&mut self, point: Point, normal: Point, material: u32, tile: f32) -> PyResult<()> {
         let plane = Plane::new(point.0, normal.0, MaterialId(material)).tile(tile);
         self.changed().add_plane(plane).map_err(raised)
     }
 
-    /// Adds a material and returns its id. Its values are checked when the scene is rendered.
+    /// Adds a material and returns its id. Rendering checks its values.
     fn add_material(&mut self, material: Material) -> u32 {
         self.changed().add_material(material.0).0
     }
 
-    /// Puts another material in the place of one. Raises ``ValueError`` for an id that is not there.
+    /// Replaces the material ``id``. Raises ``ValueError`` for an unknown id.
     fn set_material(&mut self, id: u32, material: Material) -> PyResult<()> {
         self.check_material(id)?;
         self.changed().set_material(MaterialId(id), material.0).map_err(raised)
     }
 
-    /// The materials: a list of ``Material``, whose indices are their ids. The list is a copy: ``set_material`` changes one.
+    /// Materials: a list of ``Material``, indexed by id. The list is a copy; ``set_material`` changes a material.
     #[getter]
     fn materials(&self) -> Vec<Material> {
         self.inner.materials().iter().cloned().map(Material).collect()
@@ -365,11 +373,12 @@ impl Scene {
 
     /// Adds a texture and returns its id, for ``texture`` and ``cutout`` of materials.
     ///
-    /// ``picture`` is a PNG or JPEG file's path, or an array of uint8, ``(height, width, 3)`` or with alpha ``(height, width, 4)``, top row
-    /// first; colours are sRGB. Sides are 1 to 8192 pixels. ``wrap`` says what lies beyond texture coordinates of 0 to 1: ``"repeat"`` the
-    /// texture again, ``"mirror"`` the same mirrored every other time, ``"clamp"`` its edge. Spheres and ellipsoids have the texture around
-    /// them: its middle at +z, its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and ``ValueError`` for a
-    /// picture that is none, has sides out of range or is too large.
+    /// ``picture`` is the path of a PNG, JPEG, BMP, GIF, TGA, TIFF or WebP file, or an array of uint8, top row first:
+    /// ``(height, width, 3)``, or with alpha ``(height, width, 4)``. Colours are sRGB. Sides are 1 to 8192 pixels.
+    /// ``wrap`` is for texture coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"`` mirrors every
+    /// second repetition, and ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's middle is at +z,
+    /// its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an
+    /// invalid picture or sides out of range.
     #[pyo3(signature = (picture, wrap = "repeat"))]
     fn add_texture(&mut self, picture: &Bound<'_, PyAny>, wrap: &str) -> PyResult<u32> {
         let wrap = match wrap {
@@ -389,16 +398,16 @@ impl Scene {
         Ok(id)
     }
 
-    /// Adds a checkerboard of ``squares`` by ``squares``, 1 to 8192, over texture coordinates of 0 to 1 and returns its id as a texture.
-    /// ``first`` is the colour of the square at (0, 0); both are linear RGB. Raises ``ValueError`` for a colour that is negative or not
-    /// finite, and for another number.
+    /// Adds a checkerboard texture of ``squares`` by ``squares``, 1 to 8192, over texture coordinates 0 to 1. Returns
+    /// its id. ``first`` is the colour of the square at (0, 0); both colours are linear RGB. Raises ``ValueError`` for
+    /// a colour that is negative or not finite, and for a number out of range.
     fn add_checkerboard(&mut self, first: Color, second: Color, squares: u32) -> PyResult<u32> {
         let texture = Texture::checkerboard(first.0, second.0, squares).map_err(raised)?;
         Ok(self.changed().add_texture(texture).0)
     }
 
-    /// The lights: a list of ``Light``. It is a copy: assign a list to change the lights, or call ``add_light``. A scene may have 2**20
-    /// lights, of which at most 16 are not points; that is checked when it is rendered.
+    /// Lights: a list of ``Light``. The list is a copy: assign a list to change the lights, or call ``add_light``. A
+    /// scene may have 2**20 lights, at most 16 of which are not points. Rendering checks that.
     #[getter]
     fn lights(&self) -> Vec<Light> {
         self.inner.lights.iter().copied().map(Light).collect()
@@ -409,21 +418,22 @@ impl Scene {
         self.changed().lights = lights.into_iter().map(|light| light.0).collect();
     }
 
-    /// Adds a light behind those that are there. Its values are checked when the scene is rendered.
+    /// Appends a light. Rendering checks its values.
     fn add_light(&mut self, light: Light) {
         self.changed().lights.push(light.0);
     }
 
-    /// Replaces the lights by ``count`` points of light, by one rule for every scene: beside and above the camera's eyes, within the
-    /// scene's bounds where the eyes are in them.
+    /// Replaces the lights by ``count`` point lights beside and above the camera's eyes. If the eyes are within the
+    /// scene's bounds, the lights are too.
     ///
-    /// The lights add up to 0.85. ``ambient`` becomes 0.15 where it is by rule, and stays what it is where it was given. Raises
-    /// ``ValueError`` for more than 2**20 lights.
+    /// Intensities add up to 0.85. ``ambient`` becomes 0.15 unless it was assigned. Raises ``ValueError`` for more than
+    /// 2**20 lights.
     fn place_lights(&mut self, count: usize, camera: Camera) -> PyResult<()> {
         self.changed().place_lights(count, &camera.0).map_err(raised)
     }
 
-    /// The lights that ``place_lights`` would place, as a list; the scene stays as it is. Raises ``ValueError`` as that does.
+    /// Returns the lights that ``place_lights`` would place, as a list. The scene stays unchanged. Raises
+    /// ``ValueError`` as ``place_lights`` does.
     fn lights_around(&mut self, count: usize, camera: Camera) -> PyResult<Vec<Light>> {
         let before = (std::mem::take(&mut self.inner.lights), self.inner.ambient);
         let placed = self.inner.place_lights(count, &camera.0);
@@ -433,7 +443,7 @@ impl Scene {
         Ok(lights.into_iter().map(Light).collect())
     }
 
-    /// Whether lights cast shadows. It can be assigned; ``True`` in a new scene.
+    /// Whether lights cast shadows. Assignable; ``True`` in a new scene.
     #[getter]
     fn shadows(&self) -> bool {
         self.inner.shadows
@@ -444,16 +454,17 @@ impl Scene {
         self.changed().shadows = shadows;
     }
 
-    /// The light that reaches every surface from everywhere, linear RGB: a tuple of three.
+    /// Ambient light, linear RGB: a tuple of three.
     ///
-    /// It can be assigned; ``None`` makes it go by rule, as in a new scene: 1 without lights, and 0.15 with them. Frames that are lit by
-    /// the sky (the option ``sky_rays``) have none.
+    /// It is assignable. ``None`` restores the default: 1 without lights, 0.15 with lights. Frames lit by the sky (the
+    /// option ``sky_rays``) have no ambient light.
     #[getter]
     fn ambient(&self) -> (f32, f32, f32) {
         tuple(self.inner.rendered_ambient())
     }
 
-    /// The ambient light that was assigned or that ``place_lights`` left, linear RGB: a tuple of three; ``None`` where it is by rule.
+    /// Ambient light that was assigned or set by ``place_lights``, linear RGB: a tuple of three; ``None`` for the
+    /// default.
     #[getter]
     fn given_ambient(&self) -> Option<(f32, f32, f32)> {
         self.inner.ambient.map(tuple)
@@ -464,8 +475,9 @@ impl Scene {
         self.changed().ambient = ambient.map(|color| color.0);
     }
 
-    /// What a ray sees that hits nothing: one colour, or with ``zenith`` a blend along the world's y axis, from ``color`` straight down to
-    /// ``zenith`` straight up. Linear RGB, 0 or more. It lights surfaces where the option ``sky_rays`` asks it to.
+    /// Sets the sky: one colour, or with ``zenith`` a blend along the world's y axis, from ``color`` straight down to
+    /// ``zenith`` straight up. Colours are linear RGB, 0 or more. The sky lights surfaces only with the option
+    /// ``sky_rays``.
     #[pyo3(signature = (color, zenith = None))]
     fn set_sky(&mut self, color: Color, zenith: Option<Color>) {
         self.changed().sky = match zenith {
@@ -474,16 +486,16 @@ impl Scene {
         };
     }
 
-    /// Makes a picture of everything around the sky: equirectangular, the top row straight up, the middle column towards -z, and columns go
-    /// round to the right.
+    /// Sets the sky to an equirectangular picture (HDRI, environment map). The top row is straight up, the middle
+    /// column towards -z, and columns go round to the right.
     ///
-    /// ``picture`` is a file's path (PNG and JPEG are taken as sRGB, Radiance HDR as linear), an array of floats, ``(height, width, 3)``,
-    /// linear RGB, or ``"procedural"``: a sun and streaks of cloud over a plain, 1024 x 512 pixels. The width must be even. Raises
-    /// ``OSError`` if the file can't be read, and ``ValueError`` for a picture that is none or too large, and for colours that are negative
-    /// or not finite.
+    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR and ``OpenEXR`` are linear), or an array of
+    /// floats, ``(height, width, 3)``, linear RGB, or ``"procedural"``: a sun and clouds over a plain, 1024 x 512
+    /// pixels. The width must be even. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid
+    /// or too large picture and for colours that are negative or not finite.
     fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>) -> PyResult<()> {
         let map = match picture.extract::<PathBuf>() {
-            // A text, not a path: a file of that name is Path("procedural").
+            // The string is the procedural sky. A file of that name is Path("procedural").
             Ok(_) if picture.eq("procedural")? => SkyMap::procedural(1024),
             Ok(path) => SkyMap::open(path),
             Err(_) => {
@@ -495,12 +507,12 @@ impl Scene {
         Ok(())
     }
 
-    /// Moves, turns, scales or shears an object from where it is now.
+    /// Transforms an object from its current place: moves, rotates, scales or shears it.
     ///
-    /// ``transform`` is a matrix, ``(4, 4)``, that takes a point as a column ``(x, y, z, 1)``; its last row is 0, 0, 0, 1. Spheres stay
-    /// spheres: they can be moved, turned and scaled alike in all directions. Many transforms of one object add up their rounding. Raises
-    /// ``ValueError`` for an object that is not there, a coordinate that becomes infinite or larger than 1e8, and for what would be no
-    /// sphere, ellipsoid or plane. The scene then stays as it was.
+    /// ``transform`` is a matrix ``(4, 4)`` for column vectors ``(x, y, z, 1)``, with the last row 0, 0, 0, 1. Spheres
+    /// can be scaled uniformly only. Rounding errors of repeated transforms add up. Raises ``ValueError`` for an
+    /// unknown object, for a coordinate that becomes infinite or larger than 1e8, and if the result is no sphere,
+    /// ellipsoid or plane. The scene then stays unchanged.
     fn transform_object(&mut self, object: u32, transform: &Bound<'_, PyAny>) -> PyResult<()> {
         let rows = matrix::<4>("transform", transform)?;
         if rows[3] != [0.0, 0.0, 0.0, 1.0] {
@@ -510,62 +522,63 @@ impl Scene {
         self.changed().transform_object(object, &transform).map_err(raised)
     }
 
-    /// The axis-aligned box around all that can be hit but planes, in world coordinates: a list of its low and its high corner, tuples of three.
-    /// ``None`` where there is nothing.
+    /// Axis-aligned bounding box of all primitives but planes, in world coordinates: a list of the low and the high
+    /// corner, tuples of three. ``None`` for an empty scene.
     #[getter]
     fn bounds(&self) -> Option<[(f64, f64, f64); 2]> {
         self.inner.bounds().map(|(low, high)| [low.into(), high.into()])
     }
 
-    /// The world position that the positions of meshes, spheres, ellipsoids and planes are relative to: a tuple of three.
+    /// World position that positions of meshes, spheres, ellipsoids and planes are relative to: a tuple of three.
+    /// Assignable: primitives then move with the origin, and lights keep their world positions.
     #[getter]
     fn origin(&self) -> (f64, f64, f64) {
         self.inner.origin().into()
     }
 
-    /// Sets the origin: what was added moves along, and lights stay where they are in the world.
+    /// Sets the origin. Primitives move with it, and lights keep their world positions.
     #[setter]
     fn set_origin(&mut self, origin: Position) -> PyResult<()> {
         self.changed().set_origin(origin.0).map_err(raised)
     }
 
-    /// The number of triangles, those without area too.
+    /// Number of triangles, including those without area.
     #[getter]
     fn triangle_count(&self) -> usize {
         self.inner.triangles().len()
     }
 
-    /// The number of primitives: triangles, spheres, ellipsoids and planes.
+    /// Number of primitives: triangles, spheres, ellipsoids and planes.
     #[getter]
     fn primitive_count(&self) -> usize {
         self.inner.primitive_count()
     }
 
-    /// The number of objects: meshes, spheres, ellipsoids and planes.
+    /// Number of objects: meshes, spheres, ellipsoids and planes.
     #[getter]
     fn object_count(&self) -> usize {
         self.inner.object_count()
     }
 
-    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky. On a
-    /// device it takes about as much again.
+    /// Approximate memory of the scene in bytes: primitives, and pixels of textures and sky. On a device it takes about
+    /// the same again.
     #[getter]
     fn memory(&self) -> usize {
         self.inner.memory()
     }
 
-    /// The id of the object that a primitive belongs to; ``MISS`` for a number out of range.
+    /// Returns the id of the object that a primitive belongs to, or ``MISS`` for an id out of range.
     fn object_of(&self, primitive: u32) -> u32 {
         self.inner.object_of(primitive)
     }
 
-    /// The name of an object: its mesh's. Empty for spheres, ellipsoids, planes and for numbers out of range.
+    /// Returns the name of a mesh by its object id. It is empty for spheres, ellipsoids, planes and ids out of range.
     fn object_name(&self, object: u32) -> &str {
         self.inner.object_name(object)
     }
 
-    /// A SHA-256, as 64 hexadecimal digits, of all that pictures of the scene depend on. Equal scenes have equal ones, whatever files they
-    /// came from. Another version of the library may make others.
+    /// Returns a SHA-256, as 64 hexadecimal digits, of everything that pictures of the scene depend on. Equal scenes
+    /// have equal hashes, whatever files they come from. Versions of the library may differ.
     fn sha256(&self, py: Python<'_>) -> String {
         py.detach(|| {
             let mut hash = Sha256::new();
@@ -602,7 +615,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for OriginArgument {
     }
 }
 
-/// A square matrix, row by row.
+/// Reads a square matrix, by rows.
 fn matrix<const N: usize>(what: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f32; N]; N]> {
     let rows = values::rows::<N>(what, value)?;
     rows.try_into().map_err(|rows: Vec<_>| refused(format!("{what}: {} rows of {N}; there must be {N}", rows.len())))

@@ -1,9 +1,9 @@
-//! What a frame cost, as dicts.
+//! Costs of a frame as dicts.
 
 use pyo3::{prelude::*, types::PyDict};
 use stereotrace::{Choice, PassTimes, Statistics, Work};
 
-/// `StereoPair.statistics`.
+/// Returns the dict of `StereoPair.statistics`.
 pub(crate) fn dict<'py>(py: Python<'py>, statistics: &Statistics) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("method", statistics.method.to_string())?;
@@ -15,7 +15,7 @@ pub(crate) fn dict<'py>(py: Python<'py>, statistics: &Statistics) -> PyResult<Bo
     dict.set_item("bad", statistics.bad)?;
     dict.set_item("missed", statistics.missed)?;
     dict.set_item("retraced_share", statistics.retraced_share())?;
-    // Not a number where nothing was counted.
+    // The share is NaN if nothing was counted.
     dict.set_item("second_eye", Some(statistics.second_eye()).filter(|share| share.is_finite()))?;
     dict.set_item("lost_candidates", statistics.lost_candidates)?;
     dict.set_item("buffer_depth", statistics.buffer_depth)?;
@@ -24,7 +24,7 @@ pub(crate) fn dict<'py>(py: Python<'py>, statistics: &Statistics) -> PyResult<Bo
     Ok(dict)
 }
 
-/// What one view cost.
+/// Returns the costs of one view as a dict.
 pub(crate) fn work<'py>(py: Python<'py>, work: &Work) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("primary_rays", work.rays.primary)?;
@@ -37,7 +37,7 @@ pub(crate) fn work<'py>(py: Python<'py>, work: &Work) -> PyResult<Bound<'py, PyD
     Ok(dict)
 }
 
-/// Seconds of each pass, in order.
+/// Returns name and seconds of each pass, in order.
 fn seconds(times: &PassTimes) -> Vec<(&'static str, f64)> {
     times.passes.iter().map(|(name, time)| (*name, time.as_secs_f64())).collect()
 }

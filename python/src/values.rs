@@ -1,4 +1,4 @@
-//! Python's values as the library's.
+//! Conversions of Python values to the library's.
 
 use std::{fmt::Display, str::FromStr};
 
@@ -29,7 +29,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Point {
     }
 }
 
-/// The same in double precision: a position in world coordinates.
+/// Three numbers in double precision: a position in world coordinates.
 #[derive(Clone, Copy)]
 pub(crate) struct Position(pub(crate) DVec3);
 
@@ -44,7 +44,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Position {
     }
 }
 
-/// Three numbers, or one number that stands for all three.
+/// A colour: three numbers, or one number for all three channels.
 #[derive(Clone, Copy)]
 pub(crate) struct Color(pub(crate) Vec3);
 
@@ -77,7 +77,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Size {
     }
 }
 
-/// Two values of a tuple or a list.
+/// Extracts the two values of a tuple or a list.
 pub(crate) fn two<'py, A: FromPyObjectOwned<'py>, B: FromPyObjectOwned<'py>>(
     value: &Bound<'py, PyAny>,
 ) -> PyResult<(A, B)> {
@@ -85,18 +85,18 @@ pub(crate) fn two<'py, A: FromPyObjectOwned<'py>, B: FromPyObjectOwned<'py>>(
     Ok((first.extract().map_err(Into::into)?, second.extract().map_err(Into::into)?))
 }
 
-/// A value as messages show it.
+/// Returns a value as messages show it, at most 80 characters.
 pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "?".into(), |text| text.to_string());
     if text.chars().count() <= 80 { text } else { text.chars().take(79).chain(['…']).collect() }
 }
 
-/// A name that the library knows.
+/// Parses a name that the library knows.
 pub(crate) fn named<T: FromStr<Err = Error>>(name: &str) -> PyResult<T> {
     name.parse().map_err(raised)
 }
 
-/// All names of a list.
+/// Returns the names of all values.
 pub(crate) fn names<T: Display>(all: &[T]) -> Vec<String> {
     all.iter().map(T::to_string).collect()
 }
@@ -105,12 +105,12 @@ pub(crate) fn tuple(vector: Vec3) -> (f32, f32, f32) {
     vector.into()
 }
 
-/// The array that `NumPy` makes of something.
+/// Converts a value to an array by `numpy.asarray`.
 fn array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     Ok(value.py().import("numpy")?.call_method1("asarray", (value,))?.cast_into()?)
 }
 
-/// It as an array of another type, in C order and aligned.
+/// Converts an array to another type, in C order and aligned.
 fn of_type<'py>(array: &Bound<'py, PyUntypedArray>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     array.py().import("numpy")?.call_method1("require", (array, name, ["C", "ALIGNED"]))
 }
@@ -123,12 +123,12 @@ fn is_of_kind(array: &Bound<'_, PyUntypedArray>, kinds: &[u8]) -> bool {
     kinds.contains(&array.dtype().kind())
 }
 
-/// Rows of `N` floats, as `(rows, N)`.
+/// Reads rows of `N` floats from an array of shape `(rows, N)`.
 pub(crate) fn rows<const N: usize>(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f32; N]>> {
     rows_of(what, value, "float32")
 }
 
-/// The same of another type of floats, by `NumPy`'s name.
+/// Reads rows of `N` floats of type `T`, whose `NumPy` name is `name`.
 fn rows_of<T: Element + Copy, const N: usize>(
     what: &str,
     value: &Bound<'_, PyAny>,
@@ -147,17 +147,17 @@ fn rows_of<T: Element + Copy, const N: usize>(
     Ok(all.to_vec())
 }
 
-/// Positions in world coordinates, as `(n, 3)`.
+/// Reads positions in world coordinates, `(n, 3)`.
 pub(crate) fn world_points(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
     Ok(rows_of::<f64, 3>(what, value, "float64")?.into_iter().map(DVec3::from_array).collect())
 }
 
-/// Positions relative to a scene's origin, or directions, as `(n, 3)`.
+/// Reads positions relative to a scene's origin, or directions, `(n, 3)`.
 pub(crate) fn points(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     Ok(rows::<3>(what, value)?.into_iter().map(Vec3::from_array).collect())
 }
 
-/// Indices, as `(n, 3)` of any integer type.
+/// Reads indices of any integer type, `(n, 3)`.
 pub(crate) fn faces(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let array = array(value)?;
     if array.shape().iter().product::<usize>() == 0 {
@@ -179,7 +179,7 @@ pub(crate) fn faces(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     Ok(all.iter().map(|corners| corners.map(|index| index as u32)).collect())
 }
 
-/// One index a face, or a single one.
+/// Reads one index for each face, or a single index.
 pub(crate) fn indices(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
     if let Ok(one) = value.extract::<u32>() {
         return Ok(vec![one]);
@@ -189,7 +189,7 @@ pub(crate) fn indices(what: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>
         .map_err(|_| refused(format!("{what}: {} must be one id, or a list of them", shown(value))))
 }
 
-/// What each corner of each triangle has: given so, as `(faces, 3, N)`, or of each vertex, as `(vertices, N)`.
+/// Reads values for each corner of each triangle, from `(faces, 3, N)` or for each vertex from `(vertices, N)`.
 pub(crate) fn corners<const N: usize>(
     what: &str,
     value: &Bound<'_, PyAny>,
@@ -205,7 +205,7 @@ pub(crate) fn corners<const N: usize>(
                 "{what}: {found} for {vertices} vertices; give one a vertex, or three a face"
             )));
         }
-        // A corner that is out of range is refused with the mesh.
+        // `Scene::add_mesh` refuses a corner that is out of range.
         let at = |corner: u32| of_vertices.get(corner as usize).copied().unwrap_or([0.0; N]);
         return Ok(faces.iter().map(|corners| corners.map(at)).collect());
     }
@@ -219,7 +219,7 @@ pub(crate) fn corners<const N: usize>(
     Ok(all.to_vec())
 }
 
-/// Colours of corners in linear light: floats are that, bytes are taken as sRGB. Alpha says nothing.
+/// Reads colours of corners in linear light. Floats are linear, bytes are sRGB. Alpha is ignored.
 pub(crate) fn corner_colors(value: &Bound<'_, PyAny>, vertices: usize, faces: &[[u32; 3]]) -> PyResult<Vec<[Vec3; 3]>> {
     let array = array(value)?;
     let is_srgb = array.dtype().kind() == b'u' && array.dtype().itemsize() == 1;
@@ -242,13 +242,13 @@ pub(crate) fn corner_colors(value: &Bound<'_, PyAny>, vertices: usize, faces: &[
     Ok(colors.into_iter().map(|corners| corners.map(|color| Vec3::from_array(color.map(linear)))).collect())
 }
 
-/// Texture coordinates.
+/// Reads texture coordinates of corners.
 pub(crate) fn corner_uv(value: &Bound<'_, PyAny>, vertices: usize, faces: &[[u32; 3]]) -> PyResult<Vec<[Vec2; 3]>> {
     let uv = corners::<2>("uv", value, vertices, faces)?;
     Ok(uv.into_iter().map(|corners| corners.map(Vec2::from_array)).collect())
 }
 
-/// Normals.
+/// Reads normals of corners.
 pub(crate) fn corner_normals(
     value: &Bound<'_, PyAny>,
     vertices: usize,
@@ -258,7 +258,7 @@ pub(crate) fn corner_normals(
     Ok(normals.into_iter().map(|corners| corners.map(Vec3::from_array)).collect())
 }
 
-/// A picture of bytes, `(height, width, 3)` or with alpha `(height, width, 4)`: width, height and pixels.
+/// Reads a picture of bytes, `(height, width, 3)` or with alpha `(height, width, 4)`. Returns width, height, pixels.
 pub(crate) fn pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32, Vec<[u8; 4]>)> {
     let array = array(value)?;
     let is_bytes = array.dtype().kind() == b'u' && array.dtype().itemsize() == 1;
@@ -280,7 +280,7 @@ pub(crate) fn pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32
     Ok((side(width)?, side(height)?, pixels))
 }
 
-/// Linear colours, `(height, width, 3)`: width, height and pixels.
+/// Reads linear colours, `(height, width, 3)`. Returns width, height and pixels.
 pub(crate) fn linear_pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32, Vec<Vec3>)> {
     let array = array(value)?;
     let [height, width, 3] = *array.shape() else {

@@ -1,4 +1,4 @@
-"""Ray-traced stereo pairs for little more than one eye's price, with exact ground truth, as NumPy arrays.
+"""Ray-traced stereo pairs with exact ground truth, as NumPy arrays. One eye's samples are reused for the other.
 
     import stereotrace
 
@@ -6,9 +6,9 @@
     pair = stereotrace.render(scene, scene.camera(size=(640, 480)), outputs=["color", "disparity", "occlusion"])
     pair.left.color, pair.left.disparity, pair.left.occlusion
 
-All arrays are row-major, top row first. World space is right-handed with y up; lengths are in world units. Disparities are
-``x_left - x_right`` in pixels. What is wrong with input is a ``ValueError`` (an ``OSError`` for files), what is wrong with the graphics adapter
-an ``AdapterError``. Messages of the library go to the logger ``stereotrace``.
+All arrays are row-major, top row first. World space is right-handed with y up; lengths are in world units. Disparities
+are ``x_left - x_right`` in pixels. Wrong input raises ``ValueError``, or ``OSError`` for files. Faults of the graphics
+adapter raise ``AdapterError``. The library logs to the logger ``stereotrace``.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-# Without a user's session Mesa's device chooser prints an error line, which means nothing here. It reads this when a
-# device is opened.
+# Suppresses an error line of Mesa's device chooser outside a user's session, which means nothing here. Mesa reads the
+# variable when a device is opened.
 if sys.platform == "linux" and not os.path.isdir(os.environ.get("XDG_RUNTIME_DIR", "")):
     os.environ.setdefault("NODEVICE_SELECT", "1")
 
@@ -83,13 +83,15 @@ _renderer: Renderer | None = None
 
 
 def render(scene: Scene, camera: Camera, **options: Unpack[RenderOptions]) -> StereoPair:
-    """Renders a stereo pair, as ``Renderer.render`` does, by a renderer that is made at the first call and kept: on the adapter that the
-    environment variable ``STEREOTRACE_ADAPTER`` names, or else on the fastest one."""
+    """Renders a stereo pair as ``Renderer.render`` does, with a renderer that all calls share.
+
+    The first call opens it, on the adapter that the environment variable ``STEREOTRACE_ADAPTER`` names, or else on the
+    fastest. Raises as ``Renderer`` and ``Renderer.render`` do."""
     global _renderer
     if _renderer is None:
         _renderer = Renderer()
     try:
         return _renderer.render(scene, camera, **options)
     except DeviceLostError:
-        _renderer = None  # the next call opens another one
+        _renderer = None  # the next call opens a new one
         raise

@@ -1,4 +1,4 @@
-"""What is not needed by all, and is installed by an extra."""
+"""Imports of optional dependencies, which extras of the package install."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def needs(module: str, extra: str) -> Any:
-    """A module of another package. Raises ``ImportError`` that says how it is installed."""
+    """Imports a module of another package. Raises ``ImportError`` that says how to install it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Types of the part of ``stereotrace`` that is written in Rust. Its docstrings, by ``help``, say what things are."""
+"""Types of the part of ``stereotrace`` that is written in Rust. ``help`` shows the full docstrings."""
 
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -52,55 +52,56 @@ class AdapterError(RuntimeError):
     """No graphics adapter fits, or its driver refused something."""
 
 class LimitError(AdapterError):
-    """A picture or scene is larger than the adapter allows or has memory for."""
+    """A picture or scene exceeds the adapter's limits or memory."""
 
 class DeviceLostError(AdapterError):
-    """The device went away."""
+    """The device was lost."""
 
 @type_check_only
 class RenderOptions(TypedDict, total=False):
-    """What to render with: the keywords of ``Renderer.render``."""
+    """Options of rendering: the keywords of ``Renderer.render``."""
 
-    # How the right view is made: one of METHODS, or buffer-N for N slots; "auto".
+    # Method that makes the right view: one of METHODS, or buffer-N for N slots. Default "auto".
     method: str
-    # The arrays that come back: names of OUTPUTS, or one name; ["color", "depth", "disparity"].
+    # Arrays to return: names of OUTPUTS, or one name. Default ["color", "depth", "disparity"].
     outputs: str | Sequence[str]
-    # Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 1.
+    # Samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1.
     samples: int
-    # How samples are weighed; "box".
+    # Weights of samples. Default "box".
     filter: Literal["box", "tent", "gauss"]
-    # Whether samples stand aside of the middles of their cells; True.
+    # Whether to jitter the sample grid. Default True.
     jitter: bool
-    # More samples only where a pixel's differ: levels, 2 to 5, and the tolerance in values of an 8-bit channel, 0 to 255; None.
+    # Adaptive antialiasing: levels, 2 to 5, and a tolerance in 8-bit values, 0 to 255. Default None.
     adaptive: Sequence[float] | None
-    # Surfaces, one behind the other, that a ray may come from, 0 to 8; 5.
+    # Maximum number of reflections and refractions along a ray, 0 to 8. Default 5.
     bounces: int
-    # Rays to each light that is not a point, 1 to 32; 16.
+    # Rays to each light that is not a point, 1 to 32. Default 16.
     shadow_rays: int
-    # Whether what stands near keeps ambient light off: rays, 1 to 32, and a radius in world units, above 0; None.
+    # Ambient occlusion: rays, 1 to 32, and radius for occluders in world units, above 0. Default None.
     ambient_occlusion: Sequence[float] | None
-    # By how many rays, 1 to 32, the sky lights surfaces, in place of ambient light; None, by none.
+    # Number of rays, 1 to 32, by which the sky lights surfaces, in place of ambient light. Default None.
     sky_rays: int | None
-    # What a view takes over of these rays' answers: of places that are fully lit or not at all, or penumbrae too; "shared".
+    # Results of soft shadow rays that a view reuses: of fully lit or shadowed points, or of penumbrae too. Default
+    # "shared".
     penumbra: Literal["exact", "shared"]
-    # Of all random numbers, 0 to 2**32 - 1; 0.
+    # Seed of all random numbers, 0 to 2**32 - 1. Default 0.
     seed: int
-    # By how many stops pictures are brighter than the light that scenes give, -64 to 64; 0.
+    # Exposure in stops, -64 to 64. Default 0.
     exposure: float
-    # What becomes of what is too bright for a picture; "clamp".
+    # Tone mapping. Default "clamp".
     tone: Literal["clamp", "filmic"]
-    # Whether each view has random numbers of its own; False.
+    # Whether each view has its own random numbers. Default False.
     noise_by_view: bool
-    # How the first hits of traced views are found; "rays".
+    # How traced views find their closest hits. Default "rays".
     visibility: Literal["rays", "t-buffer"]
-    # Whether points ask shadow-buffers which point lights they see: rows of a table, 1 or more, and a rule; None.
+    # Shadow buffers in place of shadow rays to point lights: rows of a table, 1 or more, and a rule. Default None.
     shadow_buffer: tuple[int, Literal["object", "depth", "hybrid"]] | None
-    # Whether BVH nodes and primitive tests are counted, which is slower; False.
+    # Whether to count BVH nodes and primitive tests, which is slower. Default False.
     count: bool
 
 @type_check_only
 class Intrinsics(TypedDict):
-    """Focal lengths and principal points in pixels, pixel centres at halves."""
+    """Focal lengths and principal points in pixels, with pixel centres at halves."""
 
     # Focal length along x.
     fx: float
@@ -115,13 +116,13 @@ class Intrinsics(TypedDict):
 
 @type_check_only
 class IntrinsicsFields(TypedDict):
-    """The same as a camera takes them."""
+    """Intrinsics as a camera takes them."""
 
     fx: Required[float]
-    # fx where it is left out.
+    # Default fx.
     fy: NotRequired[float]
     cx0: Required[float]
-    # cx0 where it is left out.
+    # Default cx0.
     cx1: NotRequired[float]
     cy: Required[float]
 
@@ -129,62 +130,63 @@ class IntrinsicsFields(TypedDict):
 class CameraFields(TypedDict, total=False):
     """The keywords of ``Camera``."""
 
-    # The direction that is up in the picture, of any length; (0, 1, 0).
+    # Up direction of the picture, of any length. Default (0, 1, 0).
     up: Point
-    # Width and height in pixels, 1 to 131072 each; (640, 480).
+    # Width and height in pixels, 1 to 131072 each. Default (640, 480).
     size: Sequence[int]
-    # Vertical field of view in degrees, between 0 and 180; 45.
+    # Vertical field of view in degrees, between 0 and 180. Default 45.
     fov: float
     # Width of the screen rectangle in world units, in place of the field of view.
     screen_width: float
-    # What a calibration says, in pixels, in place of the field of view.
+    # Calibration in pixels, in place of the field of view.
     intrinsics: Intrinsics | IntrinsicsFields
-    # From the eyes to the screen in world units, infinite for parallel cameras; the target's distance.
+    # Distance from the eyes to the screen (convergence distance) in world units, infinite for parallel cameras. Default
+    # the target's distance.
     screen_distance: float
-    # Between the eyes in world units; a thirtieth of the target's distance.
+    # Distance between the eyes (baseline) in world units. Default a thirtieth of the target's distance.
     interaxial: float
-    # The same in pixels of the picture; not for parallel cameras.
+    # Distance between the eyes in pixels of the picture; not for parallel cameras.
     interaxial_px: float
-    # Whether the eyes are turned towards each other; False.
+    # Whether the eyes turn towards each other. Default False.
     toe_in: bool
 
 @type_check_only
 class CameraReplaceFields(CameraFields, total=False):
     """The keywords of ``Camera.replace``."""
 
-    # The midpoint between the eyes, a world position.
+    # World position of the midpoint between the eyes.
     eye: Point
-    # What is looked at, a world position.
+    # World position that the camera looks at.
     target: Point
 
 @type_check_only
 class MaterialFields(TypedDict, total=False):
     """The keywords of ``Material`` beside ``albedo``."""
 
-    # For messages; empty.
+    # Name in messages. Default empty.
     name: str
-    # Id of the texture that the albedo is multiplied by; None.
+    # Id of the texture that multiplies the albedo. Default None.
     texture: int | None
-    # Id of the texture where whose alpha is below a half there is no surface; None.
+    # Id of the texture that cuts the surface out where its alpha is below a half. Default None.
     cutout: int | None
-    # The share of what is behind the surface that it hides, 0 to 1; 1.
+    # Share of the background that the surface hides, 0 to 1. Default 1.
     opacity: float
-    # Colour of highlights, or the share that mirrors and glass reflect, linear RGB, 0 to 1; black, or what reflects by
-    # ``finish``.
+    # Colour of highlights, or reflectance of mirrors and glass, linear RGB, 0 to 1. Default black for matte surfaces;
+    # see ``Material`` for others.
     specular: Color
-    # Phong's exponent, 0 to 10000; 30.
+    # Phong's exponent, 0 to 10000. Default 30.
     exponent: float
-    # Whether highlights conserve energy; False.
+    # Whether highlights conserve energy. Default False.
     normalised: bool
-    # Radiance that the surface gives off, linear RGB, 0 or more; black.
+    # Emitted radiance, linear RGB, 0 or more. Default black.
     emission: Color
-    # What it does with light beside scattering it; "matte".
+    # Reflection or refraction of the surface. Default "matte".
     finish: Literal["matte", "mirror", "glass"]
-    # Of glass: index of refraction over that of what surrounds it, 0.1 to 10; 1.5.
+    # Glass: refractive index relative to the surrounding medium, 0.1 to 10. Default 1.5.
     index: float
-    # Of glass: the share of the light that comes through, linear RGB, 0 to 1; white.
+    # Glass: share of light that is transmitted, linear RGB, 0 to 1. Default white.
     transmission: Color
-    # Of mirrors and glass: whether the angle of view says how much is reflected; False for mirrors, True for glass.
+    # Mirrors and glass: whether the reflectance depends on the angle. Default False for mirrors, True for glass.
     fresnel: bool
 
 @type_check_only
@@ -196,15 +198,15 @@ class MaterialReplaceFields(MaterialFields, total=False):
 
 @type_check_only
 class Work(TypedDict):
-    """What one view cost."""
+    """Cost of one view."""
 
     # Closest-hit rays through pixels.
     primary_rays: int
-    # Length-limited rays that check pixels that were taken over.
+    # Rays of limited length that check reused pixels.
     verification_rays: int
     # Rays towards lights.
     shadow_rays: int
-    # Rays that mirrors, glass and veils send on.
+    # Rays from mirrors, glass and translucent surfaces.
     secondary_rays: int
     # BVH nodes visited; 0 unless counted.
     nodes: int
@@ -215,50 +217,50 @@ class Work(TypedDict):
 
 @type_check_only
 class Choice(TypedDict):
-    """What the method ``auto`` chose, and why."""
+    """Choice of the method ``auto``, and its reasons."""
 
-    # The method that made most of the right view.
+    # Method that made most of the right view.
     method: str
-    # The share of it that was made by bracket, 0 to 1.
+    # Share of the right view made by bracket, 0 to 1.
     by_bracket: float
-    # The share of right pixels that no left sample saw, 0 to 1.
+    # Share of right pixels that no left sample saw, 0 to 1.
     gaps: float
     # Shadow rays a pixel of the left view.
     shadow_rays: float
-    # Rays a pixel of the left view that mirrors, glass and veils sent on.
+    # Rays a pixel of the left view from mirrors, glass and translucent surfaces.
     secondary_rays: float
-    # What the right view was predicted to cost by bracket, in primary rays a pixel.
+    # Predicted cost of the right view by bracket, in primary rays a pixel.
     bracket: float
-    # The same by naive.
+    # Predicted cost of the right view by naive, in primary rays a pixel.
     naive: float
 
 @type_check_only
 class Statistics(TypedDict):
-    """What a pair cost."""
+    """Cost of a pair."""
 
-    # The method that made it.
+    # Method that made the pair.
     method: str
-    # Why auto chose it; None by other methods.
+    # Reasons of auto; None for other methods.
     choice: Choice | None
     # Whether the frame was rendered again in steps.
     in_steps: bool
     left: Work
     right: Work
-    # Right pixels that were taken over from the left view.
+    # Number of right pixels that were reused from the left view.
     reused: int
-    # Right pixels whose left sample was rejected; traced.
+    # Number of right pixels whose left sample was rejected; they were traced.
     bad: int
-    # Right pixels without a left sample; traced.
+    # Number of right pixels without a left sample; they were traced.
     missed: int
-    # Share of the right pixels that were traced, 0 to 1.
+    # Share of right pixels that were traced, 0 to 1.
     retraced_share: float
-    # The right view's cost relative to the left view's; None unless counted.
+    # Cost of the right view relative to the left view; None unless counted.
     second_eye: float | None
-    # Of buffer methods: candidates that were lost.
+    # Buffer methods: number of lost candidates.
     lost_candidates: int
-    # Of buffer methods: slots a right pixel.
+    # Buffer methods: number of slots a right pixel.
     buffer_depth: int
-    # Name and seconds of each pass in order; None where the adapter has no timestamps.
+    # Name and seconds of each pass in order; None if the adapter has no timestamps.
     times: list[tuple[str, float]] | None
     # Device memory of the buffers between the passes, in bytes.
     intermediate_bytes: int
@@ -417,7 +419,7 @@ class Light:
 
 @final
 class Material:
-    """A surface: what it scatters, shines, reflects, lets through and gives off."""
+    """A surface: diffuse reflectance, highlights, reflection, transmission and emission."""
 
     __hash__: ClassVar[None]  # type: ignore[assignment]
     def __new__(cls, albedo: Color | None = None, **fields: Unpack[MaterialFields]) -> Self: ...
@@ -452,7 +454,7 @@ class Material:
 
 @final
 class View:
-    """What one eye sees: its arrays are there where ``outputs`` names them."""
+    """The view of one eye, with the arrays that ``outputs`` named."""
 
     @property
     def color(self) -> npt.NDArray[np.uint8]: ...
@@ -490,7 +492,7 @@ class View:
 
 @final
 class StereoPair:
-    """A stereo pair: two views and what they cost."""
+    """A stereo pair: two views and their cost."""
 
     @property
     def left(self) -> View: ...
@@ -509,7 +511,7 @@ class StereoPair:
 
 @final
 class Views:
-    """The views of several eyes on one line."""
+    """Views of several eyes on one line."""
 
     @property
     def views(self) -> list[View]: ...
@@ -530,7 +532,7 @@ class Views:
 
 @final
 class Renderer:
-    """A graphics device that renders, and the scenes that stand on it."""
+    """A graphics device that renders, and the scenes uploaded to it."""
 
     def __new__(cls, adapter: str | None = None, *, kept_scenes: int = ...) -> Self: ...  # kept_scenes: 4
     @property

@@ -1,4 +1,4 @@
-"""Scenes of trimesh."""
+"""Scenes from trimesh."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from ._stereotrace import Scene
 
 
 def from_trimesh(mesh: Any, *, crease_angle: float | None = None) -> Scene:
-    """A scene of a ``trimesh.Trimesh`` or ``trimesh.Scene``, with its colours, textures and materials: trimesh writes it as glTF, which
-    ``Scene.open`` reads. So a geometry that a scene shows at several places becomes as many objects.
+    """Makes a scene from a ``trimesh.Trimesh`` or ``trimesh.Scene``, with its colours, textures and materials.
 
-    ``crease_angle`` in degrees gives meshes without normals smooth ones: see ``Scene.open``. The scene has no lights but those of
-    ``trimesh.Scene``'s file: see ``Scene.place_lights``. Raises ``ValueError`` for what has no triangles, such as point clouds and paths.
+    Trimesh writes the mesh as glTF, which ``Scene.open`` reads. So each instance of a geometry becomes an object.
+    ``crease_angle`` in degrees gives smooth normals to meshes without any: see ``Scene.open``. The scene has only the
+    lights that the glTF file has: see ``Scene.place_lights``. Raises ``ValueError`` if there are no triangles, as in
+    point clouds and paths.
     """
     trimesh = needs("trimesh", "trimesh")
     scene: Any = mesh if isinstance(mesh, trimesh.Scene) else trimesh.Scene(mesh)

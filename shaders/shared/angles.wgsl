@@ -1,19 +1,20 @@
-// Sines and arctangents of a lane's numbers by polynomials: those of WGSL may be off by 1/2048 on some adapters, much more than a texel of a large table.
-// Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and 4.4.49: off by less than f32 rounds.
+// Sines and arctangents by polynomials. WGSL's own may be off by 1/2048 on some adapters, much more than a texel of a
+// large table. From Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and 4.4.49; their error
+// is below f32 rounding.
 
 const QUARTER_TURN: f32 = 1.57079637;
-// What is missing to it.
+// Remainder of a quarter turn beyond f32.
 const QUARTER_TURN_LOW: f32 = -4.37113883e-8;
 
-// Radians, of a few turns at most.
+// Take radians, within a few turns of 0.
 fn sine(x: F) -> F { return turned_sine(x, U(0u)); }
 fn cosine(x: F) -> F { return turned_sine(x, U(1u)); }
 
-// The sine so many quarter turns further on.
+// Returns the sine, shifted by `further` quarter turns.
 fn turned_sine(x: F, further: U) -> F {
     let turns = floor(x / QUARTER_TURN + 0.5);
     let y = (x - turns * QUARTER_TURN) - turns * QUARTER_TURN_LOW;
-    // Eight quarters more, so that none is below 0.
+    // Eight quarters are added so that the number stays positive.
     let quarter = (U(turns + 8.0) + further) & U(3u);
     let z = y * y;
     let odd = y * (1.0 + z * (-0.1666666664 + z * (0.0083333315 + z * (-0.000198409 + z * 0.0000027526))));
@@ -22,7 +23,7 @@ fn turned_sine(x: F, further: U) -> F {
     return select(value, -value, quarter >= U(2u));
 }
 
-// The angle of (x, y), from -pi to pi; 0 where both are 0.
+// Returns the angle of (x, y), from -pi to pi; 0 if both are 0.
 fn arctangent(y: F, x: F) -> F {
     let across = abs(x);
     let up = abs(y);

@@ -1,19 +1,21 @@
-// Shadow bits that right pixels take over from the left view (docs/BRACKET.md). Any bit is an inference: what falls between the
-// samples throws no shadow here.
+// Visibility bits that right pixels reuse from the left view (docs/BRACKET.md). Every bit is inferred: an occluder's
+// shadow that falls between the samples is lost.
 
-// Of the first 16 lights: it is known whether they are seen, and they are.
+// What the samples beside a point tell of its lights. `known` and `lit` have one bit for each of the first 16 lights.
 struct Taken {
     known: U,
     lit: U,
-    occluders_a: U,   // places among the primitives of what hides some light from the samples on both sides of the point, or MISS
+    // Slots of primitives that hide some light from the samples on both sides of the point, or MISS.
+    occluders_a: U,
     occluders_b: U,
-    shares_before: U,   // of the samples on both sides, as found_shares of visibility.wgsl: UNASKED where one does not vouch
+    // Shares of the samples on both sides, packed like found_shares of visibility.wgsl; UNASKED if one does not vouch.
+    shares_before: U,
     shares_after: U,
-    way: F,             // from the first one to the next, 0 to 1
-    busy: U,            // bits of shares that are not taken over, from bit 16 on
+    way: F,             // from the first sample to the next, 0 to 1
+    busy: U,            // from bit 16 on: shares that are not reused
 }
 
-// Shares of so many sources stand in a word, from 0 for none of the rays to ALL_OPEN for all.
+// A word holds the shares of this many sources: 0 if no ray arrives, ALL_OPEN if all do.
 const SHARES: u32 = 6u;
 const SHARE_BITS: u32 = 5u;
 const ALL_OPEN: u32 = 30u;
@@ -26,9 +28,9 @@ fn light_mask(light: u32) -> u32 {
 fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
 fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
 
-// One of the sources that a target asks.
+// A source view that a target queries.
 struct Asked {
-    parallax_px: f32,     // as frame.parallax_px
+    parallax_px: f32,     // like frame.parallax_px
     same_parallax: f32,
     second: bool,
 }
@@ -41,7 +43,8 @@ fn parallax_from(source: Asked, z: f32) -> f32 {
     return source.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
 }
 
-// Bits of hit points at right pixels, and which of them count, as in SourceSample.bits. Those of lights that are busy there do not.
+// Returns the known visibility bits of hit points at right pixels, packed as in SourceSample.bits. Busy lights are
+// unknown.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> Taken {
     var result = Taken(U(0u), U(0u), U(MISS), U(MISS), U(MISS), U(MISS), F(0.0), busy);
     var ray = 0u;
@@ -68,12 +71,12 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> 
     return result;
 }
 
-// Where a point lies among a source's samples: between the centres of one and of the next in its row.
+// A point's place among a source's samples: between the centres of one sample and the next in its row.
 struct Between {
     source: Asked,
     usable: bool,         // both are in the picture
     first: vec2u,
-    way: f32,             // from the first one to the next, 0 to 1
+    way: f32,             // from the first sample to the next, 0 to 1
     point_parallax: f32,
 }
 
@@ -102,8 +105,8 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! if sources is two
-// What the nearest source does not know is asked of the one on the target's other side: it sees behind what hides a place from the
-// first.
+// Queries the second source, on the target's other side, for bits that the nearest source leaves open. It sees surfaces
+// that are hidden from the first.
 fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
     let second = Asked(frame.second_parallax_px, frame.second_same_parallax, true);
     let at = place_between(second, pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
@@ -118,30 +121,30 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 }
 
 //! end
-// Whether a left sample vouches for a point of that parallax and component.
+// Returns whether a left sample vouches for a point of this component and parallax.
 fn vouches(at: Between, sample: SourceSample, component: u32) -> bool {
     let apart = abs(parallax_from(at.source, sample.depth) - at.point_parallax);
     return sample.component == component && apart <= at.source.same_parallax;
 }
 
-// Its bits, as far as it does.
+// Returns the sample's bits, or none if it does not vouch.
 fn vouched_bits(at: Between, sample: SourceSample, component: u32) -> u32 {
     return select(0u, sample.bits, vouches(at, sample, component));
 }
 
-// The shares of the first sample beside a point, or of the next one. (All of MISS are UNASKED.)
+// Returns the shares of the first sample beside a point, or of the next one. MISS has UNASKED in every share.
 fn vouched_shares(at: Between, next: u32, component: u32) -> u32 {
     let sample = source_sample(at.first + vec2u(next, 0u));
     return select(MISS, sample.other, vouches(at, sample, component));
 }
 
-// Bits that two samples agree in.
+// Returns the bits in which two samples agree.
 fn agreeing(a: u32, b: u32) -> u32 {
     let known = ((a & b) >> 16u) & ~(a ^ b) & 0xffffu;
     return (known << 16u) | (a & known);
 }
 
-// Of each of a lane's pixels.
+// Returns the busy lights of each pixel of a lane.
 fn busy_at(pixels: Pixels) -> U {
     var busy = U(0u);
     var ray = 0u;
@@ -154,7 +157,7 @@ fn busy_at(pixels: Pixels) -> U {
 }
 
 //! if bits is none
-// `rays`: nothing is taken over.
+// `rays`: no bit is reused.
 fn busy_near(pixel: vec2u) -> u32 { return 0u; }
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
@@ -162,16 +165,16 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 }
 
 //! if bits is two or block
-// The lights that are busy in a pixel's tile (mark_busy.wgsl).
+// Returns the lights that are busy in a pixel's tile (mark_busy.wgsl).
 fn busy_near(pixel: vec2u) -> u32 {
     return lists.entries[found_in_tile(pixel) + BUSY_WORD];
 }
 
 //! if bits is two
-// `two`: the left samples on both sides of the point. In a groove between them, deeper than the line from one to the other, a light that both
-// see may be hidden.
+// `two`: the left samples on both sides of the point must agree. In a groove, deeper than the line between the two
+// samples, a light that both see may be hidden.
 
-// Depth of a groove, of what one surface's parallaxes may differ by: 1/128 pixel where that is 0.75.
+// Depth of a groove, as a share of the tolerated parallax: 1/128 pixel if that is 0.75.
 const GROOVE: f32 = 1.0 / 96.0;
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
@@ -185,8 +188,8 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 }
 
 //! if bits is block
-// `block`: the left samples on both sides of the point, in its row and in those above and below. One of another primitive whose
-// normal has turned away vouches for nothing.
+// `block`: the left samples on both sides of the point must agree, in its row and in those above and below. A sample of
+// another primitive does not vouch if its normal differs too much.
 
 // Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
@@ -209,9 +212,9 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 fn smooth_bits(at: Between, sample: SourceSample, component: u32, normal: vec3f, slot: u32) -> u32 {
     let bits = vouched_bits(at, sample, component);
     let other = primitive_at(select(sample.other, slot, bits == 0u));
-    // The side does not matter: beside each other and both seen, they are seen from the same.
+    // The sign does not matter: neighbours that are both seen are seen from the same side.
     let its_normal = normalize(largest_one(cross(largest_one(other.b - other.a), largest_one(other.c - other.a))));
-    // A component that is a sphere's has no other primitive.
+    // A sphere's component has no other primitive.
     let same = sample.other == slot || (component & IS_SPHERE) != 0u || abs(dot(its_normal, normal)) >= SAME_NORMAL;
     return select(0u, bits, same);
 }

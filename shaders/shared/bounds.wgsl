@@ -1,4 +1,4 @@
-// Bounds of a primitive's projection, and the blocks of a tile that may lie within its edges.
+// Bounds of a primitive's projection, and the blocks of a tile that its edges let it reach.
 
 //! if primitives is triangles
 fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
@@ -14,7 +14,7 @@ fn projected_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return sphere_bounds(primitive, projection);
 }
 
-// A sphere has no edges: its bounds are all there is.
+// A sphere has no edges, so its bounds suffice.
 fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
     return ALL_BLOCKS;
 }
@@ -30,7 +30,8 @@ fn blocks_within_edges(primitive: Primitive, tile: Tile) -> u32 {
 }
 
 //! end
-// Least and largest column and row of a triangle's projection; everywhere if it reaches the plane of the eyes.
+// Returns the least and largest column and row of a triangle's projection; EVERYWHERE if it reaches the plane of the
+// eyes.
 fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -48,8 +49,9 @@ fn components(v: vec3f) -> f32 {
 }
 
 //! if canvas is picture
-// The blocks of a tile, a bit each, of which some ray may lie on the inner sides of the planes through the eye and a triangle's edges,
-// which are those of intersect_triangle; which sides these are, the triangle's winding says.
+// Returns the blocks of a tile, one bit each, in which some ray may lie inside all planes through the eye and a
+// triangle's edges. The planes are those of intersect_triangle. The inner side depends on the winding, so both are
+// tried.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -57,13 +59,14 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let normal_a = edge_normal(b, c);
     let normal_b = edge_normal(c, a);
     let normal_c = edge_normal(a, b);
-    // A plane's value is linear in column and row: from the middle of the first block on so much a pixel.
+    // A plane's value is linear in column and row. It starts at the middle of the first block.
     let middle = vec2f(tile.corner) + 1.0;
     let first = frame.target_corner + frame.step_x * middle.x + frame.step_y * middle.y;
     let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
     let across = vec3f(dot(normal_a, frame.step_x), dot(normal_b, frame.step_x), dot(normal_c, frame.step_x));
     let down = vec3f(dot(normal_a, frame.step_y), dot(normal_b, frame.step_y), dot(normal_c, frame.step_y));
-    // How much it changes from a block's middle to its farthest pixel centre; and whatever intersect_triangle may call doubtful may be hit.
+    // How much it changes from a block's middle to its farthest pixel centre. Rays that intersect_triangle may find
+    // uncertain count as possible hits.
     let doubtful = frame.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
     let rounding = vec3f(components(normal_a), components(normal_b), components(normal_c)) * (1.0 / 1048576.0) + doubtful;
     let reach = (0.5 + frame.wider) * (abs(across) + abs(down)) + rounding;
@@ -73,7 +76,7 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
         | (blocks_of_row(values + 6.0 * down, across, reach) << 12u);
 }
 
-// The same of a row of blocks, all four at once.
+// Tests the four blocks of a row at once.
 fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
     let columns = vec4f(0.0, 2.0, 4.0, 6.0);
     let a = values.x + across.x * columns;
@@ -86,13 +89,13 @@ fn blocks_of_row(values: vec3f, across: vec3f, reach: vec3f) -> u32 {
 }
 
 //! end
-// Slopes of the planes that touch a ball are quotients by how far it is before the plane of the eyes; nearer than this share of its distance and size
-// they round by too much.
+// Slopes of tangent planes are divided by the ball's distance to the plane of the eyes. Below this share of its
+// distance and size, rounding is too large.
 const NEAR_PLANE: f32 = 1.0 / 8.0;
 
 //! if texels is corners or spheres
-// Least and largest column and row of a sphere's projection; everywhere if it comes close to the plane of the eyes. The bounds are those of
-// the tangents in the planes of columns and of rows.
+// Returns the least and largest column and row of a sphere's projection; EVERYWHERE if it comes close to the plane of
+// the eyes. The bounds are tangents in the planes of columns and of rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
     let radius = primitive.b.x;
@@ -108,7 +111,7 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, z - radius > (length(center) + radius) * NEAR_PLANE);
 }
 
-// Least and largest slope of the lines through the eye that touch a circle around (across, z).
+// Returns the least and largest slope of the lines through the eye that touch a circle around (across, z).
 fn tangents(across: f32, z: f32, radius: f32) -> vec2f {
     let rest = (z - radius) * (z + radius);
     let root = radius * sqrt(max(across * across + rest, 0.0));

@@ -1,13 +1,14 @@
-// Boxes of a pair of nodes, as they are stored.
+// How the boxes of a pair of nodes are stored.
 
 //! if boxes is grid
-// Boxes of 16-bit corners on a grid over the whole scene, rounded outwards: a child is one texel, half of what f32 takes.
+// 16-bit corners on a grid over the whole scene, rounded outwards. A child takes one texel, half as much as with f32
+// corners.
 
 const CHILD_TEXELS: u32 = 1u;
-// Share of the scene's size and distance that boxes are widened by.
+// Boxes are widened by this share of the scene's size and distance.
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
 
-// One of a pair's children: its box from a ray's origin, widened, and its link.
+// Returns one child of a pair: its link, and its widened box relative to the ray's origin.
 fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
     let texel = node_texel(place, child);
     let low = vec3f(f32(texel.x & 0xffffu), f32(texel.x >> 16u), f32(texel.y & 0xffffu));
@@ -16,7 +17,7 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is f32
-// Boxes of f32 corners, from the grid's origin: a child is two texels.
+// f32 corners relative to the grid's origin. A child takes two texels.
 
 const CHILD_TEXELS: u32 = 2u;
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
@@ -28,8 +29,9 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 }
 
 //! if boxes is world
-// Boxes of f32 corners in world coordinates, for scenes far larger than their detail: each is widened by a share of its own distance
-// from the ray's origin, where the others are widened all alike. (That is cheaper, and does no harm where boxes are not so small.)
+// f32 corners in scene coordinates, for scenes far larger than their detail. Each box is widened by a share of its own
+// distance from the ray's origin. The other layouts widen all boxes alike, which is cheaper and harmless for larger
+// boxes.
 
 const CHILD_TEXELS: u32 = 2u;
 const SCENE_SLACK: f32 = 0.0;

@@ -1,17 +1,17 @@
-// Traversal: every ray goes through closest_hit or any_hit, and both through one loop.
+// Traversal: closest_hit and any_hit share one loop, which every ray goes through.
 //
-// A lane's rays start at one point and share a stack: what one of them must visit, all test. A node is a pair of child
-// boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to 30, the first slot
-// below; other links are indices of pairs. The root is pair 0.
+// The rays of a lane start at one point and share a stack: all of them test each node that one must visit. A node is a
+// pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to
+// 30, the first slot below. Other links are indices of pairs. The root is pair 0.
 //! if cutouts is none
 struct Bvh {
-    grid_origin: vec3f,   // world position of grid point 0
+    grid_origin: vec3f,   // grid point 0, scene coordinates
     extent: f32,          // largest side of the scene's box, world units
     grid_cell: vec3f,     // world size of a grid step
-    zero: u32,            // 0, which compilers do not know
+    zero: u32,            // 0, unknown to compilers
 }
 //! end
-// A lane's rays. t counts in lengths of the direction, which may be any.
+// The rays of a lane. t counts in lengths of the direction, which need not be a unit vector.
 struct Rays {
     origin: vec3f,
     direction: F3,
@@ -20,20 +20,20 @@ struct Rays {
 // Links that a traversal has yet to follow, above DONE.
 alias Stack = array<u32, STACK_SIZE>;
 
-// What tests of primitives ask of a lane's rays besides.
+// Values of a lane's rays that intersection tests share.
 struct Scales {
     length: F,               // of the direction
     per_length_squared: F,
 }
 
-// What a lane's rays hit.
+// The hits of a lane's rays.
 struct Hits {
-    t: F,                 // t_max where nothing was hit; any_slot leaves it open
-    primitive: U,         // id in the scene's order, MISS where nothing was hit; any_slot leaves it open
-    slot: U,              // place among the primitives
+    t: F,                 // t_max for a miss; undefined by any_slot
+    primitive: U,         // id in the scene's order, MISS for a miss; undefined by any_slot
+    slot: U,              // index in the tree's order
 }
 
-// A child's box from the rays' origin, widened by the slack.
+// A child's widened box, relative to the rays' origin.
 struct Child {
     low: vec3f,
     high: vec3f,
@@ -41,60 +41,61 @@ struct Child {
 }
 
 //! if texels is corners or spheres
-// What an intersection needs of a primitive. A sphere has its centre in a and its radius in b.x.
-// Where there are ellipsoids: ellipsoid.wgsl.
+// A primitive, as intersection needs it. A sphere has its centre in a and its radius in b.x. ellipsoid.wgsl has the
+// version for scenes with ellipsoids.
 struct Primitive {
     a: vec3f,
     b: vec3f,
     c: vec3f,
     id: u32,          // in the scene's order
-    component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
-    reach: f32,       // of a triangle: at least the length of its longest edge
+    component: u32,   // connected component, from bit 1 on; IS_SPHERE
+    reach: f32,       // of a triangle: at least its longest edge
 }
 //! end
 
-// What a lane's rays find of one primitive.
+// The result of intersecting a lane's rays with one primitive.
 struct Found {
     hit: B,
-    t: F,          // where it is hit
-    doubtful: B,   // not told by this test, which is quick, but by look_again
+    t: F,          // at the hit
+    doubtful: B,   // uncertain: look_again decides
 }
 
-// Doubtful primitives that wait for their second look, each as slot << RAY_BITS with a bit for each ray that doubts it; 0: none.
-// Two, since a ray that doubts a triangle mostly doubts a neighbour.
+// Uncertain primitives, deferred to their second look, as slot << RAY_BITS with a bit for each uncertain ray; 0 for
+// none. There are two, since a ray that is uncertain at a triangle mostly is at a neighbour too.
 struct PutOff {
     last: u32,
     before: u32,
 }
 
-// Where one ray hit.
+// The surface at one ray's hit.
 struct Surface {
     geometric_normal: vec3f,   // unit, towards the viewer
     shading_normal: vec3f,     // unit, on the geometric normal's side
     material: u32,
-    component: u32,            // of connected primitives
-    reach: f32,                // of a triangle: at least the length of its longest edge; 0 of a ball
+    component: u32,            // connected component
+    reach: f32,                // of a triangle: at least its longest edge; of a ball: 0
     outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
     radius: f32,               // of a ball
-    from_outside: bool,        // the ray comes from the side on which its corners run counterclockwise, or from outside a ball
+    // Whether the ray comes from the side on which the corners run counterclockwise, or from outside a ball.
+    from_outside: bool,
 }
 
-// Lowest bit of a component: of a sphere or an ellipsoid; and of a plane, which has as little to do with triangles.
+// Lowest bit of a component: set for spheres, ellipsoids and planes, which are no triangles.
 const IS_SPHERE: u32 = 1u;
 const LEAF: u32 = 0x80000000u;
 const FIRST_SLOT: u32 = 0x0fffffffu;
 const DONE: u32 = 0xffffffffu;
-// Of a primitive's third texel's w: the material. Above it stand the upper 16 bits of a triangle's reach.
+// The material, in w of a primitive's third texel. Above it are the upper 16 bits of a triangle's reach.
 const MATERIAL: u32 = 0x0000ffffu;
 const NO_ENTRY: f32 = 3.402e38;
-// The t_max of a ray that is not to be traced, and the t of one that any_hit is finished with: before every box.
+// t_max of a ray that is not traced, and t of a ray that any_hit has finished. It lies before every box.
 const NEVER: f32 = -3.402e38;
 
 override COUNT: bool = false;
-// A loop ended before its work did. llvmpipe ends all loops of a thread after 65,535 rounds together, without a word.
+// Whether a loop ended before its work did. llvmpipe silently ends a thread's loops after 65,535 rounds in total.
 var<private> cut_short: bool;
 
-// Written out: the built-in functions also order NaN, which costs two instructions more for each.
+// Written out, since the built-in functions also order NaN, which costs two more instructions each.
 fn smaller(a: F, b: F) -> F { return select(b, a, a < b); }
 fn larger(a: F, b: F) -> F { return select(b, a, a > b); }
 
@@ -110,7 +111,7 @@ fn reach_of(word: u32) -> f32 {
     return bitcast<f32>(word & 0xffff0000u);
 }
 
-// Directions along a vector from the rays' origin.
+// Returns the dot product of each direction with a vector.
 fn along(direction: F3, v: vec3f) -> F {
     return direction.x * v.x + direction.y * v.y + direction.z * v.z;
 }
@@ -120,24 +121,25 @@ fn scales_of(rays: Rays) -> Scales {
     return Scales(sqrt(squared), 1.0 / squared);
 }
 
-// Reciprocals stay within ±1e30: WGSL promises nothing for a division by zero.
+// Clamps reciprocals to ±1e30: WGSL does not define division by zero.
 fn reciprocal(v: F) -> F {
     return 1.0 / select(v, F(1e-30), abs(v) < F(1e-30));
 }
 
-// Of equal t the smallest id wins, whatever the order of the tests.
+// At equal t the smallest id wins, in any order of tests.
 fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
     return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
 }
 
-// What brings boxes' corners from the grid's origin to theirs from a point.
+// Offsets from the grid's origin to box corners relative to a point.
 struct Offsets {
     low: vec3f,
     high: vec3f,
 }
 
-// Boxes are widened by more than rounding can amount to in the slab and primitive tests, so that it hides neither a tie nor a
-// flat leaf (DESIGN, section 2). By no more: a shadow ray begins so close to its surface that a box of it would be met in vain.
+// Boxes are widened by more than the rounding of slab and primitive tests, so that no tie and no flat leaf is missed
+// (DESIGN, section 2). The margin is small, since a shadow ray begins close to its surface and would test the surface's
+// boxes in vain.
 fn offsets_from(origin: vec3f) -> Offsets {
     let to_grid = bvh.grid_origin - origin;
     let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
@@ -158,14 +160,14 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     resume(&hits, &stack, &top, &link);
     var slot: u32;
     var last: u32;
-    // The t that boxes must begin before.
+    // The largest t at which a box may begin.
     var reach = hits.t;
-    // Few are, and what is done for them in these loops every ray of a software adapter's vector pays for.
+    // Few primitives are deferred. Handling them in these loops would cost all rays of a software adapter's vector.
     var put_off = PutOff();
     loop {
-        // Both inner loops run their body before they test: software adapters run a body of no trips once anyhow.
+        // Both inner loops run their body before the test: software adapters run the body once anyhow.
         loop {
-            // Down: into the nearer child, the farther one on the stack; up where both boxes are missed.
+            // Down: follows the nearer child and pushes the farther one. Pops if both boxes are missed.
             loop {
                 if COUNT { nodes_visited += 1u; }
                 let place = pair_place(link);
@@ -188,7 +190,7 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
                 if (link & LEAF) != 0u || is_tired() { break; }
             }
             if link == DONE || is_step_over(link) { break; }
-            // Across: this leaf's primitives, and those of the leaves on top of the stack.
+            // Across: tests the primitives of this leaf and of the leaves on top of the stack.
             slot = link & FIRST_SLOT;
             last = slot + ((link >> 28u) & 7u);
             loop {
@@ -226,12 +228,12 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
         hits = settled(hits, rays, t_min, put_off, any_is_enough);
         put_off = PutOff();
         if !waiting { break; }
-        // The rest of the leaf goes back on the stack, and the root is visited in vain, to take it from there.
+        // The rest of the leaf is pushed back. The root is visited without effect, to pop it again.
         top += 1;
         stack[top] = LEAF | ((last - slot) << 28u) | slot;
         link = 0u;
         reach = F(NEVER);
-        // Neither that visit nor the test that is made again counts.
+        // Neither that visit nor the repeated test is counted.
         if COUNT {
             nodes_visited -= 1u;
             primitives_tested -= 1u;
@@ -242,18 +244,18 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     return hits;
 }
 
-// A third primitive must wait until those before it are settled.
+// Returns whether a third primitive must wait until the deferred ones are settled.
 fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
     return doubted != 0u && put_off.before != 0u;
 }
 
-// With one more, for the rays whose bits are given: or the same, for none.
+// Adds a deferred primitive for the given rays; returns the same if there are none.
 fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
     let is_more = doubted != 0u;
     return PutOff(select(put_off.last, (slot << RAY_BITS) | doubted, is_more), select(put_off.before, put_off.last, is_more));
 }
 
-// The hits once more, after a second look at what was put off.
+// Returns the hits after the second look at the deferred primitives.
 fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: bool) -> Hits {
     var hits = before;
     var left = put_off;
@@ -265,7 +267,7 @@ fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: b
     return hits;
 }
 
-// One ray a round.
+// Takes one ray per round.
 fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enough: bool) -> Hits {
     var hits = before;
     var left = with_bits(doubtful);
@@ -287,7 +289,7 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
     return hits;
 }
 
-// Where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
+// Returns where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
 fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
     let low_x = child.low.x * inverse.x;
     let low_y = child.low.y * inverse.y;
@@ -303,7 +305,8 @@ fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
 }
 
 //! if planes is none
-// The place among the primitives of something that is hit with t in [t_min, t_max], or MISS. Where there are planes: planes.wgsl.
+// Returns the slot of some primitive with a hit in [t_min, t_max], or MISS. planes.wgsl has the version for scenes with
+// planes.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }
@@ -313,19 +316,19 @@ var<private> nodes_visited: u32;
 var<private> primitives_tested: u32;
 
 //! if primitives is triangles or spheres or mixed and planes is none
-// The nearest hits with t in [t_min, t_max]; of equal t the smallest primitive id. t_min is at least 0; t_max NEVER leaves
-// a ray out.
+// Returns the nearest hits with t in [t_min, t_max]; at equal t the smallest primitive id. t_min is at least 0. A ray
+// with t_max NEVER is not traced.
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return traverse(rays, t_min, t_max, false);
 }
 
-// Is anything hit with t in [t_min, t_max]? As closest_hit else.
+// Returns whether anything is hit with t in [t_min, t_max], under the conditions of closest_hit.
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
 
 //! if primitives is none and planes is none
-// No traversal in the kernel: nothing is ever hit.
+// The kernel has no traversal: nothing is ever hit.
 
 const nodes_visited: u32 = 0u;
 const primitives_tested: u32 = 0u;

@@ -1,8 +1,8 @@
-// Cut-outs: triangles whose surface is there only where a mask says so.
+// Cut-outs: triangles whose surface exists only where a mask says so.
 //
-// What hits such a triangle is put off, as what is doubtful is, and the second look, one ray at a time, asks the mask. So the first test costs what
-// it costs without masks, which are read for hits alone, and there is one place that says where a surface is: whatever ray asks for
-// it, of either eye, gets one answer.
+// A hit on such a triangle is deferred like an uncertain one. The second look, one ray at a time, reads the mask. So
+// the first test costs no more than without masks, and masks are read for hits only. Every ray of either eye gets the
+// same answer, since one function decides.
 
 //! if cutouts is some
 struct Bvh {
@@ -13,13 +13,13 @@ struct Bvh {
     cutouts: u32,         // texel of the first material's mask head: src/cutouts.rs
 }
 
-// What the test of a triangle found: where it is cut out a hit is doubtful.
+// Returns a triangle test's result, where a hit on a cut-out triangle is uncertain.
 fn at_first_look(primitive: Primitive, found: Found) -> Found {
     let cut_out = B(is_cut_out(primitive));
     return Found(found.hit & !cut_out, found.t, found.doubtful | (found.hit & cut_out));
 }
 
-// One ray's t at a primitive on its second look, or -1 where that is cut out.
+// Returns one ray's t on the second look, or -1 where the primitive is cut out.
 fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 {
     if is_cut_out(primitive) && !has_surface(slot, origin, direction) { return -1.0; }
     return t;
@@ -41,18 +41,18 @@ fn geometry_texel(index: u32) -> vec4u {
 }
 
 //! end
-// Highest bit of a component: of a triangle that is cut out. So its component is not that of a neighbour that is whole.
+// Highest bit of a component, set for cut-out triangles. It keeps them apart from whole neighbours.
 const IS_CUT_OUT: u32 = 0x80000000u;
 
 fn is_cut_out(primitive: Primitive) -> bool {
     return (primitive.component & IS_CUT_OUT) != 0u;
 }
 
-// Pixels of a mask that a texel holds, a bit each.
+// Pixels of a mask per texel, one bit each.
 const MASK_PIXELS: u32 = 128u;
 
-// Whether a triangle that a ray meets has a surface there: the pixel says in which it lies. A mask's head has its first texel, counted
-// from the first head on, its width, height and wrap. Rows are counted from below, as v is.
+// Returns whether a triangle has a surface where a ray meets it, by the mask's nearest pixel. A mask's head holds its
+// first texel, counted from the first head, then width, height and wrap. Rows count from below, like v.
 fn has_surface(slot: u32, origin: vec3f, direction: vec3f) -> bool {
     let weights = corner_weights(Rays(origin, all3(direction)), triangle_corners(slot), 0u);
     let corners = triangle_uv(slot);

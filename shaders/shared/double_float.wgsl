@@ -1,15 +1,16 @@
-// Sums of two f32, twice as exact: for eyes and lights so close to a large triangle or sphere that f32 is too coarse for its
-// size (Dekker 1971; Knuth, TAOCP 2, 4.2.2).
+// Sums of two f32, with twice the precision (Dekker 1971; Knuth, TAOCP 2, 4.2.2). They serve eyes and lights so close
+// to a large triangle or sphere that f32 is too coarse.
 
 struct Two { hi: f32, lo: f32 }
 struct Two3 { hi: vec3f, lo: vec3f }
 
-// The same value, of which compilers know nothing. They take (a + b) - a for b; here it is what that differs by from b.
+// Returns the same value, hidden from the compiler. Else it simplifies (a + b) - a to b, and the rounding error is
+// lost.
 fn opaque3(v: vec3f) -> vec3f {
     return bitcast<vec3f>(bitcast<vec3u>(v) ^ vec3u(bvh.zero));
 }
 
-// a - b, exactly.
+// Returns a - b exactly.
 fn difference3(a: vec3f, b: vec3f) -> Two3 {
     let hi = opaque3(a - b);
     let taken = opaque3(hi - a);
@@ -21,19 +22,19 @@ fn upper_half3(a: vec3f) -> vec3f {
     return c - opaque3(c - a);
 }
 
-// The products of the components, exactly.
+// Returns the componentwise products exactly.
 fn exact_product3(a: vec3f, b: vec3f) -> Two3 {
     return product_two3(Two3(a, vec3f(0.0)), Two3(b, vec3f(0.0)));
 }
 
-// The products of the components.
+// Returns the componentwise products.
 fn product_two3(a: Two3, b: Two3) -> Two3 {
     let hi = a.hi * b.hi;
     let a_high = upper_half3(a.hi);
     let b_high = upper_half3(b.hi);
     let a_low = a.hi - a_high;
     let b_low = b.hi - b_high;
-    // Each sum by itself: compilers take out common factors.
+    // Each sum is separate, since compilers factor out common terms.
     let first = opaque3(a_high * b_high - hi);
     let second = opaque3(first + a_high * b_low);
     let third = opaque3(second + a_low * b_high);
@@ -70,7 +71,7 @@ fn cross_two3(a: Two3, b: Two3) -> Two3 {
     return sum_two3(forth, Two3(-back.hi, -back.lo));
 }
 
-// Where a ray meets the plane of a triangle; corners in world coordinates.
+// Returns where a ray meets a triangle's plane. Corners are in scene coordinates.
 fn plane_t(origin: vec3f, direction: vec3f, a: vec3f, b: vec3f, c: vec3f) -> f32 {
     let normal = cross_two3(difference3(b, a), difference3(c, a));
     let distance = dot_two3(normal, difference3(a, origin));

@@ -1,23 +1,25 @@
-// Rays against an ellipsoid: a matrix takes it to a sphere, and rays with it, which changes no t. There they are met as sphere.wgsl says.
+// Intersection with ellipsoids. A matrix maps the ellipsoid to a sphere, and the ray with it, which keeps t. The test
+// is then that of sphere.wgsl.
 
-// Spheres of a scene with ellipsoids are ellipsoids too, their matrix being the identity. So these are what other files know as a sphere's
-// functions, in place of those of sphere.wgsl and bounds.wgsl.
+// In a scene with ellipsoids spheres are ellipsoids too, with the identity as their matrix. So these functions replace
+// the sphere functions of sphere.wgsl and bounds.wgsl.
 
 //! if texels is ellipsoids
-// What an intersection needs of a primitive. An ellipsoid has its centre in a, and in b, c and d the rows of the matrix that takes offsets from
-// there to those from the centre of a sphere. They stand at right angles, each along a semi-axis (src/scene/ellipsoid.rs): so the
-// rounding of a product with one of them moves a point along that semi-axis alone, by as little as the offset's own rounding.
+// A primitive, as intersection needs it. An ellipsoid has its centre in a. The rows b, c and d form the matrix that
+// maps offsets from this centre to offsets from the sphere's centre. The rows are orthogonal, each along a semi-axis
+// (src/scene/ellipsoid.rs). So rounding in a product with one row moves a point along that semi-axis only, by no more
+// than the offset's own rounding.
 struct Primitive {
     a: vec3f,
     b: vec3f,
     c: vec3f,
     d: vec3f,
     id: u32,          // in the scene's order
-    component: u32,   // of connected primitives, from bit 1 on; IS_SPHERE
-    reach: f32,       // of a triangle: at least the length of its longest edge; of an ellipsoid: the sphere's radius
+    component: u32,   // connected component, from bit 1 on; IS_SPHERE
+    reach: f32,       // of a triangle: at least its longest edge; of an ellipsoid: the sphere's radius
 }
 
-// Four texels: these vectors, with id, component, material and radius in w.
+// Reads four texels: these vectors in xyz, with id, component, material and radius in w.
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);
@@ -39,7 +41,7 @@ fn to_sphere(primitive: Primitive, v: vec3f) -> vec3f {
     return vec3f(dot(primitive.b, v), dot(primitive.c, v), dot(primitive.d, v));
 }
 
-// The nearest t of at least t_min.
+// Finds the nearest t that is at least t_min.
 fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
     let radius = primitive.reach;
     let from_origin = primitive.a - rays.origin;
@@ -60,12 +62,12 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
     return Found((inside >= F(0.0)) & !close, t, close);
 }
 
-// Of what cancels in the matrix's products, how far the origin must be from the sphere, or their rounding shows in t.
+// Share of the cancellation in the matrix's products. Within that distance of the sphere, their rounding shows in t.
 const CANCELLED: f32 = 0.25;
 
-// Whether the rays' origin is so close to the surface that f32 is too coarse for t: for the sphere's size, as in sphere.wgsl, or for what cancels in
-// the matrix's products. That is much beside a tilted flat ellipsoid whose centre is far; where the centre is farther than any of
-// the surface's size, t is as long, and it does not matter.
+// Returns whether the rays' origin is so close to the surface that f32 is too coarse for t. Either the sphere is large,
+// as in sphere.wgsl, or terms cancel in the matrix's products. Cancellation is large beside a tilted flat ellipsoid
+// with a distant centre. If the centre is farther than the surface's size, t is as long and the error does not matter.
 fn is_close_ellipsoid(primitive: Primitive, from_origin: vec3f, to_center: vec3f) -> bool {
     let radius = primitive.reach;
     let distance = abs(dot(to_center, to_center) - radius * radius);
@@ -84,7 +86,7 @@ fn to_sphere_two(primitive: Primitive, v: Two3) -> Two3 {
     return Two3(vec3f(x.hi, y.hi, z.hi), vec3f(x.lo, y.lo, z.lo));
 }
 
-// One ray's t where it was doubtful, or -1 where it misses, as in sphere.wgsl.
+// Returns one ray's t after an uncertain test, or -1 for a miss, as in sphere.wgsl.
 fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
     let to_center = to_sphere_two(primitive, difference3(primitive.a, origin));
     let way = to_sphere_two(primitive, Two3(direction, vec3f(0.0)));
@@ -96,9 +98,9 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let primitive = primitive_at(slot);
     let material = primitive_texel(slot, 2u).w;
     let direction = of_ray3(rays.direction, ray);
-    // From the eye, not from the world's origin, which may be far off.
+    // Relative to the eye, since the world's origin may be far away.
     let from_center = direction * of_ray(hits.t, ray) - (primitive.a - rays.origin);
-    // Normals go back by the matrix transposed.
+    // Normals are mapped back by the transposed matrix.
     let outwards = to_sphere(primitive, largest_one(from_center));
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
     let outside = dot(across, direction) < 0.0;
@@ -106,20 +108,20 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal), outside);
 }
 
-// Of the sphere whose surface the map stretches by as much everywhere as the ellipsoid's where its normal is this one: an area grows by the
-// determinant times the length of the normal under the map's inverse transposed.
+// Returns the radius of a sphere that the map stretches everywhere as much as it stretches the ellipsoid at this
+// normal. An area grows by the determinant times the length of the normal under the map's inverse transpose.
 fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
     let lengths = vec3f(length(primitive.b), length(primitive.c), length(primitive.d));
     let grown = lengths.x * lengths.y * lengths.z * length(to_sphere(primitive, normal) / (lengths * lengths));
     return primitive.reach * inverseSqrt(grown);
 }
 
-// Least and largest column and row of an ellipsoid's projection; everywhere if it comes close to the plane of the eyes. The bounds are those
-// of the planes through the eye and along the picture's columns and rows that touch it.
+// Returns the least and largest column and row of an ellipsoid's projection; EVERYWHERE if it comes close to the plane
+// of the eyes. The bounds are tangent planes through the eye, along the picture's columns and rows.
 fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let center = primitive.a - frame.target_eye;
     let up = cross(frame.right_axis, projection.forward);
-    // How far it reaches along an axis is the length of these.
+    // The lengths of these vectors are its extents along the axes.
     let forward = half_widths(primitive, projection.forward);
     let z = dot(center, projection.forward);
     let depth = length(forward);
@@ -133,14 +135,15 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     return select(EVERYWHERE, bounds, z - depth > (length(center) + primitive.reach) * NEAR_PLANE);
 }
 
-// The components of an axis along the ellipsoid's semi-axes, each times the semi-axis.
+// Returns an axis's components along the ellipsoid's semi-axes, each times the semi-axis.
 fn half_widths(primitive: Primitive, axis: vec3f) -> vec3f {
     let squared = vec3f(dot(primitive.b, primitive.b), dot(primitive.c, primitive.c), dot(primitive.d, primitive.d));
     return to_sphere(primitive, axis) * (primitive.reach / squared);
 }
 
-// Least and largest slope s of the planes `across = s z` that touch: where (across - s z)² is |a - s b|² for the half widths a and b of the two axes.
-// The discriminant is written as two products, so that it does not vanish in the rounding of a distant centre's.
+// Returns the least and largest slope s of the tangent planes `across = s z`. They satisfy (across - s z)² = |a - s
+// b|², with the half widths a and b of the two axes. The discriminant is written as two products, so that a distant
+// centre's rounding does not swamp it.
 fn touching(across: f32, z: f32, a: vec3f, b: vec3f, depth: f32) -> vec2f {
     let seen = z * a - across * b;
     let hidden = cross(a, b);

@@ -1,15 +1,15 @@
-// How a scene is read, and how a table is that a kernel looks up by index: in texels of four words, by the same functions whatever
-// an adapter keeps them in.
+// Access to the scene's geometry and to a table, in texels of four words. The functions are the same for buffers and
+// textures.
 
 @group(0) @binding(0) var<uniform> bvh: Bvh;
 
 //! if fetch is buffer
-// In storage buffers: for GPUs.
+// Storage buffers: for GPUs.
 
 // The root's pair, then the primitives, then all other pairs: see src/geometry.rs.
 @group(0) @binding(1) var<storage, read> geometry: array<vec4u>;
 
-// Where the texels of a pair of children begin.
+// Index of the first texel of a pair of children.
 alias Place = u32;
 
 fn pair_place(pair: u32) -> Place {
@@ -31,13 +31,15 @@ fn table_texel(index: u32) -> vec4u {
 }
 
 //! if fetch is texture
-// In textures: for CPU adapters, where a texel is an unrolled gather, faster than a storage-buffer load (docs/TRAVERSAL.md). Storage
-// textures, since a sampled one's load looks its mip level up for every lane.
+// Textures: for CPU adapters, where a texel load is an unrolled gather and faster than a storage-buffer load
+// (docs/TRAVERSAL.md). They are storage textures, since a sampled texture looks up its mip level for every lane.
 
-// The root's pair alone in the first row, then rows of primitives, then rows of all other pairs: see src/geometry.rs.
+// The first row holds the root's pair alone. Rows of primitives follow, then rows of all other pairs: see
+// src/geometry.rs.
 @group(0) @binding(1) var geometry: texture_storage_2d<rgba32uint, read>;
 
-// Where the texels of a pair of children begin. They stand in one row, so that all have one address but for the column.
+// Position of the first texel of a pair of children. The texels of a pair are in one row, so their addresses differ by
+// the column only.
 alias Place = vec2u;
 
 fn pair_place(pair: u32) -> Place {
@@ -48,7 +50,8 @@ fn node_texel(place: Place, texel: u32) -> vec4u {
     return textureLoad(geometry, vec2u(place.x + texel, place.y));
 }
 
-// A primitive's texels stand below each other: 8192 primitives' first ones in a row, then their second ones.
+// A primitive's texels stand below each other: a row has the first texels of 8192 primitives, the next row their second
+// ones.
 fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     let first = texel_position(slot);
     return textureLoad(geometry, vec2u(first.x, first.y * PRIMITIVE_TEXELS + (1u + texel)));
@@ -56,7 +59,7 @@ fn primitive_texel(slot: u32, texel: u32) -> vec4u {
 
 @group(2) @binding(0) var table: texture_storage_2d<rgba32uint, read>;
 
-// Texels stand row by row in textures 8192 wide, the least width that every WebGPU device offers.
+// Textures are 8192 texels wide, which every WebGPU device supports, and filled row by row.
 fn texel_position(index: u32) -> vec2u {
     return vec2u(index & 8191u, index >> 13u);
 }

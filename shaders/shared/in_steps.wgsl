@@ -1,7 +1,7 @@
-// A thread does all of its work in one dispatch, or so many rounds of its loops in each.
+// A thread does all its work in one dispatch, or a limited number of loop rounds in each of several.
 
 //! if dispatches is one
-// None of these does anything.
+// These functions do nothing.
 
 const paused = false;
 
@@ -28,26 +28,26 @@ fn is_put_off(asked: B) -> bool { return false; }
 fn keep_lights(sum: Light, light: u32) -> bool { return false; }
 
 //! if dispatches is many
-// A thread does so many rounds of its loops in one dispatch, keeps where it stands, and goes on from there in the next: for
+// A thread runs a limited number of loop rounds per dispatch, saves its state, and resumes in the next. This is for
 // rays and lights that take more rounds than an adapter grants a thread.
 //
-// A traversal stops in front of a pair of boxes, where hits and stack are all that there is to keep. What it does after that
-// is what it would have done, so hits, colours and counts are those of one go, bit for bit.
+// A traversal pauses before a pair of boxes, where hits and stack are its whole state. It then continues as if it had
+// not paused. So hits, colours and counters equal those of one dispatch, bit for bit.
 
-// What a thread keeps from step to step; all zeros at first.
+// State that a thread saves between dispatches. Initially zero.
 struct Lane {
-    seen: Hits,     // by primary rays, once they are traced
-    passed: Hits,   // by the traversal at work
-    sum: Light,     // of the lights before the one at work
-    stage: u32,     // 0: primary rays are at work; n: light n - 1 is; FINISHED
-    link: u32,      // where the traversal goes on; 0: it has not begun
+    seen: Hits,     // hits of primary rays, once traced
+    passed: Hits,   // hits of the current traversal
+    sum: Light,     // light of the previous lights
+    stage: u32,     // 0: primary rays; n: light n - 1; FINISHED
+    link: u32,      // next link of the traversal; 0: not begun
     top: i32,
     stack: Stack,
 }
 
 struct Lanes {
     unfinished: atomic<u32>,
-    rounds: i32,             // of a step
+    rounds: i32,             // per dispatch
     _pad: vec2u,
     lanes: array<Lane>,
 }
@@ -56,21 +56,21 @@ struct Lanes {
 
 const FINISHED: u32 = 0xffffffffu;
 
-// This thread's place in `lanes`.
+// This thread's index in `lanes`.
 var<private> lane: u32;
 var<private> rounds_left: i32;
 var<private> paused: bool;
-// Shadow rays counted in this step that will be counted again in the next one.
+// Shadow rays counted in this dispatch that the next one counts again.
 var<private> to_count_again: u32;
 
-// Whether there is something left to do.
+// Starts a dispatch; returns whether the thread has work left.
 fn begin_step(thread: u32) -> bool {
     lane = thread;
     rounds_left = steps.rounds;
     return steps.lanes[lane].stage != FINISHED;
 }
 
-// A lane that was cut short ends too: its frame or list is an error.
+// Ends a dispatch. A lane that was cut short finishes too: its frame or list is an error.
 fn end_step() {
     if paused & !cut_short { return; }
     steps.lanes[lane].stage = FINISHED;
@@ -81,7 +81,7 @@ fn spend_round() { rounds_left -= 1; }
 
 fn is_tired() -> bool { return rounds_left <= 0; }
 
-// Whether a traversal that came down to this link is to stop there.
+// Returns whether a tired traversal may pause at this link.
 fn is_step_over(link: u32) -> bool { return (link & LEAF) == 0u; }
 
 fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<function, i32>, link: ptr<function, u32>) {
@@ -92,7 +92,7 @@ fn resume(hits: ptr<function, Hits>, stack: ptr<function, Stack>, top: ptr<funct
     *link = steps.lanes[lane].link;
 }
 
-// Whether the traversal is to be gone on with. Where a driver ended its loops, it stands elsewhere and can't be.
+// Saves a traversal; returns whether it will resume. A traversal that a driver cut short cannot resume.
 fn keep_traversal(hits: Hits, stack: ptr<function, Stack>, top: i32, link: u32) -> bool {
     if link == DONE {
         steps.lanes[lane].link = 0u;
@@ -111,13 +111,13 @@ fn sum_so_far() -> Light { return steps.lanes[lane].sum; }
 
 fn first_light() -> u32 { return steps.lanes[lane].stage - 1u; }
 
-// Whether these rays' answer must wait for the next step, which asks for it again.
+// Returns whether these rays must wait for the next dispatch, which traces them again.
 fn is_put_off(asked: B) -> bool {
     if paused { to_count_again += count_rays(asked); }
     return paused;
 }
 
-// Whether these lights, of which there are more, are to be gone on with.
+// Saves the sum over the lights so far; returns whether the loop will resume. Called only if lights remain.
 fn keep_lights(sum: Light, light: u32) -> bool {
     if !is_tired() { return false; }
     steps.lanes[lane].sum = sum;

@@ -1,8 +1,8 @@
-// Where rays go through pixels that are jittered samples: beside the centre, by an offset that a row of samples shares (DESIGN, section 3).
-// src/samples/jitter.rs has the same arithmetic.
+// Ray directions through jittered samples. All samples of a row share one offset from their centres (DESIGN, section
+// 3). src/samples/jitter.rs has the same arithmetic.
 
 //! if jitter is rows
-// Directions from an eye through jittered samples.
+// Returns directions from an eye through jittered samples.
 fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     let row = pixels.y + frame.first_row;
     let x = F(pixels.x) + 0.5 + sample_aside(row);
@@ -14,8 +14,8 @@ fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     );
 }
 
-// How far to the right of their cells' middles the samples of a row stand, of a cell's width. The rows of a pixel share its columns'
-// SAMPLES_SIDE strata out by the order of their hashes.
+// Returns the offset of a row's samples from their cells' centres, to the right, in cell widths. The rows of a pixel
+// take its SAMPLES_SIDE strata in the order of their hashes.
 fn sample_aside(row: U) -> F {
     let first = row / U(SAMPLES_SIDE) * U(SAMPLES_SIDE);
     let own = row_hash(row);
@@ -42,7 +42,7 @@ fn hashed(words: U) -> U {
     return (word >> U(22u)) ^ word;
 }
 
-// How far samples stand beside their cells' middles at most, of a cell's width.
+// Returns the largest offset of a sample from its cell's centre, in cell widths.
 fn jitter_reach() -> f32 {
     return 0.5 - 0.5 / f32(SAMPLES_SIDE);
 }

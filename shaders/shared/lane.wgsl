@@ -1,9 +1,9 @@
-// A lane's rays, one or four: one text of traversal and shading serves both.
+// The rays of a lane, one or four. Traversal and shading are written once for both.
 
 //! if rays is one
-// A thread a pixel: for GPUs.
+// One thread a pixel: for GPUs.
 
-alias F = f32;    // a number for each of the lane's rays
+alias F = f32;    // a number for each ray
 alias U = u32;
 alias B = bool;
 
@@ -32,10 +32,10 @@ fn bits_of(b: B) -> u32 { return select(0u, 1u, b); }
 fn with_bits(bits: u32) -> B { return (bits & 1u) != 0u; }
 
 //! if rays is four
-// Those of a block of 2x2 pixels or of four entries of a list, on one stack: for CPU adapters, where loads are dear and what is
-// loaded serves all four (docs/TRAVERSAL.md).
+// Four rays, of a block of 2x2 pixels or of four list entries, on one stack: for CPU adapters. Loads are expensive
+// there, and one load serves all four rays (docs/TRAVERSAL.md).
 
-alias F = vec4f;    // a number for each of the lane's rays
+alias F = vec4f;    // a number for each ray
 alias U = vec4u;
 alias B = vec4<bool>;
 
@@ -59,22 +59,22 @@ fn with_ray(f: F, ray: u32, value: f32) -> F { return select(f, F(value), RAY_IN
 fn with_ray_u(u: U, ray: u32, value: u32) -> U { return select(u, U(value), RAY_INDEX == U(ray)); }
 fn without_ray(b: B, ray: u32) -> B { return b & (RAY_INDEX != U(ray)); }
 
-// A bit for each ray.
+// One bit for each ray.
 const RAY_BITS: u32 = 4u;
 fn bits_of(b: B) -> u32 { let n = select(U(0u), U(1u, 2u, 4u, 8u), b); return (n.x | n.y) | (n.z | n.w); }
 fn with_bits(bits: u32) -> B { return (U(bits) & U(1u, 2u, 4u, 8u)) != U(0u); }
 
 //! end
-// Vectors and pixels of a lane's rays, whatever their number.
+// Vectors and pixels of a lane's rays, for any number of rays.
 
-// A vector for each of the lane's rays.
+// A vector for each ray.
 struct F3 {
     x: F,
     y: F,
     z: F,
 }
 
-// A pixel for each of the lane's rays.
+// A pixel for each ray.
 struct Pixels {
     x: U,
     y: U,
@@ -98,19 +98,19 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
     return vec2u(of_ray_u(pixels.x, ray), of_ray_u(pixels.y, ray));
 }
 
-// The pixels of a thread of a launch over blocks.
+// Returns the pixels of a thread in a launch over blocks.
 fn block_pixels(id: vec3u) -> Pixels {
     let first = pixel_in_tile(vec2u(id.x, launched_row(id))) * BLOCK + vec2u(0u, frame.row_begin);
     return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
 }
 
-// Which of them are of the picture and of this dispatch's rows.
+// Returns which pixels lie in the picture and in this dispatch's rows.
 fn in_picture(pixels: Pixels) -> B {
     return (pixels.x < U(frame.image_size.x)) & (pixels.y < U(frame.row_end));
 }
 
 //! if jitter is none
-// Directions from an eye through the pixels' centres.
+// Returns directions from an eye through the pixels' centres.
 fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
     let x = F(pixels.x) + 0.5;
     let y = F(pixels.y + frame.first_row) + 0.5;

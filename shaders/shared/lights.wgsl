@@ -1,21 +1,23 @@
-// Lights (DESIGN, section 3); who sees them is for visibility.wgsl to say, and what others than points send for soft.wgsl.
+// Lights (DESIGN, section 3). visibility.wgsl says which points see a light, and soft.wgsl handles lights other than
+// points.
 
-// A shadow ray ends off the surface by these shares of its point's distance from the eye and from the world's origin: what
-// the point's rounding grows with. So they hold for tiny scenes and far from the origin; docs/ARCHITECTURE.md has the
-// measurement.
+// A shadow ray ends off the surface, by these shares of the point's distance from the eye and from the world's origin.
+// The point's rounding grows with both. So the offsets hold for tiny scenes and far from the origin;
+// docs/ARCHITECTURE.md has the measurement.
 const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
 const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
-// And by this share of the point's triangle, what t's rounding grows with; of a triangle to which eye and light are so close that t is
-// computed twice as exactly (LARGE), by the share of a triangle that is just not so large.
+// A further share of the triangle's reach, since t's rounding grows with it. The reach is limited where eye and light
+// are so close to a triangle that t is computed in two f32 (LARGE). The limit is the reach of the largest triangle for
+// which f32 suffices.
 const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
 
-// How far off its surface a ray begins that leaves a point seen from another one, by the roundings above.
+// Returns the distance from its surface at which a ray begins that leaves a point seen from another one.
 fn off_surface(point: vec3f, from_point: vec3f, reach: f32) -> f32 {
     let place = abs(point) * OFFSET_BY_PLACE + abs(point - from_point) * OFFSET_BY_DISTANCE;
     return max(max(place.x, place.y), place.z) + reach * OFFSET_BY_REACH;
 }
 
-// What lights send to points: to a white dull surface there, and on to the eye as highlights.
+// Light that arrives at points: on a white diffuse surface, and as highlights sent to the eye.
 struct Light {
     diffuse: F3,
     shine: F3,
@@ -24,7 +26,7 @@ struct Light {
 fn no_light() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
 
 //! if lights is some
-// From a light to the points that a lane's rays hit.
+// A ray from a light to the points that a lane's rays hit.
 struct ShadowRay {
     light: vec3f,
     end: F3,
@@ -67,7 +69,7 @@ fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
         let distance = sqrt(dot3(from_light, from_light));
         let direction = times3(from_light, 1.0 / distance);
         let cosine = -dot3(surfaces.shading_normal, direction);
-        // Behind the triangle itself there is no light, whatever a smooth normal says.
+        // No light arrives from behind the triangle itself, whatever a smooth normal says.
         let faces = (cosine > F(0.0)) & (dot3(surfaces.geometric_normal, direction) < F(0.0)) & is_lit_here(surfaces);
         if any_ray(faces) {
             let lit = lit_by(light, faces, ShadowRay(position, add3(point, aside), direction, distance));

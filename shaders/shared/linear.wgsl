@@ -1,4 +1,4 @@
-// Linear colour beside the 8-bit one, where somebody wants it.
+// Linear colour beside the 8-bit one, if requested.
 
 //! if linear is kept
 // RGB and 1.

@@ -1,10 +1,10 @@
-// Lists of right pixels and of tiles; the first three words of each one's head are an indirect dispatch.
+// Lists of right pixels and of tiles. The first three words of each head are an indirect dispatch.
 
 const TO_TRACE: u32 = 0u;     // pixels that need a primary ray
 const TO_LIGHT: u32 = 1u;     // pixels that need shadow rays only
-const TO_RESOLVE: u32 = 2u;   // tiles in which something was found, or something else is left to do
-const SKY: u32 = 3u;          // tiles in which there is nothing
-// Heads of launches that are made whole or not at all, as `choose` says.
+const TO_RESOLVE: u32 = 2u;   // tiles with a primitive or other work
+const SKY: u32 = 3u;          // tiles without any primitive
+// Heads of dispatches that `choose` runs whole or not at all.
 const TO_SEARCH: u32 = 4u;    // the tiles of a band
 const ALL_TRACED: u32 = 5u;   // its pixels
 
@@ -20,8 +20,9 @@ struct Lists {
     entries: array<u32>,
 }
 
-// A tile is in one list at most, and of the pixels' two lists the first has been traced before the other gets its first entry: so the
-// two lists of either share as many entries as there are, one from the first on, the other from the last one backwards.
+// Returns the index of an entry. A tile is in at most one list. Of the two lists of pixels, the first has been traced
+// before the second gets an entry. So two lists share one range: one grows from its begin, the other backwards from its
+// end.
 fn place_in(list: u32, place: u32) -> u32 {
     let pixels = tiles_at_work() * TILE_PIXELS;
     let begin = select(0u, pixels, list >= TO_RESOLVE);
@@ -29,18 +30,18 @@ fn place_in(list: u32, place: u32) -> u32 {
     return select(begin + place, end - 1u - place, (list & 1u) == 1u);
 }
 
-// Entries of all four.
+// Number of entries of all four lists.
 fn lists_end() -> u32 {
     return tiles_at_work() * (TILE_PIXELS + 1u);
 }
 
-// Places in a list of pixels for a lane's, side by side, so that neighbours are traced together. The order of the list depends on the
-// threads; each entry writes only its own pixel, so the picture does not.
+// Reserves consecutive entries for the pixels of a lane, so that neighbours are traced together. The order of the list
+// depends on the threads. The picture does not, since each entry writes its own pixel only.
 fn reserve(list: u32, count: u32) -> u32 {
     return reserve_for(list, count, LIST_WORKGROUP * RAYS);
 }
 
-// The same where a workgroup takes so many entries.
+// Does the same if a workgroup takes `workgroup` entries.
 fn reserve_for(list: u32, count: u32, workgroup: u32) -> u32 {
     if count == 0u { return 0u; }
     let place = atomicAdd(&lists.heads[list].count, count);
@@ -53,7 +54,8 @@ fn append(list: u32, place: u32, entry: u32) {
     lists.entries[place_in(list, place)] = entry;
 }
 
-// The pixels of a thread of a launch over a list. The last thread's spare rays repeat the last entry and are not wanted.
+// The pixels of a thread in a launch over a list. Spare rays of the last thread repeat the last entry and are not
+// wanted.
 struct ListedPixels {
     pixels: Pixels,
     wanted: B,
@@ -76,7 +78,7 @@ fn listed_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(Pixels(index % width, index / width), wanted == U(1u));
 }
 
-// The pixels of a thread of a launch over a list of tiles: its block of one of them.
+// Returns the pixels of a thread in a launch over a list of tiles: its block of one of them.
 fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     let threads = TILE_PIXELS / RAYS;
     let count = atomicLoad(&lists.heads[list].count);
@@ -90,23 +92,25 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     return ListedPixels(pixels, inside_rows(pixels) & (U(place) < U(count)));
 }
 
-// Behind the lists stands what search_tiles finds: for each tile of the rows at work its bound and the lists of its blocks.
+// Behind the lists are the results of search_tiles: for each tile of the rows at work its bound and the lists of its
+// blocks.
 
-// Words of a block's list: the number of primitives, then their slots, each with a bit for each of the four pixels that may show it.
+// Words of a block's list: the number of primitives, then their slots, with a bit for each of the four pixels that may
+// show it.
 const LIST_WORDS: u32 = 40u;
-const LIST_MOST: u32 = 39u;     // a block of which more is listed has no list: its pixels are traced
+const LIST_MOST: u32 = 39u;     // a block with more primitives is traced instead
 const FIRST_PIXEL_BIT: u32 = 28u;
-// Words of a tile: the bits of its bound, its blocks' lists, and the lights that are busy in it.
+// Words of a tile: the bits of its bound, the lists of its blocks, and its busy lights.
 const TILE_WORDS: u32 = 642u;
 const BUSY_WORD: u32 = 641u;
 
-// Where a pixel's tile begins, in the entries of `lists`.
+// Returns where the results of a pixel's tile begin in `lists.entries`.
 fn found_in_tile(pixel: vec2u) -> u32 {
     let row = (pixel.y - frame.row_begin) / TILE;
     return lists_end() + (row * tiles_across() + pixel.x / TILE) * TILE_WORDS;
 }
 
-// Where the list of one of its blocks does.
+// Returns where the list of one of the tile's blocks begins.
 fn block_list(tile: u32, block: u32) -> u32 {
     return tile + 1u + block * LIST_WORDS;
 }

@@ -1,8 +1,8 @@
-// What a surface is made of: its texels of the shading table, behind the lights'.
+// Materials: their texels in the shading table, behind the lights.
 
-// Texels of a material: albedo, and one more than its texture's number with its finish above that; then specular colour and Phong's
-// exponent, or -1 less that where highlights are normalised; then what it gives off, and its opacity; then what it lets through, and its index of refraction. Where all are dull, the
-// first alone.
+// Texels of a material. The first has albedo, and in w the texture's number plus one with the finish above it. The
+// second has the specular colour and Phong's exponent n, or -1 - n for normalised highlights. The third has emission
+// and opacity, the fourth transmission and index of refraction. If all materials are dull, only the first exists.
 const MATERIAL_ALBEDO: u32 = 0u;
 const MATERIAL_SPECULAR: u32 = 1u;
 const MATERIAL_EMISSION: u32 = 2u;
@@ -23,7 +23,7 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
 }
 
 //! if shine is some
-// The same with what it shines and gives off.
+// Adds specular colour, exponent and emission.
 fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     let specular = material_texel(material, MATERIAL_SPECULAR);
     let emission = material_texel(material, MATERIAL_EMISSION);
@@ -34,21 +34,21 @@ fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     return shining;
 }
 
-// Phong's highlight of a light, as MTL has it: what its mirrored ray sends to the eye. Directions from the light are of length 1.
+// Returns Phong's highlight of a light, as MTL defines it. Directions from the light are unit vectors.
 fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     let to_eye = minus3(all3(eye), surfaces.point);
     let mirrored = minus3(from_light, times3(surfaces.shading_normal, 2.0 * dot3(surfaces.shading_normal, from_light)));
     let cosine = dot3(mirrored, to_eye) / sqrt(dot3(to_eye, to_eye));
-    // pow of 0 is left open where the exponent is 0 too.
+    // pow(0, 0) is undefined.
     return times3(surfaces.specular, select(F(0.0), pow(max(cosine, F(1e-30)), surfaces.exponent), cosine > F(0.0)));
 }
 
 //! if shine is none or some
-// Highlights of what comes along the rays, as `highlight` makes them.
+// Returns the highlights of light along four rays, like `highlight`.
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
-    // Of the directions to the light, mirrored, as of those from it.
+    // The mirrored direction to the light gives the same cosine as the direction from it.
     let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
@@ -57,8 +57,8 @@ fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u3
 }
 
 //! if shine is normalised
-// The same where some highlights are normalised: those whose exponent is below 0. Their colour is scaled so that all of the lobe has its share of the light that comes
-// (Lafortune & Willems 1994).
+// Like the above, where some highlights are normalised: those with an exponent below 0. Their colour is scaled so that
+// the whole lobe reflects its share of the incoming light (Lafortune & Willems 1994).
 fn with_shine(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
     let specular = material_texel(material, MATERIAL_SPECULAR);
     let emission = material_texel(material, MATERIAL_EMISSION);
@@ -84,11 +84,11 @@ fn highlight(surfaces: Surfaces, from_light: F3, eye: vec3f) -> F3 {
     return times3(surfaces.specular, select(F(0.0), seen, cosine > F(0.0)));
 }
 
-// Highlights of what comes along the rays, as `highlight` makes them.
+// Returns the highlights of light along four rays, like `highlight`.
 fn four_highlights(rays: Four, aim: Aim, surfaces: Surfaces, eye: vec3f, ray: u32) -> vec4f {
     let to_eye = normalize(eye - of_ray3(surfaces.point, ray));
     let n = aim.shading_normal;
-    // Of the directions to the light, mirrored, as of those from it.
+    // The mirrored direction to the light gives the same cosine as the direction from it.
     let cosine = rays.x * n.x + rays.y * n.y + rays.z * n.z;
     let back = rays.x * to_eye.x + rays.y * to_eye.y + rays.z * to_eye.z;
     let mirrored = 2.0 * cosine * dot(n, to_eye) - back;
@@ -116,19 +116,19 @@ fn with_sends(surfaces: Surfaces, ray: u32, material: u32) -> Surfaces {
 }
 
 //! if mirrors is none or followed
-// Whether a kernel asks for surfaces' lights.
+// Returns whether this kernel computes the light of these surfaces.
 fn is_lit_here(surfaces: Surfaces) -> B {
     return surfaces.there;
 }
 
 //! if mirrors is listed
-// trace_mirrored asks for those of mirrors and the like.
+// trace_mirrored computes the light of mirrors, glass and veils.
 fn is_lit_here(surfaces: Surfaces) -> B {
     return surfaces.there & (surfaces.sends == U(0u));
 }
 
 //! if mirrors is listed or followed
-// Whether rays go on from it, by reflection or through it.
+// Returns whether the material sends rays on, by reflection or transmission.
 fn sends_rays(material: u32) -> bool {
     return material_texel(material, MATERIAL_ALBEDO).w > MATERIAL_TEXTURE;
 }
@@ -136,11 +136,11 @@ fn sends_rays(material: u32) -> bool {
 const MIRROR: u32 = 1u;
 const GLASS: u32 = 2u;
 
-// What a surface does with a ray that meets it.
+// How a surface sends rays on.
 struct Finish {
-    kind: u32,            // 0: nothing but what its opacity says
+    kind: u32,            // 0: only its opacity counts
     fresnel: bool,
-    opacity: f32,         // share of what is behind it that it hides
+    opacity: f32,         // share of the background that it hides
     reflected: vec3f,
     transmission: vec3f,
     index: f32,           // of refraction

@@ -1,8 +1,9 @@
-// Infinite planes: few, and in no box of the tree. They have the first places among the primitives, and every ray asks all of them before it
-// goes through the tree, with what it found as its bound. Their ids are the last, so that of equal t what stands in the tree wins.
+// Infinite planes. There are few, and they are in no box of the tree. They have the first slots, and every ray tests
+// all of them before traversal, which their hit then bounds. Their ids are the last, so at equal t a primitive of the
+// tree wins.
 
 //! if planes is none
-// There is none.
+// There are no planes.
 
 fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(t_max, U(MISS), U(0u));
@@ -12,26 +13,28 @@ fn meets_planes(tile: Tile) -> bool {
     return false;
 }
 
-// What rays find of a primitive of any kind.
+// Intersects rays with a primitive of any kind.
 fn met_at(slot: u32, rays: Rays) -> Found {
     return intersect(primitive_at(slot), rays, scales_of(rays), F(0.0));
 }
 
 //! if planes is some
-// A plane's texels: a point (xyz) and its id; its unit normal and its component; what texture coordinates u are products with, and its
-// material.
+// Texels of a plane: a point and its id; its unit normal and its component; the axis whose product with an offset is
+// the texture coordinate u, and its material.
 
-// Farther from where a ray begins there is no plane: what it meets there could not send rays on through the tree's boxes.
+// A plane ends at this distance from a ray's origin. Rays sent on from farther hits could not test the tree's boxes.
 const PLANE_REACH: f32 = 1e8;
 
-// How far a plane is above a point, along its normal. A sum of two f32: a plane's own point may be far from where rays meet it.
+// Returns a plane's distance from a point, along its normal. It is computed in sums of two f32, since the plane's own
+// point may be far from the hit.
 fn plane_above(slot: u32, origin: vec3f) -> f32 {
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
     let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
     return dot_two3(Two3(normal, vec3f(0.0)), difference3(point, origin)).hi;
 }
 
-// Rays that begin in the plane, or run along it, don't meet it. t is below 0 where they go away from it.
+// Intersects rays with a plane. Rays that begin in the plane or run along it miss it. t is below 0 if they go away from
+// it.
 fn intersect_plane(slot: u32, rays: Rays) -> Found {
     let above = plane_above(slot, rays.origin);
     let across = along(rays.direction, bitcast<vec3f>(primitive_texel(slot, 1u).xyz));
@@ -40,7 +43,7 @@ fn intersect_plane(slot: u32, rays: Rays) -> Found {
     return Found(hit, F(above) / select(F(1.0), across, hit), B(false));
 }
 
-// The nearest hits of planes with t in [t_min, t_max], as closest_hit has them.
+// Returns the nearest hits of planes with t in [t_min, t_max], like closest_hit.
 fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
     var hits = Hits(t_max, U(MISS), U(0u));
     var slot = 0u;
@@ -59,13 +62,13 @@ fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
     return hits;
 }
 
-// Of the length of a tile's longest ray: more than the rounding of how fast rays come nearer to a plane.
+// Share of the length of a tile's longest ray. It exceeds the rounding of a ray's speed of approach to a plane.
 const PLANE_SLACK: f32 = 1.0 / 524288.0;
 
-// Whether some ray of a tile may meet a plane. How fast a ray comes nearer to it is linear in column and row: fastest in a corner.
-// (No return from within the loop: by llvmpipe's OpenGL what comes after it was returned.)
+// Returns whether some ray of a tile may meet a plane. The speed of approach is linear in column and row, so it is
+// largest in a corner. The loop has no return, since llvmpipe's OpenGL returns the value behind the loop then.
 fn meets_planes(tile: Tile) -> bool {
-    // Jittered samples stand aside along their rows.
+    // Jittered samples are offset along their rows.
     let aside = vec2f(jitter_reach(), 0.0);
     let middle = vec2f(tile.corner) + 0.5;
     let first = middle - aside;
@@ -86,7 +89,7 @@ fn meets_planes(tile: Tile) -> bool {
     return met;
 }
 
-// Whether anything is hit with t in [t_min, t_max].
+// Returns whether anything is hit with t in [t_min, t_max].
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
 }
@@ -101,9 +104,10 @@ fn plane_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     return Surface(normal, normal, material, second.w, 0.0, vec3f(0.0), 0.0, dot(outward, direction) < 0.0);
 }
 
-// A texture's colour on a plane. Of a picture the footprint is as lookup_at has it, but down to any angle. A checkerboard's share is that of the box,
-// along its own axes, around the pixel's shadow, which towards the horizon is far longer than it is wide: a disc's reaches along a unit vector e of
-// the plane by sqrt(1 + (e.d / n.d)^2) of its radius, d being the ray's direction.
+// Returns a texture's colour on a plane. For a picture the footprint is that of lookup_at, without its limit on the
+// angle. A checkerboard is integrated over a box along its own axes, around the pixel's footprint. Towards the horizon
+// this is far longer than wide. Along a unit vector e of the plane a disc's footprint reaches sqrt(1 + (e.d / n.d)^2)
+// of its radius, with the ray's direction d.
 fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let slot = of_ray_u(hits.slot, ray);
     let point = bitcast<vec3f>(primitive_texel(slot, 0u).xyz);
@@ -136,7 +140,7 @@ fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(hits.t, select(plane.primitive, hits.primitive, nearer), select(plane.slot, hits.slot, nearer));
 }
 
-// What meets a plane need not ask the tree.
+// A ray that meets a plane skips the tree.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     let plane = nearest_plane(rays, t_min, t_max);
     let open = plane.primitive == U(MISS);
@@ -145,7 +149,7 @@ fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return select(plane.slot, hits.slot, open);
 }
 
-// A traversal that goes on in the next dispatch asks planes again.
+// A traversal that resumes in the next dispatch tests the planes again, so they are not counted now.
 fn forget_planes() {
     if COUNT && paused { primitives_tested -= PLANES; }
 }

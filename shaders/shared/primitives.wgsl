@@ -1,4 +1,5 @@
-// What a scene's primitives are, behind one set of names. Where there are ellipsoids, spheres are such: ellipsoid.wgsl.
+// The scene's primitives, behind one set of names. In scenes with ellipsoids, spheres are ellipsoids too:
+// ellipsoid.wgsl.
 
 //! if texels is corners
 fn primitive_at(slot: u32) -> Primitive {
@@ -9,7 +10,7 @@ fn primitive_at(slot: u32) -> Primitive {
 }
 
 //! if texels is spheres
-// Centre and id, then radius and component, in texels like a triangle's.
+// Centre and id, then radius and component, in texels like those of a triangle.
 
 fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
@@ -57,13 +58,13 @@ fn surface_in_tree(rays: Rays, hits: Hits, ray: u32) -> Surface {
 }
 
 //! if primitives is mixed
-// The second texel's w says which, in its lowest bit.
+// The lowest bit of the second texel's w tells spheres from triangles.
 
 fn is_sphere(primitive: Primitive) -> bool {
     return (primitive.component & IS_SPHERE) != 0u;
 }
 
-// Both tests, then a choice: software adapters run both sides of a branch anyhow, and choose for less.
+// Runs both tests and selects: software adapters run both sides of a branch anyhow, and a select is cheaper.
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {
     let sphere = intersect_sphere(rays, scales, primitive, t_min);
     let triangle = at_first_look(primitive, intersect_triangle(rays, scales, primitive));

@@ -1,5 +1,5 @@
-// A list of rays: two texels of the table each, direction and t_min, then origin and t_max. A lane's start at one point.
-// frame.image_size.x is their number.
+// A list of rays, two texels of the table each: direction and t_min, then origin and t_max. The rays of a lane have one
+// origin. frame.image_size.x is the number of rays.
 
 struct ListedRays {
     rays: Rays,

@@ -1,12 +1,14 @@
-// What right pixels ask of the left view's samples. It is kept in a texture, since software adapters read those faster than buffers.
+// Left samples, as right pixels query them. They are in a texture, since software adapters read textures faster than
+// buffers.
 
-// What a sample saw.
+// One sample of a source view.
 struct SourceSample {
-    depth: f32,       // along the view axis (FAR: nothing hit)
-    other: u32,       // with KEEP_SHARES shares of soft light (visibility.wgsl); else a place among the primitives: with KEEP_OCCLUDERS of what
-                      // hides some light, MISS where nothing does; else its own
-    component: u32,   // of connected primitives
-    bits: u32,        // of the first 16 lights: it is seen, from bit 0; a shadow ray asked, from bit 16
+    depth: f32,       // along the view axis (FAR: miss)
+    // With KEEP_SHARES the shares of soft light (visibility.wgsl). With KEEP_OCCLUDERS the slot of a primitive that hides
+    // some light, or MISS. Else the sample's own slot.
+    other: u32,
+    component: u32,   // connected component
+    bits: u32,        // first 16 lights: visible, from bit 0; shadow ray traced, from bit 16
 }
 
 //! if samples is written
@@ -20,7 +22,7 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     textureStore(source_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
 }
 
-// Nor is there one of a pixel that was not wanted: it vouches for nothing.
+// Stores that a pixel which was not wanted has no sample. It vouches for nothing.
 fn keep_no_sample(pixel: vec2u) {
     textureStore(source_samples, pixel, vec4u(0u, MISS, MISS, 0u));
 }
@@ -34,7 +36,7 @@ fn source_sample(pixel: vec2u) -> SourceSample {
 }
 
 //! if sources is two
-// Of the source on the target's other side, for reading what it has as the first one's is read.
+// Samples of the source on the target's other side.
 @group(1) @binding(10) var second_samples: texture_2d<u32>;
 
 fn second_sample(pixel: vec2u) -> SourceSample {
@@ -43,7 +45,7 @@ fn second_sample(pixel: vec2u) -> SourceSample {
 }
 
 //! if samples is none
-// No method takes shadow bits over.
+// No method reuses visibility bits.
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {}
 
 fn keep_no_sample(pixel: vec2u) {}

@@ -1,24 +1,24 @@
-// A tile's search, whatever its size: it gathers leaves of the BVH, which the kernel's own keep_primitive and list_kept take from there;
-// its own `steps` and MOST_STEPS say when to give up.
+// A tile's search, for tiles of any size. It gathers leaves of the BVH for the kernel's own keep_primitive and
+// list_kept. The kernel's `steps` and MOST_STEPS limit it.
 
-// Between two samples a surface may lie a little deeper than both.
+// Between two samples a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
-// The search goes a little deeper than the bound: rounding.
+// The search goes slightly deeper than the bound, because of rounding.
 const DEEPER: f32 = 1.0001;
-// Leaves that are gathered before their primitives are looked at.
+// Leaves gathered before their primitives are tested.
 const LEAVES: u32 = 32u;
-// Links to open stand from 0 on, leaves from here down.
+// Links to follow grow from index 0 upwards, leaves from here downwards.
 const FIRST_LEAF: u32 = STACK_SIZE + LEAVES - 1u;
-// Primitives that are kept, to be listed in their blocks together.
+// Primitives kept before they are listed in their blocks together.
 const KEPT: u32 = 64u;
 
-// Samples of the side of a tile that is searched for the four tiles in it.
+// Side, in samples, of the square that search_wide_tiles searches at once: four tiles.
 const WIDE_TILE: u32 = 16u;
 
 // A primitive that may cover a pixel's centre in a tile.
 struct Covering {
     slot: u32,
-    blocks: u32,   // a bit for each; from FIRST_SIDE_BIT on the first column and row and the last ones, 3 bits each
+    blocks: u32,   // a bit for each; from FIRST_SIDE_BIT on first column and row, then last ones, 3 bits each
 }
 
 const FIRST_SIDE_BIT: u32 = 16u;
@@ -33,7 +33,7 @@ fn search(tile: Tile, found: u32, limit: f32) {
     var top = 0u;
     var link = 0u;
     loop {
-        // Leaves are gathered first: a subgroup's threads then do the same most of the time.
+        // Leaves are gathered first, so that a subgroup's threads do the same work most of the time.
         var gathered = 0u;
         loop {
             if COUNT { nodes_visited += 1u; }
@@ -43,7 +43,7 @@ fn search(tile: Tile, found: u32, limit: f32) {
             let b = child_at(place, 1u, offsets);
             let met_a = meets_frustum(a, projection, limit);
             let met_b = meets_frustum(b, projection, limit);
-            // Written whether met or not: what stands past the ends does not count.
+            // Written whether met or not: entries behind the ends do not count.
             let leaf_a = (a.link & LEAF) != 0u;
             links[select(top + 1u, FIRST_LEAF - gathered, leaf_a)] = a.link;
             top += select(0u, 1u, met_a & !leaf_a);
@@ -81,7 +81,7 @@ fn search(tile: Tile, found: u32, limit: f32) {
     list_kept(found);
 }
 
-// Which of a block's pixels are covered, a bit each, row by row.
+// Returns which of a block's pixels are covered, one bit each, row by row.
 fn pixels_of_block(sides: u32, block: u32) -> u32 {
     let x = block % BLOCKS * 2u;
     let y = block / BLOCKS * 2u;

@@ -1,17 +1,21 @@
-// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights, linear; pictures show it exposed and clamped.
+// Shading (DESIGN, section 3): c = albedo (ambient + sum of I max(0, n.l) V) + emission + sum of I V of highlights. The
+// result is linear. Pictures expose and clamp it.
 
-// What stands in the shading table: vectors with floats' bits in x, y and z. It is no uniform on purpose: Mesa's software
-// driver compiles a kernel anew for every dispatch in which a loop's end is a uniform.
+// Layout of the shading table, in vectors with floats' bits in x, y and z. It is no uniform: Mesa's software driver
+// compiles a kernel anew for each dispatch in which a loop's end is a uniform.
 const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
-const SKY_NADIR: u32 = 1u;    // linear RGB straight down; of a map: first texel, width, height; first of the textures' heads in w
+// Linear RGB straight down. For a map: first texel, width, height. In w the first of the textures' heads.
+const SKY_NADIR: u32 = 1u;
 const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
-const LIGHTS: u32 = 3u;       // LIGHT_TEXELS each: position and kind, intensity and size, of some two sides; then the materials (materials.wgsl); then a map's pixels; then textures (textures.wgsl)
+// LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds. The materials follow
+// (materials.wgsl), then a map's pixels, then textures (textures.wgsl).
+const LIGHTS: u32 = 3u;
 
 fn shading_vector(index: u32) -> vec3f {
     return bitcast<vec3f>(table_texel(index).xyz);
 }
 
-// What a lane's primary rays saw.
+// What the primary rays of a lane saw.
 struct Samples {
     color: F3,
     depth: F,
@@ -20,16 +24,16 @@ struct Samples {
     bits: U,      // of lights (visibility.wgsl)
 }
 
-// What is kept of one of them, with no marks.
+// Returns the stored pixel of one ray, without marks.
 fn pixel_of(samples: Samples, packed: U, ray: u32) -> Pixel {
     return Pixel(of_ray(samples.depth, ray), of_ray_u(samples.slot, ray), 0u, of_ray_u(packed, ray));
 }
 
-// A channel of linear colour as pictures show it, 0..1: exposed, and clamped or bent.
+// Maps a channel of linear colour to 0..1: exposed, then clamped or tone-mapped.
 fn shown(linear: F) -> F {
     let x = linear * frame.exposure;
     if frame.filmic == 0u { return clamp(x, F(0.0), F(1.0)); }
-    // Narkowicz 2015, "ACES Filmic Tone Mapping Curve". What is brighter than 64 is white.
+    // Narkowicz 2015, "ACES Filmic Tone Mapping Curve". Values above 64 are white.
     let y = min(x, F(64.0));
     return clamp((y * (2.51 * y + 0.03)) / (y * (2.43 * y + 0.59) + 0.14), F(0.0), F(1.0));
 }
@@ -39,7 +43,7 @@ fn srgb(linear: F) -> F {
     return select(high, 12.92 * linear, linear <= F(0.0031308));
 }
 
-// Linear colour as it is shown, as 8-bit sRGB.
+// Returns linear colour as exposed 8-bit sRGB.
 fn packed_srgb(color: F3) -> U {
     let x = U(floor(srgb(shown(color.x)) * 255.0 + 0.5));
     let y = U(floor(srgb(shown(color.y)) * 255.0 + 0.5));
@@ -47,7 +51,7 @@ fn packed_srgb(color: F3) -> U {
     return x | (y << U(8u)) | (z << U(16u)) | U(0xff000000u);
 }
 
-// What lights need of the points that a lane's rays hit. Rays that hit nothing have zeros.
+// Surfaces at the hits of a lane's rays, as lighting needs them. Rays that miss have zeros.
 struct Surfaces {
     there: B,
     point: F3,
@@ -55,14 +59,14 @@ struct Surfaces {
     shading_normal: F3,     // unit, on the geometric normal's side
     albedo: F3,
     component: U,
-    reach: F,               // of triangles: at least the length of the longest edge
+    reach: F,               // of triangles: at least the longest edge
     specular: F3,
     exponent: F,
     emission: F3,
-    sends: U,               // 1 of mirrors and the like, which are shaded later
+    sends: U,               // 1 for mirrors, glass and veils, which are shaded later
 }
 
-// Primary rays from an eye, shaded; those that are not wanted see the sky.
+// Traces and shades primary rays from an eye. Rays that are not wanted see the sky.
 fn trace_pixels(rays: Rays, wanted: B) -> Samples {
     let hits = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
     return shade(rays, hits, surfaces_at(rays, hits));
@@ -75,7 +79,7 @@ fn shade(rays: Rays, hits: Hits, surfaces: Surfaces) -> Samples {
     return Samples(color, depth, slots, surfaces.component, light_bits());
 }
 
-// What comes along rays from what they hit, in linear colour, as bright as it may be.
+// Returns the light along rays from their hits, in linear colour without an upper limit.
 fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
     ask_tables(surfaces);
     let light = direct_light(surfaces, rays.origin);
@@ -84,7 +88,7 @@ fn radiance(rays: Rays, hits: Hits, surfaces: Surfaces) -> F3 {
     return select3(sky(rays.direction), color, surfaces.there);
 }
 
-// Normals and albedos are fetched here, once a hit.
+// Fetches normals and albedos, once per hit.
 fn surfaces_at(rays: Rays, hits: Hits) -> Surfaces {
     let there = hits.primitive != U(MISS);
     var found: Surfaces;

@@ -1,18 +1,19 @@
-// Shadow-buffers: a table of directions around each of the first point lights, drawn by the T-buffer's kernels (docs/SHADOW-BUFFER.md), which
-// stands between a light and its shadow rays.
+// Shadow-buffers: tables of directions around the first point lights, drawn by the T-buffer's kernels
+// (docs/SHADOW-BUFFER.md). They replace most shadow rays.
 
-// In the place of a texel's primitive: nothing is known of its direction.
+// In place of a texel's slot: nothing is known of its direction.
 const UNFILLED: u32 = 0xfffffffeu;
-// With a texel's primitive: something may stand before the plane of what it shows.
+// Added to a texel's slot: something may stand before the plane of the primitive that it shows.
 const SOMETHING_BEFORE: u32 = 0x80000000u;
-// Of the distance from the light: by more than this planes and points do not round.
+// Rounding of planes and points, as a share of the distance from the light.
 const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
-// A layer a light: t as bits and the primitive's place in each texel, or what read_texels.wgsl says. Behind the last row stands where directions are: src/steps/shadow_buffer.rs.
+// One layer per light. Each texel holds t as bits and the slot, or the result of read_texels.wgsl. The row behind the
+// last one describes the directions: src/steps/shadow_buffer.rs.
 @group(1) @binding(8) var shadow_buffers: texture_2d_array<u32>;
 
-// What lit_by asks for, besides a ray.
+// Arguments of lit_by besides the ray.
 var<private> asked_normal: F3;      // unit, geometric, towards the viewer
 var<private> asked_component: U;
 
@@ -21,20 +22,20 @@ fn ask_tables(surfaces: Surfaces) {
     asked_component = surfaces.component;
 }
 
-// What a light's table says of points: nothing of those that are unknown; of others what hides the light from them, or MISS.
+// Answer of a light's table for each point. If not `unknown`, it is the slot of the occluder, or MISS.
 struct Said {
     unknown: B,
     occluders: U,
 }
 
-// Where directions stand in a light's table.
+// Layout of directions in a light's table.
 struct Directions {
     layer: u32,
     rows: i32,
     columns: i32,
-    whole: bool,         // all directions: behind the last column is the first one
+    whole: bool,         // all directions: columns wrap around
     theta_begin: f32,    // of the first row, radians
-    theta_step: f32,     // a row
+    theta_step: f32,     // per row
     phi_begin: f32,
     phi_step: f32,
     axis_x: vec3f,
@@ -78,12 +79,12 @@ fn directions_of(light: u32) -> Directions {
 }
 
 //! if shadow_buffer is object or depth or hybrid
-// Vectors along the table's axes.
+// Returns vectors in the table's axes.
 fn turned(table: Directions, v: F3) -> F3 {
     return F3(along(v, table.axis_x), along(v, table.axis_y), along(v, table.axis_z));
 }
 
-// Row and column of directions along the axes, in texels.
+// Return row and column, in texels, of directions in the table's axes.
 fn table_row(table: Directions, v: F3) -> F {
     return (arctangent(sqrt(v.x * v.x + v.y * v.y), v.z) - table.theta_begin) / table.theta_step;
 }
@@ -93,7 +94,7 @@ fn table_column(table: Directions, v: F3) -> F {
     return (select(phi, phi + 6.2831853, (phi < F(0.0)) & B(table.whole)) - table.phi_begin) / table.phi_step;
 }
 
-// The texel of a place. Beyond the last column is the first one.
+// Returns the texel at a row and column. Columns wrap around.
 fn texel_of(table: Directions, row: i32, column: i32) -> vec4u {
     let last = vec2i(table.columns, table.rows) - 1;
     let around = select(column, (column + table.columns) % table.columns, table.whole);
@@ -103,7 +104,7 @@ fn texel_of(table: Directions, row: i32, column: i32) -> vec4u {
 }
 
 //! if shadow_buffer is object or depth
-// The one texel in which a point's direction lies.
+// Looks up the one texel that contains a point's direction.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
     if !has_table(light) { return said; }
@@ -119,7 +120,7 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
             let hidden = is_hidden_by(texel, table.theta_step, ray, index);
             if texel.y != UNFILLED {
                 said.unknown = without_ray(said.unknown, index);
-                // Of nothing no place among the primitives says that it hides a light.
+                // An empty texel has no slot to name as the occluder.
                 said.occluders = with_ray_u(said.occluders, index, select(MISS, min(texel.y, UNFILLED), hidden));
             }
         }
@@ -130,14 +131,15 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
 }
 
 //! if shadow_buffer is object
-// Whether another object is the nearest one, or none.
+// Returns whether another object, or none, is the nearest one.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     if texel.y >= UNFILLED { return true; }
     return primitive_texel(texel.y, 1u).w != of_ray_u(asked_component, index);
 }
 
 //! if shadow_buffer is depth
-// Whether what is nearest is nearer than the point by more than a bias, of so many widths of a texel there, and more the more the surface slants.
+// Returns whether the nearest surface is nearer than the point by more than a bias. The bias is BUFFER_MARGIN texel
+// widths there, and more for slanted surfaces.
 fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
     let cosine = clamp(-dot(of_ray3(asked_normal, index), of_ray3(ray.direction, index)), 1e-3, 1.0);
     let slope = sqrt(1.0 - cosine * cosine) / cosine;
@@ -146,13 +148,14 @@ fn is_hidden_by(texel: vec2u, step: f32, ray: ShadowRay, index: u32) -> bool {
 }
 
 //! if shadow_buffer is hybrid
-// Texels that a point asks: the one in which its direction lies, and the nearest one across a corner.
+// Texels looked up for a point: the one that contains its direction, and the nearest one across a corner.
 const ASKED_TEXELS: u32 = 2u;
-// The cosine between the normals of a point and of what its texel shows, if these are one surface.
+// Least cosine between the normals of a point and of its texel's surface, if both are one surface.
 const LOOKS_ALIKE: f32 = 0.8;
 
-// A point behind what its texel shows, or the next one, or the other points' of the lane, is hidden if its ray meets it: that is proof. Of the others those are lit that
-// are on the plane of what their texel shows, or behind it by no more than the margin, if nothing stands before that. Else nothing is said.
+// A point is hidden if its ray hits the primitive of one of its texels, or of the other points of the lane: that is
+// proof. Of the other points, those on the plane of their texel's primitive, or behind it within the margin, are lit,
+// if nothing stands before that plane. Else the answer is unknown.
 fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     var said = Said(wanted, U(MISS));
     if !has_table(light) { return said; }
@@ -185,9 +188,10 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
         if turn == 0u {
             let size = ray.distance * sqrt(dot3(planes, planes));
             let is_clear = shown < U(SOMETHING_BEFORE);
-            // Shadow rays end off their surfaces, before the plane; on a ball's near side before that of its outline, whose far side is behind it.
+            // Shadow rays end off their surfaces, before the plane. On a ball's near side they end before the plane of
+            // its outline, since its far side lies behind that plane.
             on = is_clear & (behind <= 0.25 * ON_PLANE * size);
-            // A surface that curves lies behind a plane of its own by little, and looks the same way.
+            // A curved surface lies slightly behind its texel's plane and has a similar normal.
             let alike = -dot3(planes, asked_normal) * ray.distance >= LOOKS_ALIKE * size;
             nearly_on = is_clear & alike & (behind <= (BUFFER_MARGIN * table.theta_step + 0.25 * ON_PLANE) * size);
         }
@@ -200,8 +204,9 @@ fn said_by_table(light: u32, wanted: B, ray: ShadowRay) -> Said {
     return said;
 }
 
-// What is said besides of unknown points where one of these primitives, of open points one each, hides them. Points that a plane says to be lit try their own primitive
-// alone: a margin lets more than rays do, and which points share a lane must not change a picture. Of the others a ray would say the same.
+// Adds the unknown points that one of these primitives hides, one per open point. Points that a plane shows as lit test
+// their own primitive only: a margin tolerates more than rays do, and the picture must not depend on which points share
+// a lane. For the others a ray would give the same answer.
 fn with_proof(before: Said, asked: B, slots: U, lit: B, ray: ShadowRay) -> Said {
     var said = before;
     var open = asked;
@@ -223,7 +228,7 @@ fn ask_tables(surfaces: Surfaces) {}
 fn hidden_from(light: u32, ray: ShadowRay, wanted: B) -> U { return occluders_of(ray, wanted); }
 
 //! if shadow_buffer is object or depth or hybrid
-// What hides a light from points: as its table says, and as rays say to those alone of which it says nothing.
+// Returns the occluders of a light at points, by its table. Only points that the table leaves unknown trace rays.
 fn hidden_from(light: u32, ray: ShadowRay, wanted: B) -> U {
     let said = said_by_table(light, wanted, ray);
     if !any_ray(said.unknown) { return said.occluders; }

@@ -1,16 +1,16 @@
-// A light's shadow-buffer as what primitives are drawn on (docs/SHADOW-BUFFER.md): its texels are a picture's pixels of which each row has the
-// angle theta from a pole, and each column the azimuth phi. Edges of triangles are curves there, but planes through the light in space, where all
-// tests are made: so triangles across the seam or around a pole are like all others.
+// A light's shadow-buffer as the canvas that primitives are drawn on (docs/SHADOW-BUFFER.md). Each row of texels has an
+// angle theta from a pole, each column an azimuth phi. Edges of triangles are curves there. All tests use planes
+// through the light in space, so triangles across the seam or around a pole need no special case.
 
 //! if canvas is middles or texels
-// A table is drawn on as it is.
+// A table is drawn on without a projection.
 alias Canvas = u32;
 
 fn canvas_at_work() -> Canvas { return 0u; }
 
 fn counted_row() -> u32 { return 0u; }
 
-// The texels of a thread of a launch over blocks.
+// Returns the texels of a thread in a dispatch over blocks.
 fn block_texels(id: vec3u) -> Pixels {
     let first = pixel_in_tile(id.xy) * BLOCK;
     return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
@@ -20,13 +20,14 @@ fn inside_table(texels: Pixels) -> B {
     return (texels.x < U(frame.columns)) & (texels.y < U(frame.image_size.y));
 }
 
-// What is nearest in a texel.
+// The nearest hit in a texel.
 struct Shown {
     t: f32,
     slot: u32,
 }
 
-// Of its two words in the T-buffer and of the nearest of all planes. Of equal t what stands in the tree wins, whose ids are smaller than planes'.
+// Returns the nearer of the T-buffer's two words and the nearest plane. At equal t the primitive of the tree wins: its
+// id is smaller.
 fn shown_at(drawn: vec2u, nearest: Hits, ray: u32) -> Shown {
     let t = bitcast<f32>(~drawn.x);
     if drawn.x != 0u && t <= of_ray(nearest.t, ray) { return Shown(t, select(drawn.y - 1u, UNFILLED, drawn.y == 0u)); }
@@ -37,18 +38,18 @@ fn count_test(place: vec2u) {
     atomicAdd(&counters[PRIMITIVES_TESTED], 1u);
 }
 
-// Angles and places in the table round by less, in texels.
+// Returns an upper bound, in texels, of the rounding of angles and places in the table.
 fn slack_of_places() -> f32 { return 0.02 + 4e-6 / frame.theta_step; }
 
-// A cone of directions from the light in which a primitive lies.
+// A cone of directions from the light that contains a primitive.
 struct Cap {
     axis: vec3f,      // unit
     radius: f32,      // radians; ALL_AROUND: it may lie anywhere
-    sine: f32,        // of that
+    sine: f32,        // of the radius
 }
 
 const ALL_AROUND: f32 = 4.0;
-// More than caps round by, radians.
+// Exceeds the rounding of caps, radians.
 const CAP_SLACK: f32 = 4e-6;
 
 fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
@@ -56,16 +57,17 @@ fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
     return Cap(select(frame.axis_z, axis, is_narrow), select(ALL_AROUND, radius, is_narrow), select(1.0, sine + CAP_SLACK, is_narrow));
 }
 
-// Wider than this the corners' middle says little.
+// For wider triangles the corners' mean direction says little.
 const WIDEST_CHORD: f32 = 1.2;
 
-// Around the sum of the corners' directions. A cone less wide than half a sphere that has the corners has the triangle.
+// Returns a cone around the sum of the corners' directions. A cone narrower than a hemisphere contains the triangle if
+// it contains the corners.
 fn triangle_cap(primitive: Primitive) -> Cap {
     let a = normalize(primitive.a - frame.target_eye);
     let b = normalize(primitive.b - frame.target_eye);
     let c = normalize(primitive.c - frame.target_eye);
     let axis = normalize(a + b + c);
-    // By chords: a small angle's cosine says nothing.
+    // By chords, since a small angle's cosine is inexact.
     let chord = max(length(a - axis), max(length(b - axis), length(c - axis)));
     let is_narrow = chord < WIDEST_CHORD;
     let half = 0.5 * select(0.0, chord, is_narrow);
@@ -73,7 +75,7 @@ fn triangle_cap(primitive: Primitive) -> Cap {
     return cap_around(axis, 2.0 * half * sqrt(rest), rest - half * half, is_narrow);
 }
 
-// Of an ellipsoid the sphere's around it.
+// Returns the cone of a ball. For an ellipsoid it is that of the sphere around it.
 fn ball_cap(primitive: Primitive) -> Cap {
     let center = primitive.a - frame.target_eye;
     let distance = length(center);
@@ -84,11 +86,11 @@ fn ball_cap(primitive: Primitive) -> Cap {
 
 fn angle_of(sine: f32, cosine: f32) -> f32 { return of_ray(arctangent(F(sine), F(cosine)), 0u); }
 
-// Angles that something lies between, radians; of phi from the table's begin.
+// Ranges of angles, radians; phi from the table's begin.
 struct Angles {
     theta: vec2f,
     phi: vec2f,
-    all_around: bool,    // it may have any phi
+    all_around: bool,    // any phi is possible
 }
 
 fn angles_of(cap: Cap) -> Angles {
@@ -96,7 +98,7 @@ fn angles_of(cap: Cap) -> Angles {
     let y = dot(cap.axis, frame.axis_y);
     let aside = sqrt(x * x + y * y);
     let theta = angle_of(aside, dot(cap.axis, frame.axis_z));
-    // Around a pole it has all azimuths.
+    // Around a pole any azimuth is possible.
     let has_pole = cap.radius >= theta - CAP_SLACK || cap.radius >= 3.1415926 - theta - CAP_SLACK;
     let sine = min(cap.sine / max(aside, 1e-9), 1.0);
     // Near 1 the cosine rounds by more than the sine.
@@ -105,8 +107,8 @@ fn angles_of(cap: Cap) -> Angles {
     return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
 }
 
-// Of a triangle whose cone has no pole they are those of its corners, and the thetas where an edge, which is a great circle's, comes nearest to a pole: so
-// needles have no more texels than they need.
+// Returns the angles of a triangle. If its cone contains no pole, they are those of its corners, and the theta where an
+// edge's great circle comes nearest to a pole. So needles cover no more texels than necessary.
 fn triangle_angles(primitive: Primitive) -> Angles {
     let around = angles_of(triangle_cap(primitive));
     if around.all_around { return around; }
@@ -124,7 +126,7 @@ fn triangle_angles(primitive: Primitive) -> Angles {
     return Angles(vec2f(first, last), vec2f(low, high), false);
 }
 
-// The phi of a direction along the axes, no more than half a turn from another one.
+// Returns the phi of a direction in the axes, at most half a turn from another one.
 fn phi_beside(v: vec3f, middle: f32) -> f32 {
     let phi = angle_of(v.y, v.x) - frame.phi_begin;
     return phi - TURN * floor((phi - middle) / TURN + 0.5);
@@ -132,8 +134,9 @@ fn phi_beside(v: vec3f, middle: f32) -> f32 {
 
 const TURN: f32 = 6.2831853;
 
-// Least and largest theta of an edge between two unit vectors along the axes. Where it rises from both of its ends, or falls, it turns back in between, as far from the pole as its plane's
-// normal is from the equator.
+// Returns the least and largest theta of an edge between two unit vectors in the axes. If it rises from both ends, or
+// falls from both, it turns between them. Its distance from the pole there is that of its plane's normal from the
+// equator.
 fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     let from_a = angle_of(length(a.xy), a.z);
     let from_b = angle_of(length(b.xy), b.z);
@@ -146,8 +149,8 @@ fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
     return vec2f(low, high);
 }
 
-// First column and row, and the last ones, of the table, of the rows at work that what lies between angles may reach; none if a first is past its last. Columns may go on
-// beyond the last one, behind which the first one is.
+// Returns the first and last column and row of the table, within the rows at work, that a range of angles may reach. If
+// a first exceeds its last, there is none. Columns may exceed the last one, since they wrap around.
 fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     let rows = i32(frame.image_size.y);
     let begin = i32(frame.first_row);
@@ -171,25 +174,25 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     return vec4i(first_column, i32(first_row), last_column, i32(last_row));
 }
 
-// The first place of the table that an angle on may reach, and the last one that an angle up to another one may, a place being what lies so far on both sides
-// of a texel's middle.
+// Return the first texel that a range of angles may reach, and the last one. `reaches` says how far a texel extends on
+// either side of its middle.
 fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.theta_step - reaches.x); }
 fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.theta_step - reaches.y); }
 
 fn is_out_of_sight(primitive: Primitive, canvas: Canvas) -> bool { return false; }
 
-// Where a lane's texels stand: behind the last column the first one is.
+// Returns where a lane's texels are: columns wrap around.
 fn on_canvas(texels: Pixels) -> Pixels {
     let columns = U(frame.columns);
     return Pixels(select(texels.x, texels.x - columns, texels.x >= columns), texels.y);
 }
 
-// Rays from the light through texels' middles.
+// Returns rays from the light through texels' middles.
 fn rays_from(texels: Pixels) -> Rays {
     return Rays(frame.target_eye, directions_at(F(texels.y + frame.first_row) + 0.5, F(texels.x) + 0.5));
 }
 
-// Directions of places in the table, in texels.
+// Returns directions of places in the table, in texels.
 fn directions_at(rows: F, columns: F) -> F3 {
     let theta = rows * frame.theta_step + frame.theta_begin;
     let phi = columns * frame.phi_step + frame.phi_begin;
@@ -204,8 +207,8 @@ fn directions_at(rows: F, columns: F) -> F3 {
     );
 }
 
-// How far directions stand on the inner side of the planes through the light and a triangle's edges: the sine of the angle, above -reach for some winding
-// where what lies so close to it may meet the triangle.
+// Returns which directions may meet a triangle: those on the inner side of the planes through the light and its edges,
+// for some winding, or within `reach` of it. The sine of their angle to a plane exceeds -reach.
 fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -219,10 +222,10 @@ fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     return one_way | other_way;
 }
 
-// Of a block of 2x2 texels no direction is farther from its middle than so many rows.
+// Largest distance of a direction in a block of 2x2 texels from its middle, in rows.
 const BLOCK_REACH: f32 = 1.5;
 
-// The blocks of a tile of texels, a bit each, that may lie within a triangle's edges.
+// Returns the blocks of a tile of texels, one bit each, that may lie within a triangle's edges.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let reach = BLOCK_REACH * frame.theta_step + CAP_SLACK;
     var bits = 0u;
@@ -251,20 +254,20 @@ fn angles_around(primitive: Primitive) -> Angles {
 }
 
 //! if canvas is middles
-// Texels whose middles a primitive may cover.
+// Returns the texels whose middles a primitive may cover.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
     return texels_over(angles_around(primitive), vec2f(0.5 + slack, 0.5 - slack));
 }
 
 //! if canvas is texels
-// Texels that a primitive may touch anywhere.
+// Returns the texels that a primitive may touch anywhere.
 fn drawn_over(primitive: Primitive, canvas: Canvas) -> vec4i {
     let slack = slack_of_places();
     return texels_over(angles_around(primitive), vec2f(1.0 + slack, -slack));
 }
 
-// Marks the texels of which something may stand before the surface that they show: t_buffer has what read_texels wrote.
+// Marks texels where something may stand before their surface. t_buffer holds the output of read_texels.
 fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
     let inside = before_end(texels, last);
     let texel = pixel_of_ray(on_canvas(texels), 0u);
@@ -283,30 +286,33 @@ fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
     return Later(0u, 0u);
 }
 
-// Nothing is left to look at again.
+// Nothing is deferred to a second look.
 fn draw_again(primitive: Primitive, slot: u32, texels: Pixels, later: Later) {}
 
-// Of a texel no direction is farther from its middle than so many rows.
+// Largest distance of a direction in a texel from its middle, in rows.
 const TEXEL_REACH: f32 = 0.75;
 
-// So much before a texel's surface is no matter, of the distance from the light.
+// Returns the tolerated distance before a texel's surface, as a share of the distance from the light.
 fn allowed_before() -> f32 { return frame.margin * frame.theta_step + ON_PLANE; }
 
 fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texel.y + 0.5)); }
 
-// Whether a primitive may be before a texel's surface, within the texel: the plane of which the points x from the light have plane . x = 1.
+// Returns whether a primitive may stand before a texel's surface, within the texel. The surface is the plane of the
+// points x, relative to the light, with plane . x = 1.
 fn stands_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
-    // Of all of it, wherever it is, how much is before the plane: with the distances of a texel that looks at it straight on, the least there are.
+    // The largest distance of any point of the primitive before the plane, wherever it is. The tolerance is that of a
+    // texel that faces the plane, the smallest there is.
     let size = length(plane);
     if size > 0.0 && 1.0 + most_along(primitive, -plane) <= allowed_before() { return false; }
     return touches_before(primitive, plane, texel);
 }
 
-// Wider texels than this, of tables of a few rows, curve by more than their corners are moved out; radians.
+// Radians. Wider texels, of tables with a few rows, curve by more than their corners are moved out.
 const WIDEST_TEXEL: f32 = 0.65;
 
-// Whether a plane is before another one somewhere in a texel. The reciprocal of the distance from the light to a plane is linear in direction, so that two planes'
-// differ most in one of the texel's corners, which are moved out by more than its sides curve and directions round. (What is no number is before it.)
+// Returns whether a plane lies before another one somewhere in a texel. The reciprocal of a plane's distance from the
+// light is linear in direction. So the difference between two planes is largest in a corner of the texel. The corners
+// are moved out by more than the sides curve and directions round. NaN counts as before.
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
     let allowed = allowed_before() * length(plane);
@@ -341,7 +347,8 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
     return aside <= cap.radius + TEXEL_REACH * frame.theta_step + CAP_SLACK;
 }
 
-// The plane of a triangle, seen from the light: of its points the products with this vector are 1. Of one through the light there is none: that light does not see it.
+// Returns the plane of a triangle, relative to the light: the dot product of its points with this vector is 1. It is 0
+// for a plane through the light, which does not see the triangle.
 fn triangle_plane(primitive: Primitive) -> vec3f {
     let normal = normalize(largest_one(cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a))));
     let height = dot(normal, primitive.a - frame.target_eye);
@@ -349,7 +356,8 @@ fn triangle_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is corners or spheres
-// The plane of the circle in which a ball's outline lies: what is behind it hides no point of the ball that faces the light. From within there is none.
+// Returns the plane of the circle of a ball's outline. Whatever lies behind it hides no point of the ball that faces
+// the light. It is 0 if the light is inside.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = primitive.a - frame.target_eye;
     let distance = length(center);
@@ -359,7 +367,7 @@ fn ball_plane(primitive: Primitive) -> vec3f {
 }
 
 //! if canvas is texels and texels is ellipsoids
-// The same of an ellipsoid: of the sphere that its matrix takes it to, and back.
+// The same for an ellipsoid: the plane of the sphere that its matrix maps it to, mapped back.
 fn ball_plane(primitive: Primitive) -> vec3f {
     let center = to_sphere(primitive, primitive.a - frame.target_eye);
     let distance = length(center);
@@ -410,7 +418,7 @@ fn shown_plane(slot: u32) -> vec3f {
     return select(bitcast<vec3f>(primitive_texel(slot, 1u).xyz) / height, vec3f(0.0), height == 0.0);
 }
 
-// Whether an infinite plane other than the one that a texel shows is before what it shows.
+// Returns whether an infinite plane, other than the one that a texel shows, lies before the texel's surface.
 fn plane_stands_before(shown: u32, plane: vec3f, texel: vec2f) -> bool {
     var before = false;
     var slot = 0u;

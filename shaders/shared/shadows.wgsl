@@ -1,21 +1,21 @@
 // Shadow rays.
 
 //! if shadows is from_light
-// From the light to the surface: a lane's have one origin, which is what its traversal wants.
+// From the light to the surface, so that a lane's rays have one origin.
 
-// A shadow ray ends off the surface by this share of its length besides: the rounding of a direction so long.
+// A shadow ray also ends off the surface by this share of its length, because of the direction's rounding.
 const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 
 var<private> shadow_rays: u32;
 
-// What stands in the way, by its place among the primitives; MISS where nothing does.
+// Returns the slot of each ray's occluder, or MISS.
 fn occluders_of(ray: ShadowRay, wanted: B) -> U {
     shadow_rays += count_rays(wanted);
     return any_slot(Rays(ray.light, ray.direction), F(0.0), select(F(NEVER), ray.distance, wanted));
 }
 
 //! if shadows is from_light and planes is none
-// Of which rays a primitive stands in the way, as traversal would find it.
+// Returns which rays a primitive occludes, by the test of traversal.
 fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     if COUNT { primitives_tested += 1u; }
     let rays = Rays(ray.light, ray.direction);
@@ -31,8 +31,8 @@ fn occluded_by(slot: u32, ray: ShadowRay) -> B {
 }
 
 //! if shadows is from_surface
-// From the surface to the light, one after the other: for lights so far off that from there f32 tells the scene's points no
-// longer apart.
+// From the surface to the light, one ray after the other: for lights so far away that f32 cannot tell the scene's
+// points apart from there.
 
 const OFFSET_BY_LIGHT: f32 = 0.0;
 
@@ -55,7 +55,7 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is none
-// As with shadows, so that what is lit is lit to the same bit.
+// The same as with shadows, so that lit points have the same bits.
 const OFFSET_BY_LIGHT: f32 = 1.0 / 1048576.0;
 const shadow_rays: u32 = 0u;
 
@@ -64,13 +64,13 @@ fn occluders_of(ray: ShadowRay, wanted: B) -> U {
 }
 
 //! if shadows is from_surface or none
-// Rays from far off round in another way than those from the surface: nothing is known without one.
+// Rays from the light round differently from those from the surface, so nothing is known without a trace.
 fn occluded_by(slot: u32, ray: ShadowRay) -> B {
     return B(false);
 }
 
 //! end
-// Whether it stands in the way of one of them.
+// Returns whether a primitive occludes one of the rays.
 fn is_occluded_by(slot: u32, ray: ShadowRay, index: u32) -> bool {
     return of_ray_b(occluded_by(slot, ray), index);
 }

@@ -1,4 +1,4 @@
-// What rays see that hit nothing.
+// The colour of rays that miss.
 
 //! if sky is constant
 // One colour.
@@ -7,15 +7,15 @@ fn sky(direction: F3) -> F3 {
 }
 
 //! if sky is gradient
-// A blend along the world's y axis.
+// A gradient along the world's y axis.
 fn sky(direction: F3) -> F3 {
     let height = 0.5 + 0.5 * direction.y / sqrt(dot3(direction, direction));
     return add3(times3(all3(shading_vector(SKY_NADIR)), 1.0 - height), times3(all3(shading_vector(SKY_ZENITH)), height));
 }
 
 //! if sky is map
-// An equirectangular picture, bilinear: its top row is straight up, its middle column towards -z, and columns go round to the right.
-// Columns wrap at the seam; past a pole a row goes on at the opposite column.
+// An equirectangular picture, filtered bilinearly. Its top row is straight up, its middle column faces -z, and columns
+// go round to the right. Columns wrap at the seam. Beyond a pole a row continues at the opposite column.
 const PI: f32 = 3.14159265;
 
 fn sky(direction: F3) -> F3 {
@@ -32,7 +32,7 @@ fn sky(direction: F3) -> F3 {
 }
 
 fn sky_color(d: vec3f, first: u32, size: vec2i) -> vec3f {
-    // Straight up and down every column is as good.
+    // Straight up and down, any column will do.
     let upright = max(abs(d.x), abs(d.z)) < 1e-7;
     let turn = select(atan2(d.x, -d.z) / (2.0 * PI), 0.0, upright);
     let place = vec2f(turn + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI) * vec2f(size) - 0.5;

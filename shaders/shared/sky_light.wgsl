@@ -1,5 +1,5 @@
-// The sky as a light. Where it is asked for in place of ambient light, the rays into a point's surroundings bring what the sky is like where they
-// lead (DESIGN, section 3).
+// The sky as a light. If requested in place of ambient light, rays into a point's surroundings collect the sky's
+// radiance (DESIGN, section 3).
 
 //! if surroundings is ambient
 fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
@@ -12,7 +12,7 @@ fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32)
     return arrived_evenly(surfaces, eye, light, slot, ray);
 }
 
-// What four rays bring to a white surface, times the number of all rays: a colour each.
+// Colours that four rays bring to a white surface, each times the number of all rays.
 struct FourColors {
     r: vec4f,
     g: vec4f,
@@ -21,7 +21,8 @@ struct FourColors {
 
 fn luminance(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
 
-// Its share, which views take over, is that of its luminance. It makes no highlights, as ambient light makes none.
+// Returns the light of the sky at one point. Views reuse its share, which is by luminance. It makes no highlights, like
+// ambient light.
 fn arrived_from_sky(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
     let aim = aim_at(surfaces, eye, light, ray);
     let known = known_share(light, slot, aim.count, ray);
@@ -70,7 +71,7 @@ fn four_rays(aim: Aim, group: u32) -> Four {
 }
 
 //! if surroundings is cosine
-// A sky of one colour or a gradient: rays leave by the cosine, so that each brings as much of what is seen along it as any other.
+// For a sky of one colour or a gradient rays are distributed by the cosine, so all have the same weight.
 fn sky_colors(aim: Aim, rays: Four) -> FourColors {
     let none = vec4f(0.0);
     var four = FourColors(none, none, none);
@@ -87,9 +88,8 @@ fn sky_colors(aim: Aim, rays: Four) -> FourColors {
 }
 
 //! if surroundings is map
-// A picture may have a sun of few pixels: every other ray leaves for a place that is chosen by its brightness, the others by the cosine, and what
-// both kinds may have met is weighed by how likely they were to (Veach & Guibas 1995, "Optimally Combining Sampling Techniques": the balance
-// heuristic).
+// A picture may have a sun of few pixels. So every other ray samples the picture's brightness, the others the cosine.
+// Both are combined by the balance heuristic (Veach & Guibas 1995, "Optimally Combining Sampling Techniques").
 fn bright_rays(aim: Aim) -> u32 { return aim.count / 2u; }
 
 fn cosine_rays(aim: Aim) -> u32 { return aim.count - bright_rays(aim); }
@@ -120,9 +120,9 @@ fn four_rays(aim: Aim, group: u32) -> Four {
     );
 }
 
-// A map's pixels are weighed by their luminance and by the sine of their angle from the poles, but for its shape near enough (off by 0.0011) and
-// the same to a bit on the host, which sums them: src/table.rs. What a map shows is bilinear: the sum of its pixels, each spread over a tent two
-// pixels wide. So is what rays are chosen by.
+// Weights of a map's pixels are luminance times the sine of the angle from the poles. The sine is approximated, off by
+// at most 0.0011, with the same bits as on the host, which sums the weights: src/table.rs. A map is bilinear: each
+// pixel is spread over a tent two pixels wide. The density of rays is bilinear too.
 fn row_weight(row: i32, rows: i32) -> f32 {
     let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);
     let down = (f32(inside) + 0.5) / f32(rows);
@@ -130,7 +130,8 @@ fn row_weight(row: i32, rows: i32) -> f32 {
     return arc * (0.775 + 0.225 * arc);
 }
 
-// The first of some texels whose w, a growing share, is over a share, and how far that is on the way from the share before. The last one's is 1.
+// The first texel whose w, a cumulative share, exceeds a given share, and how far the share lies between its
+// predecessor's w and its own. The last texel counts as 1.
 struct TexelOver {
     index: u32,
     within: f32,
@@ -156,12 +157,12 @@ fn texel_over(share: f32, first: u32, stride: u32, count: u32) -> TexelOver {
     return TexelOver(low, select(0.5, clamp((share - below) / (above - below), 0.0, 1.0), above > below));
 }
 
-// A place of a tent from -1 to 1, by a share of its area.
+// Returns the position in a tent from -1 to 1 below which a given share of its area lies.
 fn tent(share: f32) -> f32 {
     return select(1.0 - sqrt(2.0 - 2.0 * share), sqrt(2.0 * share) - 1.0, share < 0.5);
 }
 
-// A direction chosen by the map's brightness: its row, then its column, then within its tent.
+// Samples a direction by the map's brightness: first the row, then the column, then the place within its tent.
 fn towards_brightness(u: f32, v: f32) -> vec3f {
     let header = table_texel(SKY_NADIR);   // first texel, width, height
     let row = texel_over(u, header.x + header.y - 1u, header.y, header.z);
@@ -172,7 +173,7 @@ fn towards_brightness(u: f32, v: f32) -> vec3f {
     return vec3f(sin(down) * sin(around), cos(down), -sin(down) * cos(around));
 }
 
-// What is seen of a map in a direction, and how densely rays are chosen there by brightness, over pi steradians.
+// Colour of a map in a direction, and the density of rays sampled by brightness there, times pi steradians.
 struct SkySeen {
     color: vec3f,
     density: f32,
@@ -197,7 +198,7 @@ fn sky_seen(d: vec3f, header: vec4u, mean: f32) -> SkySeen {
 
 fn sky_colors(aim: Aim, rays: Four) -> FourColors {
     let header = table_texel(SKY_NADIR);
-    // The mean of the pixels' weights stands where the last row's share would.
+    // The mean of the pixels' weights is stored in place of the last row's share.
     let mean = bitcast<f32>(table_texel(header.x + header.y * header.z - 1u).w);
     let none = vec4f(0.0);
     var four = FourColors(none, none, none);

@@ -1,13 +1,13 @@
-// Light that comes from many places at once: of lights that have a size, and ambient light, which surroundings keep off. A surface asks
-// some of these places by a ray each. They are spread evenly (Hammersley's points) and shifted by random numbers of the pixel's own, so that
-// no pattern shows, and a frame repeats to the bit.
+// Soft light: extended lights, and ambient light that surroundings occlude. A surface samples each source by several
+// rays. They are spread evenly (Hammersley's points) and shifted by random numbers of the pixel. So no pattern shows,
+// and a frame repeats to the bit.
 
-// What a light is, in the w of its first texel; its size stands in the w of the second one.
+// Kind of a light, in w of its first texel. Its size is in w of the second one.
 const POINT: u32 = 0u;
-// 1: a ball; size: radius.
+// 1 is a ball; its size is the radius.
 const RECTANGLE: u32 = 2u;     // third and fourth texel: from its middle to the middles of two sides
-const SUN: u32 = 3u;           // its place is a unit direction; size: tangent of the radius
-const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light, by rays that end after frame.occlusion_radius
+const SUN: u32 = 3u;           // its position is a unit direction; size: tangent of the radius
+const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after frame.occlusion_radius
 
 //! if soft is none
 fn light_kind(light: u32) -> u32 { return POINT; }
@@ -27,7 +27,7 @@ fn throw_dice(pixels: Pixels, salt: u32) {}
 fn rays_asked() -> u32 { return shadow_rays; }
 
 //! if soft is skipped
-// Other kernels ask all lights, points too.
+// Other kernels handle the lights, points too.
 fn light_kind(light: u32) -> u32 { return SURROUNDINGS; }
 
 //! if soft is masked or asked or followed
@@ -39,15 +39,15 @@ fn light_kind(light: u32) -> u32 {
 //! if soft is skipped or masked or asked or followed
 fn sources_of(lights: u32) -> u32 { return lights + select(0u, 1u, OCCLUSION_RAYS > 0u); }
 
-// Sources have slots: ambient light the first one, where it is asked for; then lights in their order.
+// Sources have slots: ambient light the first one, if it is sampled, then lights in their order.
 fn first_slot() -> u32 { return select(0u, 1u, OCCLUSION_RAYS > 0u); }
 
 fn slot_of(light: u32, next: u32) -> u32 { return select(next, 0u, light >= table_texel(AMBIENT).w); }
 
-// Ambient light that nothing keeps off: where its share is asked for, it is a source.
+// Returns ambient light without occlusion. It is 0 if ambient light is sampled as a source.
 fn open_ambient() -> vec3f { return select(shading_vector(AMBIENT), vec3f(0.0), OCCLUSION_RAYS > 0u); }
 
-// The pixels that random numbers are drawn for, as buffers count them.
+// The pixels whose random numbers are drawn, in buffer coordinates.
 var<private> dice: Pixels;
 var<private> dice_salt: u32;
 var<private> soft_rays: u32;
@@ -63,8 +63,8 @@ fn rays_asked() -> u32 { return shadow_rays + soft_rays; }
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { return no_light(); }
 
 //! if soft is masked or asked
-// Masks, a bit for each of a pixel's rays to a source that arrives, stand behind the counters and a map of costs: a buffer of their own would
-// be more than kernels may have.
+// Returns the index of a mask, which has one bit for each of a pixel's rays to a source that arrives. Masks are stored
+// in `counters`, behind the counters and the cost map, since a further buffer would exceed a kernel's limit.
 fn mask_place(slot: u32, ray: u32) -> u32 {
     let pixels = frame.image_size.x * frame.image_size.y;
     let first = frame.image_size.y * COUNTERS + select(0u, pixels, COST_MAP);
@@ -72,11 +72,11 @@ fn mask_place(slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is masked or asked or followed
-// How rays leave a point for a source: along base + p along + q up, where p and q lie in a disc, or in a square for a rectangle. Those to
-// surroundings leave by the cosine of their angle with base.
+// How rays leave a point for a source: along base + p along + q up, with (p, q) in a disc, or in a square for a
+// rectangle. Rays to surroundings are distributed by the cosine of their angle with base.
 struct Aim {
     kind: u32,
-    count: u32,       // of all rays
+    count: u32,       // number of rays to the source
     start: vec3f,     // off the surface
     base: vec3f,
     along: vec3f,
@@ -86,17 +86,17 @@ struct Aim {
     spin: vec2f,
 }
 
-// Four of them.
+// Four rays.
 struct Four {
     x: vec4f,         // unit directions
     y: vec4f,
     z: vec4f,
-    far: vec4f,       // how far to go
-    weight: vec4f,    // of what comes along it: its cosine with the surface's normal
+    far: vec4f,       // length
+    weight: vec4f,    // of the light along it: its cosine with the surface's normal
     wanted: vec4<bool>,
 }
 
-// What comes along all rays, and along those that arrive.
+// Weights of all rays, and of those that arrive.
 struct Shares {
     all: vec4f,
     open: vec4f,
@@ -104,7 +104,7 @@ struct Shares {
     open_shine: vec4f,
 }
 
-// Three random words of three (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": pcg3d).
+// Hashes three words to three (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering": pcg3d).
 fn scrambled(words: vec3u) -> vec3u {
     var v = words * 1664525u + 1013904223u;
     v += v.yzx * v.zxy;
@@ -119,7 +119,8 @@ fn spin_of(light: u32, ray: u32) -> vec2f {
     return vec2f(random.xy >> vec2u(8u)) / 16777216.0;
 }
 
-// Two unit vectors across a unit vector and each other (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+// Returns two unit vectors orthogonal to a unit vector and to each other (Duff et al. 2017, "Building an Orthonormal
+// Basis, Revisited").
 fn across(n: vec3f) -> array<vec3f, 2> {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
     let a = -1.0 / (sign + n.z);
@@ -147,7 +148,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
         let middle = shading_vector(first);
         size = bitcast<f32>(table_texel(first + 1u).w);
         aim.base = select(middle - aim.start, middle, kind == SUN);
-        // A sharp one is asked once.
+        // A sun without a size takes one ray.
         if size == 0.0 && kind == SUN { aim.count = 1u; }
         aim.along = shading_vector(first + 2u);
         aim.up = shading_vector(first + 3u);
@@ -160,7 +161,7 @@ fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {
     return aim;
 }
 
-// As a source's shape spreads them.
+// Returns four rays, distributed by the shape of the source.
 fn spread_four(aim: Aim, group: u32) -> Four {
     let index = vec4u(0u, 1u, 2u, 3u) + vec4u(4u * group);
     let u = fract((vec4f(index) + 0.5) / f32(aim.count) + aim.spin.x);
@@ -180,7 +181,7 @@ fn spread_four(aim: Aim, group: u32) -> Four {
     return facing_four(aim, index, x, y, z);
 }
 
-// Rays along four ways, but for those that lead below the surface.
+// Returns rays in four directions, without those that lead below the surface.
 fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     let far = sqrt(x * x + y * y + z * z);
     var rays = Four(x / far, y / far, z / far, far, vec4f(1.0), index < vec4u(aim.count));
@@ -210,12 +211,12 @@ fn sum_of_four(four: vec4f) -> f32 {
     return (four.x + four.y) + (four.z + four.w);
 }
 
-// Whether light comes from a source to a surface at all, by its nature: casts no shadow, or nobody asks.
+// Returns whether a source is always visible: if lights cast no shadows and it is not ambient light.
 fn is_never_hidden(kind: u32) -> bool {
     return !CASTS && kind != SURROUNDINGS;
 }
 
-// What comes from a source to the points that a lane's rays hit.
+// Returns the light of a source at the points that a lane's rays hit.
 fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light {
     var result = no_light();
     let lit = is_lit_here(surfaces);
@@ -232,13 +233,13 @@ fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light {
     return result;
 }
 
-// To one of these points.
+// Light that arrives at one point.
 struct Arrived {
     diffuse: vec3f,
     shine: vec3f,
 }
 
-// From a source that is as bright in all directions.
+// Returns the light of a source of uniform radiance at one point.
 fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
     let aim = aim_at(surfaces, eye, light, ray);
     var known = known_share(light, slot, aim.count, ray);
@@ -280,13 +281,13 @@ fn arrived_evenly(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u3
 }
 
 //! if soft is masked
-// What trace_soft left.
+// Reads the mask that trace_soft stored.
 fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
     return atomicLoad(&counters[mask_place(slot, ray)]);
 }
 
 //! if soft is followed
-// Behind mirrors there are few, and they are asked at once.
+// Behind mirrors there are few points, so all rays are traced at once.
 fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
     var mask = 0u;
     var group = 0u;
@@ -299,10 +300,10 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 }
 
 //! if soft is asked
-// Rays of one dispatch to one source: what a thread does is bounded, however many sources there are.
+// Groups of four rays per dispatch and source. This bounds a thread's work for any number of sources.
 const ASKED_GROUPS: u32 = 4u;
 
-// Asks frame.soft_light, from its ray frame.soft_first on, from the hits of pixels of the target.
+// Traces rays to frame.soft_light, beginning with ray frame.soft_first, from the hits of target pixels.
 fn ask_light(pixels: Pixels, wanted: B) {
     let found = target_hits(pixels, wanted);
     let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
@@ -335,7 +336,7 @@ fn ask_light(pixels: Pixels, wanted: B) {
 }
 
 //! if rays is one
-// Which of four rays arrive, a bit each.
+// Returns which of four rays arrive, one bit each.
 fn traced_four(aim: Aim, group: u32) -> u32 {
     let rays = four_rays(aim, group);
     var mask = 0u;
@@ -353,7 +354,7 @@ fn traced_four(aim: Aim, group: u32) -> u32 {
 }
 
 //! if rays is four
-// Which of four rays arrive, a bit each. They start at one point, as a lane's rays are to.
+// Returns which of four rays arrive, one bit each. They have one origin, so they share a lane.
 fn traced_four(aim: Aim, group: u32) -> u32 {
     let rays = four_rays(aim, group);
     if !any(rays.wanted) { return 0u; }

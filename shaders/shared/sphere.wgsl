@@ -1,9 +1,9 @@
-// Rays against a sphere, after Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection" (Ray Tracing
-// Gems, chapter 7): the distance of the centre from the line is taken of the line's nearest point, so that small
-// spheres far away lose no digits.
+// Intersection with spheres, after Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection" (Ray
+// Tracing Gems, chapter 7). The distance of the centre from the line is computed from the line's nearest point, so
+// small distant spheres lose no digits.
 
-// The nearest t of at least t_min at which a line meets a sphere, or -1: the quadratic equation in sums of two f32, its smaller root as a
-// quotient, so that nothing cancels.
+// Returns the nearest t, at least t_min, at which a line meets a sphere, or -1. It solves the quadratic equation in
+// sums of two f32. The smaller root is a quotient, so nothing cancels.
 fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
     let squared = product_two(radius, radius);
     let outside = sum_two(dot_two3(to_center, to_center), Two(-squared.hi, -squared.lo));
@@ -20,7 +20,8 @@ fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {
 }
 
 //! if texels is corners or spheres
-// The nearest t of at least t_min. Close to a large sphere's surface f32 is too coarse for its size: there the result is doubtful.
+// Finds the nearest t that is at least t_min. The result is uncertain close to the surface of a large sphere, where f32
+// is too coarse.
 fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) -> Found {
     let radius = primitive.b.x;
     let to_center = primitive.a - rays.origin;
@@ -34,7 +35,7 @@ fn intersect_sphere(rays: Rays, scales: Scales, primitive: Primitive, t_min: F) 
     return Found((inside >= F(0.0)) & !close, t, close);
 }
 
-// One ray's t at a sphere that was doubtful, or -1 where it misses.
+// Returns one ray's t after an uncertain test, or -1 for a miss.
 fn look_again_sphere(origin: vec3f, direction: vec3f, primitive: Primitive, t_min: f32) -> f32 {
     let to_center = difference3(primitive.a, origin);
     let way = Two3(direction, vec3f(0.0));
@@ -48,7 +49,7 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let material = primitive_texel(slot, 2u).w;
     let center = bitcast<vec3f>(first.xyz);
     let direction = of_ray3(rays.direction, ray);
-    // From the eye, not from the world's origin, which may be far off.
+    // Relative to the eye, since the world's origin may be far away.
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
     let outward = normalize(largest_one(from_center));
     let normal = towards_viewer(outward, direction);

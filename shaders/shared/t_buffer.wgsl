@@ -1,19 +1,20 @@
-// A T-buffer (Raghuvanshi & Dhande, section II): of each pixel how far the first thing is that its ray meets, and which primitive that is. It is
-// found by drawing one primitive after the other over the pixels that its projection may reach. Rays and tests are those of traversal, so every t
-// is the same to the bit; a ray that misses what is drawn over it leaves nothing. docs/T-BUFFER.md has the argument.
+// A T-buffer (Raghuvanshi & Dhande, section II) holds for each pixel the t and the primitive of its ray's nearest hit.
+// It is filled by drawing each primitive over the pixels that its projection may reach. Rays and tests are those of
+// traversal, so every t is the same to the bit. A ray that misses a primitive drawn over it leaves nothing.
+// docs/T-BUFFER.md has the argument.
 //
-// Two words a pixel: the complement of t's bits, and the slot + 1 of the primitive that is met there. 0: nothing. t is not negative, so its
-// bits order as it does, and their complements the other way round: the largest is the nearest.
+// Two words a pixel: the complement of t's bits, and the primitive's slot + 1; 0 for a miss. Since t is not negative,
+// its bits are ordered like t, and their complements in reverse: the largest is the nearest.
 //
-// What is drawn on is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
+// The canvas is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
 
-// Lists of the primitives that may cover a pixel's middle, and which pass draws them.
+// Lists of the primitives that may cover a pixel's middle, and the number of the pass.
 struct Drawing {
-    few: DrawnHead,                 // those that cover few pixels
-    more: DrawnHead,                // those that cover a few tiles
-    parts: DrawnHead,               // parts of those that cover many
-    further_parts: atomic<u32>,     // parts that were asked for besides each one's first
-    pass_at_work: u32,              // 1: t is kept; SECOND_PASS: which primitive has it
+    few: DrawnHead,                 // primitives that cover few pixels
+    more: DrawnHead,                // primitives that cover a few tiles
+    parts: DrawnHead,               // parts of primitives that cover many
+    further_parts: atomic<u32>,     // parts requested beyond each primitive's first
+    pass_at_work: u32,              // 1: keeps t; SECOND_PASS: finds the primitive
     entries: array<u32>,
 }
 
@@ -24,21 +25,22 @@ struct DrawnHead {
 
 const SECOND_PASS: u32 = 2u;
 
-// There is room for three words for each primitive, and for so many further parts. A primitive is in one of the lists. Slots of the few stand from
-// the first word on, those that cover more from the last of the first third backwards. A part takes two words, from the last ones backwards: its slot,
-// and which part, with the number of parts from PARTS_BIT on.
+// The entries have room for three words a primitive, and for FURTHER_PARTS parts more. A primitive is in one list only.
+// Slots of `few` grow from the first word on, those of `more` backwards from the end of the first third. Parts grow
+// backwards from the end, two words each: the slot, then the part's index with the number of parts from PARTS_BIT on.
 const FURTHER_PARTS: u32 = 65536u;
 const PARTS_BIT: u32 = 16u;
 // Threads that share a part: a vector of a software adapter, which then reads one primitive.
 const GROUP: u32 = 8u;
-// Of the few so many are a thread's: a second look, which a software adapter's vector takes once in any case, is then taken once for all of them.
+// Entries of `few` per thread. A software adapter's vector takes the second look in any case, and then once for all of
+// them.
 const FEW_EACH: u32 = 4u;
-// Workgroups in a row of the launches over primitives, and over each list.
+// Workgroups in a row of the dispatches over primitives and over each list.
 const PROJECTED_ACROSS: u32 = 1024u;
 const FEW_ACROSS: u32 = 32u;
 const MORE_ACROSS: u32 = 64u;
 const PARTS_ACROSS: u32 = 64u;
-// A list's entries that a row of workgroups takes.
+// List entries per row of workgroups.
 const FEW_IN_ROW: u32 = FEW_ACROSS * LIST_WORKGROUP * FEW_EACH;
 const MORE_IN_ROW: u32 = MORE_ACROSS * LIST_WORKGROUP;
 const PARTS_IN_ROW: u32 = PARTS_ACROSS * LIST_WORKGROUP / GROUP;
@@ -47,11 +49,11 @@ const PARTS_IN_ROW: u32 = PARTS_ACROSS * LIST_WORKGROUP / GROUP;
 const FIRST_IN_TREE: u32 = 0u;
 
 //! if planes is some
-// Planes have the first places, and are asked by what reads the buffer.
+// Planes have the first slots. The kernel that reads the buffer tests them.
 const FIRST_IN_TREE: u32 = PLANES;
 
 //! end
-// How many primitives there are in the tree: the host made room for as many.
+// Returns the number of primitives in the tree, which the host sized the buffer for.
 fn primitives_in_tree() -> u32 {
     return (arrayLength(&drawing.entries) - 2u * FURTHER_PARTS) / 3u;
 }
@@ -60,18 +62,18 @@ fn place_of_more(entry: u32) -> u32 {
     return primitives_in_tree() - 1u - entry;
 }
 
-// Of a part's two words the first.
+// Returns the index of the first of a part's two words.
 fn place_of_part(part: u32) -> u32 {
     return arrayLength(&drawing.entries) - 2u - 2u * part;
 }
 
 //! if canvas is picture
-// The row in which threads count what belongs to no row: one of the band's own, which has up to two others above it.
+// Returns the row that counts work of no particular row. It is one of the band's own, above which are up to two others.
 fn counted_row() -> u32 {
     return min(frame.row_begin + 2u, frame.row_end - 1u);
 }
 
-// Where a primitive may be seen.
+// Where a primitive may be visible.
 
 //! if primitives is triangles
 fn most_along(primitive: Primitive, v: vec3f) -> f32 { return triangle_most(primitive, v); }
@@ -96,10 +98,10 @@ fn ball_radius(primitive: Primitive) -> f32 { return primitive.reach; }
 fn ball_reach(primitive: Primitive, v: vec3f) -> f32 { return length(half_widths(primitive, v)); }
 
 //! end
-// More than such products round by: of a vector's length and the other's components.
+// Exceeds the rounding of such products, as a share of one vector's length and the other's components.
 const PRODUCT_SLACK: f32 = 1.0 / 1048576.0;
 
-// At least the largest product of v with the way from the eye to a point of a triangle.
+// Returns an upper bound of the dot product of v with the offset from the eye to any point of a triangle.
 fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
     let a = primitive.a - frame.target_eye;
     let b = primitive.b - frame.target_eye;
@@ -108,7 +110,7 @@ fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
     return max(dot(a, v), max(dot(b, v), dot(c, v))) + farthest * components(v) * PRODUCT_SLACK;
 }
 
-// The same of a sphere or an ellipsoid.
+// The same for a sphere or an ellipsoid.
 fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
     let center = primitive.a - frame.target_eye;
     let farthest = length(center) + ball_radius(primitive);
@@ -116,7 +118,7 @@ fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
 }
 
 //! if canvas is picture
-// How a picture's pixels see what is drawn.
+// The projection of a picture's pixels.
 alias Canvas = Projection;
 
 fn canvas_at_work() -> Canvas { return projection_of(rows_at_work()); }
@@ -126,16 +128,16 @@ fn rows_at_work() -> Tile {
     return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
 }
 
-// Whether no ray of the rows at work may meet a primitive, as the planes around these rays tell. What reaches the plane of the eyes has no bounds;
-// much of that lies beside the picture or behind the eye.
+// Returns whether the planes around the rays of the rows at work exclude a primitive. A primitive that reaches the
+// plane of the eyes has no bounds, though many lie beside the picture or behind the eye.
 fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
     let across = min(most_along(primitive, projection.left_plane), most_along(primitive, projection.right_plane));
     let down = min(most_along(primitive, projection.top_plane), most_along(primitive, projection.bottom_plane));
     return min(min(across, down), most_along(primitive, projection.forward)) < 0.0;
 }
 
-// First column and row, and the last ones, in the picture, of the pixels of the rows at work that a primitive's projection may reach; none if a first is
-// past its last.
+// Returns the first and last column and row of the pixels that a primitive's projection may reach, in the picture and
+// within the rows at work. If a first exceeds its last, there is none.
 fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     // Samples are jittered along their rows only.
@@ -148,7 +150,7 @@ fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     return vec4i(vec2i(first), vec2i(last));
 }
 
-// Where a lane's pixels stand, and their rays.
+// Pixels of a lane on the canvas, and their rays.
 fn on_canvas(pixels: Pixels) -> Pixels { return pixels; }
 
 fn rays_from(pixels: Pixels) -> Rays {
@@ -158,21 +160,21 @@ fn rays_from(pixels: Pixels) -> Rays {
 //! end
 fn is_drawn_nowhere(over: vec4i) -> bool { return any(over.xy > over.zw); }
 
-// How many tiles these pixels are, from the first one on.
+// Returns how many tiles cover these pixels, counted from the first pixel.
 fn tiles_over(over: vec4i) -> u32 {
     let tiles = (vec2u(over.zw + 1 - over.xy) + TILE - 1u) / TILE;
     return tiles.x * tiles.y;
 }
 
-// A lane's pixels from one of the picture on, as buffers count them.
+// Returns a lane's pixels from a given pixel of the picture on, in buffer coordinates.
 fn pixels_from(corner: vec2u) -> Pixels {
     return Pixels(RAY_X + U(corner.x), RAY_Y + U(corner.y - frame.first_row));
 }
 
-// Rays whose answer must wait for their second look, a bit each.
+// Deferred rays, one bit each.
 struct Later {
-    doubtful: u32,    // rounding might decide whether they hit
-    contested: u32,   // another primitive is met at the same t
+    doubtful: u32,    // uncertain hit
+    contested: u32,   // another primitive has the same t
 }
 
 fn is_none(later: Later) -> bool { return (later.doubtful | later.contested) == 0u; }
@@ -180,14 +182,14 @@ fn is_none(later: Later) -> bool { return (later.doubtful | later.contested) == 
 // Whether this is the second pass.
 var<private> names_primitives: bool;
 
-// Whether they lie before a last column and row.
+// Returns which pixels lie within a last column and row.
 fn before_end(pixels: Pixels, last: vec2i) -> B {
     let end = vec2u(max(last, vec2i(0)));
     return (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
 }
 
 //! if canvas is picture or middles
-// Rays of a lane's pixels, up to a last column and row, against a primitive: keeps what they meet.
+// Tests the rays of a lane's pixels, up to a last column and row, against a primitive, and stores their hits.
 fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
     let inside = before_end(pixels, last);
     let places = on_canvas(pixels);
@@ -195,7 +197,7 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
     let found = intersect(primitive, rays, scales_of(rays), F(0.0));
     if COUNT && any_ray(inside) { count_test(pixel_of_ray(places, 0u)); }
     var later = Later(bits_of(found.doubtful & inside), 0u);
-    // As is_nearer has it, of rays that have met nothing.
+    // The same condition as is_nearer, for rays without a hit.
     var left = found.hit & inside & (found.t >= F(0.0)) & (found.t <= F(FAR));
     loop {
         let ray = first_ray(left);
@@ -210,15 +212,15 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
 }
 
 //! if canvas is picture
-// Of counting kernels, which have one ray a lane.
+// Only for counting kernels, which have one ray a lane.
 fn count_test(pixel: vec2u) {
     atomicAdd(&counters[pixel.y * COUNTERS + PRIMITIVES_TESTED], 1u);
     if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], 1u); }
 }
 
 //! if canvas is picture or middles
-// Keeps what a ray meets. Max commutes, so the order of the threads does not matter; nor in the second pass where one primitive has the nearest t.
-// Whether that is so: else it is to be claimed.
+// Stores a ray's hit. Maximum commutes, so the order of threads does not matter. In the second pass it does not either,
+// if only one primitive has the nearest t. Returns false if another primitive is stored: then it must be claimed.
 fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     let key = ~bitcast<u32>(abs(t)); // -0 is 0
     if !names_primitives {
@@ -229,8 +231,8 @@ fn keep_drawn(place: u32, t: f32, slot: u32) -> bool {
     return atomicCompareExchangeWeak(&t_buffer[place + 1u], 0u, slot + 1u).exchanged;
 }
 
-// Of those that are met at a pixel's t the smallest id gets it, and of copies the first place. A round that fails leaves another primitive
-// there, which has a smaller id than the one before.
+// Assigns a pixel to the primitive with the smallest id among those at its t, and to the first slot among copies. A
+// failed round means that another primitive with a smaller id was stored meanwhile.
 fn claim(place: u32, slot: u32, id: u32) {
     var done = false;
     loop {
@@ -250,7 +252,7 @@ fn claim(place: u32, slot: u32, id: u32) {
     cut_short |= !done;
 }
 
-// The second look, one ray a round.
+// Takes the second look, one ray per round.
 fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
     let places = on_canvas(pixels);
     let rays = rays_from(places);
@@ -271,11 +273,11 @@ fn draw_again(primitive: Primitive, slot: u32, pixels: Pixels, later: Later) {
 }
 
 //! end
-// A lane's turns at a block of 2x2 pixels.
+// Rounds of a lane for a block of 2x2 pixels.
 const TURNS: u32 = 4u / RAYS;
 
-// Draws a primitive over tiles of the pixels that it may cover, row by row: from one on to before another, so many from each to the next. Of a triangle only
-// those blocks are drawn that may lie within its edges.
+// Draws a primitive over some tiles of the pixels that it may cover, row by row: from `begin` to before `end`, every
+// `apart`-th one. For a triangle only blocks that may lie within its edges are drawn.
 fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32, apart: u32) {
     let corner = vec2u(over.xy);
     let size = vec2u(over.zw + 1) - corner;
@@ -288,7 +290,7 @@ fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32
         var pixels: Pixels;
         var later: Later;
         loop {
-            // The next tile with something to draw.
+            // Finds the next tile with something to draw.
             loop {
                 if blocks != 0u || tile >= end { break; }
                 first = corner + vec2u(tile % across, tile / across) * TILE;
@@ -310,14 +312,14 @@ fn draw_tiles(primitive: Primitive, slot: u32, over: vec4i, begin: u32, end: u32
             }
             if !is_none(later) { break; }
         }
-        // Once for all tiles, but for those that wait for it.
+        // Runs once for all tiles, except those that defer rays.
         draw_again(primitive, slot, pixels, later);
         if blocks == 0u && tile >= end { break; }
     }
     cut_short |= blocks != 0u || tile < end;
 }
 
-// The blocks of a tile, a bit each, row by row.
+// Returns the blocks of a tile to draw, one bit each, row by row.
 fn blocks_to_draw(primitive: Primitive, tile: Tile) -> u32 {
     let all = vec4i(vec2i(0), vec2i(tile.size) - 1);
     return covered_blocks(all) & blocks_within_edges(primitive, tile);

@@ -1,6 +1,6 @@
-// Textures: pictures with their mip levels, and checkerboards, in the shading table behind the sky's pixels.
+// Textures: pictures with mip levels, and checkerboards, in the shading table behind the sky's pixels.
 
-// How far the rays came before they began: what mirrors and glass sent on.
+// Path length of the rays up to their origin, after mirrors and glass.
 var<private> travelled_before: F;
 
 //! if textures is none
@@ -9,24 +9,25 @@ fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
 }
 
 //! end
-// Of the shading table: the texel whose w is the first of the textures' heads, one each.
+// Texel of the shading table whose w is the index of the first texture head. There is one head per texture.
 const TEXTURES: u32 = SKY_NADIR;
 
-// A texture's head: its kind in the lowest four bits of x and its wrap above them. A picture has z levels, from the largest on, from the
-// texel y on: first texel, width and height each. A checkerboard has z squares a side; its colours are the texels y and y + 1.
+// A texture's head has its kind in the lowest four bits of x and its wrap above them. A picture has z levels, the
+// largest first, from texel y on: each has its first texel, width and height. A checkerboard has z squares a side. Its
+// colours are the texels y and y + 1.
 const CHECKERBOARD: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_MIRROR: u32 = 1u;
 const WRAP_CLAMP: u32 = 2u;
 
-// Where a texture is looked up.
+// Position and footprint of a texture lookup.
 struct Lookup {
     uv: vec2f,
     width: f32,    // of the ray's footprint, in units of uv
-    round: bool,   // on a ball: closed around, and its poles are ends whatever the texture's wrap
+    round: bool,   // on a ball: u repeats and v ends at the poles, whatever the texture's wrap
 }
 //! if textures is some and planes is none
-// What textures and vertex colours multiply the albedo by where a ray hits.
+// Returns the factor of the albedo at a hit: texture times vertex colour.
 fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
     let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
     let painted = vertex_color(rays, hits, surface, ray);
@@ -53,8 +54,9 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
         return mix(first, other, checkered(at, i32(head.z), wrap));
     }
     let largest = vec2f(table_texel(head.y).yz);
-    // By areas, as the footprint is a square. The level whose pixels are as large comes nearest to the mean of 64 rays a pixel: half a level
-    // to either side is farther off or flickers more between the eyes (tests/it/textures/filter.rs).
+    // The level is chosen by area, since the footprint is a square. The level with pixels of its size comes nearest to
+    // the mean of 64 rays a pixel. Half a level to either side is farther off, or flickers more between the eyes
+    // (tests/it/textures/filter.rs).
     let pixels = at.width * sqrt(largest.x * largest.y);
     let level = clamp(log2(max(pixels, 1e-9)), 0.0, f32(head.z - 1u));
     let finer = u32(level);
@@ -64,21 +66,22 @@ fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     return mix(color, level_color(head.y + finer + 1u, at.uv, wrap), share);
 }
 
-// The other colour's share in a square of the footprint's size, exactly.
+// Returns the exact share of the other colour in a square of the footprint's size.
 fn checkered(at: Lookup, squares: i32, wrap: vec2u) -> f32 {
     let width = min(at.width * f32(squares), 64.0);
     let place = vec2f(near_unit(at.uv.x, wrap.x), near_unit(at.uv.y, wrap.y)) * f32(squares);
     return 0.5 - 0.5 * wave_mean(place.x, width, squares, wrap.x) * wave_mean(place.y, width, squares, wrap.y);
 }
 
-// A texture coordinate as near to 0 as shows the same, since f32 is fine there.
+// Returns an equivalent texture coordinate near 0, where f32 is fine.
 fn near_unit(x: f32, wrap: u32) -> f32 {
     return select(x - 2.0 * floor(0.5 * x), clamp(x, -64.0, 65.0), wrap == WRAP_CLAMP);
 }
 
-// The mean around a place of what is 1 in a row's first square, -1 in its second and so on, as the row is wrapped.
+// Returns the mean, around a place, of a square wave: 1 in a row's first square, -1 in its second and so on. It is
+// wrapped like the row.
 fn wave_mean(place: f32, width: f32, squares: i32, wrap: u32) -> f32 {
-    // A difference of sums would leave nothing of a small width. That holds one edge at most.
+    // For a small width, a difference of sums would cancel. Such a width holds one edge at most.
     if width < 1.0 {
         let edge = floor(place + 0.5);
         let before = clamp((edge - place) / max(width, 1e-6) + 0.5, 0.0, 1.0);
@@ -91,7 +94,7 @@ fn wave(square: i32, squares: i32, wrap: u32) -> f32 {
     return f32(1 - 2 * (wrapped(square, squares, wrap) & 1));
 }
 
-// The wave's integral from 0 on.
+// Returns the wave's integral from 0 on.
 fn wave_sum(x: f32, squares: i32, wrap: u32) -> f32 {
     let all = f32(squares);
     let odd = f32(squares & 1);
@@ -108,12 +111,12 @@ fn wave_sum(x: f32, squares: i32, wrap: u32) -> f32 {
     return odd * turns + zigzag(x - all * turns);
 }
 
-// Up from 0 to 1 and down again.
+// Rises from 0 to 1 and falls again.
 fn zigzag(x: f32) -> f32 {
     return 1.0 - abs(fract(0.5 * x) * 2.0 - 1.0);
 }
 
-// Bilinear, between the centres of a level's pixels.
+// Filters bilinearly between the centres of a level's pixels.
 fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     let texel = table_texel(level);
     let size = vec2i(texel.yz);
@@ -127,7 +130,7 @@ fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     return mix(top, bottom, share.y);
 }
 
-// Two a texel, each four halves: linear red, green and blue, and alpha.
+// Reads a pixel. A texel holds two, each of four halves: linear red, green and blue, and alpha.
 fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
     let index = u32(wrapped(at.y, size.y, wrap.y) * size.x + wrapped(at.x, size.x, wrap.x));
     let two = table_texel(first + index / 2u);
@@ -137,18 +140,18 @@ fn level_pixel(first: u32, at: vec2i, size: vec2i, wrap: vec2u) -> vec3f {
 
 fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
     if wrap == WRAP_CLAMP { return clamp(at, 0, size - 1); }
-    // Above 0, since a remainder has its dividend's sign.
+    // Made positive first, since a remainder has its dividend's sign.
     let turn = (at + 2 * size) % (2 * size);
     return select(turn % size, min(turn, 2 * size - 1 - turn), wrap == WRAP_MIRROR);
 }
 
-// Texture coordinates where a ray hits. The footprint is a square as large as the pixel's shadow on the surface, so its side is that of the
-// mean of both directions.
+// Returns texture coordinates at a hit. The footprint is a square with the area of the pixel's footprint on the
+// surface, so its side is the mean of both directions.
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
     let across = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x) * frame.pixel_side;
-    // Directions are of length 1 along the view axis: the longer one is, the more the pixel is aslant to it too.
+    // Directions have length 1 along the view axis. The longer one is, the more oblique is its pixel too.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }
     let corners = triangle_corners(slot);
@@ -163,7 +166,7 @@ fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     return Lookup(uv[0] * weights.x + uv[1] * weights.y + uv[2] * weights.z, side * sqrt(uv_area / area), false);
 }
 
-// Seen from outside, a texture's middle is at +z, its right at +x and its top at +y.
+// Maps a ball: seen from outside, a texture's middle is at +z, its right at +x and its top at +y.
 fn ball_lookup(outward: vec3f, radius: f32, side: f32) -> Lookup {
     let from_axis = length(outward.xz);
     let turn = select(atan2(outward.x, outward.z) / 6.2831853, 0.0, from_axis < 1e-7);
@@ -180,7 +183,7 @@ fn triangle_uv(slot: u32) -> array<vec2f, 3> {
 
 //! if uv is some
 fn triangle_uv(slot: u32) -> array<vec2f, 3> {
-    // Larger ones show no other place, but their products may not be numbers.
+    // Larger coordinates would show the same, but their products may overflow.
     let first = clamp(bitcast<vec4f>(primitive_texel(slot, UV_TEXEL)), vec4f(-1e15), vec4f(1e15));
     let second = clamp(bitcast<vec2f>(primitive_texel(slot, UV_TEXEL + 1u).xy), vec2f(-1e15), vec2f(1e15));
     return array<vec2f, 3>(first.xy, first.zw, second);
@@ -192,7 +195,7 @@ fn vertex_color(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
 }
 
 //! if colors is some
-// Each corner's packed as 10 bits of red, 12 of green and 10 of blue.
+// Unpacks a corner's colour: 10 bits of red, 12 of green and 10 of blue.
 fn corner_color(word: u32) -> vec3f {
     let parts = vec3u(word & 1023u, (word >> 10u) & 4095u, word >> 22u);
     return vec3f(parts) / vec3f(1023.0, 4095.0, 1023.0);

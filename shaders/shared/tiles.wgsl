@@ -1,4 +1,4 @@
-// Tiles of right pixels, row by row, and their blocks of 2x2; and what of boxes and primitives is projected onto a tile.
+// Tiles of right pixels, row by row, and their blocks of 2x2; projection of boxes and primitives onto a tile.
 
 const TILE: u32 = 8u;
 const TILE_PIXELS: u32 = 64u;
@@ -9,18 +9,18 @@ fn tiles_across() -> u32 {
     return (frame.image_size.x + TILE - 1u) / TILE;
 }
 
-// Pixels of a row that a thread of mark_busy looks at: it reads four samples more.
+// Pixels of a row that a thread of mark_busy tests. It reads four more samples.
 const BUSY_RUN: u32 = 16u;
 
-// What bound_tiles leaves of a tile: the bits of its bound, and of the lights that are busy there.
+// Words per tile of bound_tiles' result: the bits of its bound, and its busy lights.
 const BOUND_WORDS: u32 = 2u;
 
-// Where that of a pixel's tile begins.
+// Returns the index of the first of these words for a pixel's tile.
 fn bound_place(pixel: vec2u) -> u32 {
     return BOUND_WORDS * (pixel.y / TILE * tiles_across() + pixel.x / TILE);
 }
 
-// Tiles of the rows at work.
+// Returns the number of tiles in the rows at work.
 fn tiles_at_work() -> u32 {
     return (frame.row_end - frame.row_begin + TILE - 1u) / TILE * tiles_across();
 }
@@ -30,8 +30,8 @@ struct Tile {
     size: vec2u,
 }
 
-// Column and row of a point p from the right eye are dot(p, column) / z and dot(p, row) / z, z = dot(p, forward). The planes look
-// inwards through the outermost pixel centres, moved out by frame.wider.
+// A point p relative to the right eye has the column dot(p, column) / z and the row dot(p, row) / z, with z = dot(p,
+// forward). The planes face inwards through the outermost pixel centres, moved out by frame.wider.
 struct Projection {
     forward: vec3f,
     column: vec3f,
@@ -61,7 +61,7 @@ fn projection_of(tile: Tile) -> Projection {
     );
 }
 
-// The largest value of dot(p, v) in a box.
+// Returns the largest value of dot(p, v) in a box.
 fn most(child: Child, v: vec3f) -> f32 {
     let a = child.low * v;
     let b = child.high * v;
@@ -69,7 +69,7 @@ fn most(child: Child, v: vec3f) -> f32 {
     return m.x + m.y + m.z;
 }
 
-// (Without short cuts, which would be branches.)
+// Has no short circuits, which would be branches.
 fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     let across = min(most(child, projection.left_plane), most(child, projection.right_plane));
     let down = min(most(child, projection.top_plane), most(child, projection.bottom_plane));
@@ -77,20 +77,20 @@ fn meets_frustum(child: Child, projection: Projection, limit: f32) -> bool {
     return (min(min(across, down), ahead) >= 0.0) & (-most(child, -projection.forward) <= limit);
 }
 
-// First and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover; none if a first is
-// past its last.
+// Returns the first and last column and row of the tile's pixels, from its corner, whose centres a primitive may cover.
+// If a first exceeds its last, there is none.
 fn covered_pixels(primitive: Primitive, projection: Projection, tile: Tile) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
     let corner = vec2f(tile.corner) + 0.5;
     let most = vec2f(tile.size) - 1.0;
     let first = ceil(clamp(bounds.xy - frame.wider - corner, vec2f(0.0), most + 1.0));
     let last = floor(clamp(bounds.zw + frame.wider - corner, vec2f(-1.0), most));
-    // Columns past the last one must not be begun.
+    // Rejects columns past the last one.
     let none = first.x > last.x;
     return vec4i(i32(first.x), select(i32(first.y), i32(TILE), none), i32(last.x), select(i32(last.y), -1, none));
 }
 
-// The blocks of 2x2 pixels in which these are, a bit each, row by row.
+// Returns the blocks of 2x2 pixels that contain these, one bit each, row by row.
 fn covered_blocks(covered: vec4i) -> u32 {
     let first = vec2u(covered.xy) / 2u;
     let last = vec2u(covered.zw) / 2u;

@@ -1,19 +1,19 @@
-// Rays against a triangle: watertight, by the signs of the rays' Plücker products with its edges (Amanatides & Choi 1997;
-// Kensler & Shirley 2006), as Embree does it.
+// Watertight triangle intersection, by the signs of the rays' Plücker products with the edges (Amanatides & Choi 1997;
+// Kensler & Shirley 2006), as in Embree.
 //
-// An edge's normal is cross(p + q, q - p), twice cross(p, q), of its ends from the rays' origin. The neighbour across the
-// edge sees p and q the other way round: the sum is the same, the difference and with it every product changes only its
-// sign, so no rounding can open a gap. Written with the difference the error is relative to the edge's length, not to
-// its distance. Normals belong to the origin, so that a lane's rays share them.
+// An edge's normal is cross(p + q, q - p), twice cross(p, q), for its ends p and q relative to the rays' origin. The
+// neighbour across the edge swaps p and q. The sum stays the same, and the difference and every product only change
+// sign, so rounding opens no gap. With the difference the error is relative to the edge's length, not to its distance.
+// Normals depend on the origin only, so a lane's rays share them.
 
-// A primitive's texels: corners (xyz), the shortest edge from a to b, with id, component and material in w; normals, if the
-// scene has any, are a fourth (below).
+// Texels of a primitive: the corners in xyz, with the shortest edge from a to b, and id, component and material in w.
+// If the scene has normals, they are a fourth texel (below).
 
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
 }
 
-// Weights of the corners, of any common sign where a ray hits and in any scale. Corners from the rays' origin.
+// Returns the corners' weights, in any scale; at a hit they have one sign. Corners are relative to the rays' origin.
 fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     return F3(
         along(direction, edge_normal(b, c)),
@@ -22,12 +22,12 @@ fn triangle_weights(direction: F3, a: vec3f, b: vec3f, c: vec3f) -> F3 {
     );
 }
 
-// Sums of two products of an edge's ends are off by less than this share of the direction's length, the corners' distance and the
-// edge's length: 18 roundings of f32 at most, the rounding of look_again's projections among them. DESIGN, section 9.
+// The error of an edge product is below this share of the direction's length, the corners' distance and the edge's
+// length. It covers 18 roundings of f32 at most, including those of look_again's projections. See DESIGN, section 9.
 const DOUBT: f32 = 22.0 / 16777216.0;
 
-// Rays against a triangle. Where rounding might decide on which side of an edge a ray passes, and where the triangle is
-// so large that t would be off, the result is doubtful.
+// Intersects rays with a triangle. The result is uncertain if rounding might decide on which side of an edge a ray
+// passes. It is also uncertain if the triangle is so large that t would be wrong.
 fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found {
     let direction = rays.direction;
     let a = primitive.a - rays.origin;
@@ -36,11 +36,12 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     let weights = triangle_weights(direction, a, b, c);
     let least = smaller(weights.x, smaller(weights.y, weights.z));
     let most = larger(weights.x, larger(weights.y, weights.z));
-    // Above 0 on the inner side of all edges, whichever way the triangle is wound.
+    // Positive on the inner side of all edges, for either winding.
     let inside = larger(least, -most);
     let bound = scales.length * ((sqrt(dot(a, a)) + primitive.reach) * primitive.reach * DOUBT);
-    // On the triangle's plane. The edge from a to b is the shortest, so that the normal of a long thin triangle is exact too. All
-    // weights are over their bound: the plane is not so nearly along the ray that t could leave the triangle.
+    // t is that of the triangle's plane. The edge from a to b is the shortest, so the normal of a long thin triangle is
+    // exact too. All weights exceed their bound, so the plane is not so nearly parallel to the ray that t could leave
+    // the triangle.
     let normal = cross(b - a, c - a);
     let t = F(dot(normal, a)) / along(direction, normal);
     let hit = inside > bound;
@@ -52,10 +53,11 @@ fn intersect_triangle(rays: Rays, scales: Scales, primitive: Primitive) -> Found
     return Found(hit, t, doubtful);
 }
 
-// One ray's t at a triangle that was doubtful, or -1 where it misses (Woop, Benthin & Wald 2013). Corners are projected along the ray,
-// each by itself, so that all its triangles see it at one place. An edge's product is then a difference of two products: these are
-// exact, hence its sign is. Where they are equal the ray is inside for both triangles of the edge, so rays through an edge or a vertex
-// are not lost. A triangle whose corners fall on one line is missed: a neighbour is hit.
+// Returns one ray's t after an uncertain test, or -1 for a miss (Woop, Benthin & Wald 2013). Each corner is projected
+// along the ray by itself, so all triangles that share it agree on its place. An edge product is then a difference of
+// two exact products, so its sign is exact. If the products are equal, the ray is inside for both triangles of the
+// edge: rays through an edge or a vertex are not lost. A triangle whose corners fall on one line is missed, and a
+// neighbour is hit.
 fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) -> f32 {
     let a = primitive.a - origin;
     let b = primitive.b - origin;
@@ -75,21 +77,22 @@ fn look_again_triangle(origin: vec3f, direction: vec3f, primitive: Primitive) ->
     if CLOSE && is_close(a, b, c, primitive.reach) {
         t = plane_t(origin, direction, primitive.a, primitive.b, primitive.c);
     }
-    // Of a triangle that the ray runs along, the plane says little.
+    // For a ray along the triangle the plane's t is poor, so it is clamped to the corners' t.
     let t_corner = vec3f(dot(direction, a), dot(direction, b), dot(direction, c)) / dot(direction, direction);
     let near = min(t_corner.x, min(t_corner.y, t_corner.z));
     let far = max(t_corner.x, max(t_corner.y, t_corner.z));
     return select(-1.0, clamp(t, near, far), hit);
 }
 
-// Whether the rays' origin is so close to a triangle's plane, for the triangle's size, that f32 is too coarse for t on it.
+// Returns whether the rays' origin is so close to a triangle's plane, relative to its size, that f32 is too coarse for
+// t.
 fn is_close(a: vec3f, b: vec3f, c: vec3f, reach: f32) -> bool {
     let normal = cross(b - a, c - a);
     let beside = dot(a, a) < 4.0 * reach * reach;
     return abs(dot(normal, a)) * LARGE < sqrt(dot(normal, normal)) * reach && beside;
 }
 
-// Two components of cross(corner, direction), those across the direction's largest one.
+// Returns two components of cross(corner, direction): those across the direction's largest component.
 fn projected(direction: vec3f, corner: vec3f) -> vec2f {
     let m = cross(corner, direction);
     let size = abs(direction);
@@ -105,7 +108,7 @@ fn triangle_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let b = bitcast<vec3f>(second.xyz);
     let last = primitive_texel(slot, 2u);
     let c = bitcast<vec3f>(last.xyz);
-    // Scaled to its largest component first: the squares of a tiny triangle's normal would vanish in f32.
+    // Scaled to the largest component first, since the squares of a tiny triangle's normal would underflow.
     let scaled = largest_one(cross(largest_one(b - a), largest_one(c - a)));
     let geometric = towards_viewer(normalize(scaled), of_ray3(rays.direction, ray));
     let weights = triangle_weights(rays.direction, a - rays.origin, b - rays.origin, c - rays.origin);
@@ -122,27 +125,28 @@ fn triangle_corners(slot: u32) -> array<vec3f, 3> {
     );
 }
 
-// Of the corners where a ray hits, none below 0 and together 1.
+// Returns the corners' weights at a hit: none is negative, and their sum is 1.
 fn corner_weights(rays: Rays, corners: array<vec3f, 3>, ray: u32) -> vec3f {
     let origin = rays.origin;
     let weights = triangle_weights(rays.direction, corners[0] - origin, corners[1] - origin, corners[2] - origin);
     let any_sign = of_ray3(weights, ray);
-    // Of a triangle that is tiny for its distance they are all rounding.
+    // If the triangle is tiny for its distance, the weights are mostly rounding.
     let one = max(select(any_sign, -any_sign, any_sign.x + any_sign.y + any_sign.z < 0.0), vec3f(0.0));
     let sum = one.x + one.y + one.z;
     return select(one / sum, vec3f(1.0, 0.0, 0.0), sum == 0.0);
 }
 
 //! if normals is flat
-// No triangle of the scene has vertex normals: the triangle's own.
+// No triangle of the scene has vertex normals: uses the triangle's own.
 
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     return geometric;
 }
 
 //! if normals is smooth
-// Vertex normals: a fourth texel a primitive holds three of them, each two 16-bit snorms (octahedral mapping; Cigolle
-// et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors"), and 1 if they are to be used.
+// Vertex normals: the fourth texel of a primitive holds three of them, each as two 16-bit snorms (octahedral mapping;
+// Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors"). Its w is 1 if they are
+// used.
 
 fn unpack_normal(word: u32) -> vec3f {
     let e = unpack2x16snorm(word);
@@ -152,8 +156,8 @@ fn unpack_normal(word: u32) -> vec3f {
     return normalize(vec3f(xy, z));
 }
 
-// On the side of the geometric normal. Turned towards the viewer by itself, a normal that points away at a silhouette
-// would be mirrored, and a lit rim go dark.
+// Returns the shading normal, on the side of the geometric normal. If it were turned towards the viewer by itself, one
+// that points away at a silhouette would be mirrored, and a lit rim would be dark.
 fn shading_normal(slot: u32, weights: vec3f, geometric: vec3f) -> vec3f {
     let packed = primitive_texel(slot, 3u);
     let sum = weights.x + weights.y + weights.z;

@@ -1,4 +1,4 @@
-// Which of the reused pixels are rejected.
+// Which reused pixels are rejected.
 
 //! if checks is all
 // Every reused pixel is checked by a ray of limited length (thesis, 3.1.3).
@@ -6,8 +6,8 @@
 // Share of the way to the reused point that must be free.
 const VERIFY_FRACTION: f32 = 0.999;
 
-// Something stands between the target and the points that the source's pixels saw. The rays are aimed at the points themselves,
-// so that a slanted surface is no false alarm; a sky pixel's has the source's ray's direction and no limit.
+// Returns which points of source pixels are hidden from the target. Rays are aimed at the points themselves, so that a
+// slanted surface raises no false alarm. A sky pixel's ray has the source ray's direction and no limit.
 fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
     let direction = pixel_directions(frame.source_corner, source_pixels);
     let sky = source_depth >= F(FAR);

@@ -1,6 +1,6 @@
-// Pixels of the view that a kernel works on.
+// Access to the pixels of the current view.
 
-// Keeps what a lane's primary rays saw of the view that is traced.
+// Stores what a lane's primary rays saw.
 fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     let packed = packed_srgb(samples.color);
     var ray = 0u;
@@ -17,7 +17,7 @@ fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     }
 }
 
-// Keeps what pixels of the target were found to have, in their depths and slots.
+// Stores hits of pixels: depth and slot.
 fn keep_hits(pixels: Pixels, wanted: B, hits: Hits) {
     let slots = select(hits.slot, U(MISS), hits.primitive == U(MISS));
     var ray = 0u;
@@ -32,7 +32,7 @@ fn keep_hits(pixels: Pixels, wanted: B, hits: Hits) {
     }
 }
 
-// Keeps the linear colours that pixels of the target were shaded to, as pictures hold them.
+// Stores the shaded colours of pixels, given as linear colours.
 fn keep_colors(pixels: Pixels, wanted: B, colors: F3) {
     let packed = packed_srgb(colors);
     var ray = 0u;
@@ -47,7 +47,7 @@ fn keep_colors(pixels: Pixels, wanted: B, colors: F3) {
     }
 }
 
-// The hits that pixels of the target were found to have, as traversal returns them.
+// Returns the stored hits of target pixels, in the form that traversal returns.
 fn target_hits(pixels: Pixels, wanted: B) -> Hits {
     var found = Hits(F(FAR), U(MISS), U(0u));
     var ray = 0u;
@@ -56,7 +56,7 @@ fn target_hits(pixels: Pixels, wanted: B) -> Hits {
             let pixel = view[pixel_index(pixel_of_ray(pixels, ray))];
             let there = pixel.slot != MISS;
             found.t = with_ray(found.t, ray, pixel.depth);
-            // Which one it is, only its slot tells.
+            // Only the slot identifies the primitive.
             found.primitive = with_ray_u(found.primitive, ray, select(MISS, 0u, there));
             found.slot = with_ray_u(found.slot, ray, select(0u, pixel.slot, there));
         }

@@ -1,15 +1,15 @@
-// Whether a light is seen from the points that a lane's rays hit.
+// Whether a light is visible from the points that a lane's rays hit.
 
 //! if visibility is traced
-// By a shadow ray, always. What it found is kept for the other eye where a method asks for it.
+// Always traces a shadow ray. The result is kept for the other eye if the method asks for it.
 
-// The list of pixels that shade_listed shades so.
+// The list of pixels that shade_listed shades.
 const TO_SHADE: u32 = TO_TRACE;
 
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {}
 
 var<private> found_bits: U;
-// What hides the last of the lights that are hidden, by its place among the primitives.
+// Slot of the occluder of the last hidden light.
 var<private> found_occluders: U = U(MISS);
 
 //! if visibility is traced
@@ -28,10 +28,10 @@ fn light_bits() -> U {
     return found_bits;
 }
 
-// Shares of the first six sources that are not points, as bits.wgsl has them.
+// Shares of the first six sources that are not points, packed as in bits.wgsl.
 var<private> found_shares: U = U(0xffffffffu);
 
-// Of a source's rays the share that arrives, weighed: -1 where it is to be traced.
+// Returns the weighted share of a source's rays that arrive, or -1 if they must be traced.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     return -1.0;
 }
@@ -51,7 +51,7 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken
-// As the left view's samples say. Where they don't agree, the pixel is put off.
+// Reuses the left view's samples. A pixel with an unknown bit is deferred.
 
 var<private> put_off: B;
 
@@ -70,8 +70,8 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 }
 
 //! if visibility is taken_or_traced
-// As the left view's samples say; where they don't agree, what hides a light from one of them is tried before a shadow ray is
-// traced: if that is met, it is proof.
+// Reuses the left view's samples. For an unknown bit the occluder of one of the samples is tested before a shadow ray
+// is traced: a hit proves the shadow.
 
 const TO_SHADE: u32 = TO_LIGHT;
 
@@ -95,7 +95,7 @@ fn light_bits() -> U {
 
 fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {}
 
-// Which rays meet what hides some light from one of the left samples beside their points.
+// Returns which rays hit an occluder of one of the left samples beside their points.
 fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
     var hidden: U;
     var index = 0u;
@@ -115,18 +115,18 @@ fn hidden_likewise(unknown: B, ray: ShadowRay) -> B {
 //! if visibility is taken or taken_or_traced
 var<private> taken: Taken;
 
-// What the source's samples say of these points.
+// Queries the source's samples beside these points.
 fn ask_source(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, busy_at(pixels));
 }
 
-// The same where all of a lane's pixels are of one tile: its busy lights are read once.
+// Does the same if all pixels of the lane are in one tile: its busy lights are read once.
 fn ask_source_in_tile(pixels: Pixels, hits: Hits, surfaces: Surfaces) {
     taken = taken_bits(pixels, hits, surfaces, U(busy_near(pixel_of_ray(pixels, 0u))));
 }
 
-// Of a source's rays the share that arrives: all or none as both samples have it, else as far as chance explains how they differ, the mean
-// of theirs, unless the penumbra is narrow. -1 where they don't tell.
+// Returns the share of a source's rays that arrive, or -1 if unknown. If both samples see all or nothing, it is theirs.
+// Else it is interpolated, if chance explains their difference and the penumbra is not narrow.
 fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let bit = light_mask(light);
     if KEEP_SHARES && slot < SHARES && (of_ray_u(taken.busy, ray) & (1u << (16u + slot))) != 0u { return -1.0; }
@@ -135,7 +135,8 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     let a = (of_ray_u(taken.shares_before, ray) >> (SHARE_BITS * slot)) & UNASKED;
     let b = (of_ray_u(taken.shares_after, ray) >> (SHARE_BITS * slot)) & UNASKED;
     if a == UNASKED || b == UNASKED { return -1.0; }
-    // Where both see all of it or nothing, and it is not known for all that, the point lies in a groove between them (bits.wgsl).
+    // If both samples see all or nothing and yet the bit is unknown, the point lies in a groove between them
+    // (bits.wgsl).
     if bit != 0u && a == b && (a == 0u || a == ALL_OPEN) { return -1.0; }
     let before = f32(a) / f32(ALL_OPEN);
     let after = f32(b) / f32(ALL_OPEN);
@@ -143,18 +144,19 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     return mix(before, after, of_ray(taken.way, ray));
 }
 
-// Whether two shares differ by no more than so many standard deviations of the difference of two such binomial shares, or by a ray.
+// Returns whether two shares differ by at most `deviations` standard deviations of the difference of two such binomial
+// shares, or by one ray.
 fn is_chance(a: f32, b: f32, deviations: f32, count: u32) -> bool {
     let mean = 0.5 * (a + b);
     let by_chance = deviations * sqrt(2.0 * mean * (1.0 - mean) / f32(count));
     return abs(a - b) <= max(by_chance, 1.0 / f32(count));
 }
 
-// By so many times the deviations a sample's share may differ from its neighbour's: a penumbra in which it differs by more is some four samples wide at
-// most, and what two of them have in common says little of what lies between.
+// Factor on the tolerated deviations between a sample's share and its neighbour's. A penumbra with larger differences
+// is at most some four samples wide. Two samples then say little about what lies between.
 const NARROW: f32 = 2.0;
 
-// Whether that is so of one of the two samples beside a point and its neighbour on the other side.
+// Returns whether this holds for one of the samples beside a point and its neighbour on the other side.
 fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {
     let pixel = pixel_of_ray(dice, ray);
     let first = place_between(nearest_source(), pixel, view[pixel_index(pixel)].depth).first;

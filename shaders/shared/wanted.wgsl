@@ -1,4 +1,5 @@
-// Which pixels a kernel works on: all of the rows at work, or those of them that a mask says, as adaptive samples do (src/samples/adaptive.rs).
+// The pixels that a kernel works on: all of the rows at work, or those in a mask, as for adaptive samples
+// (src/frame/adaptive.rs).
 
 //! if wanted is all
 fn inside_rows(pixels: Pixels) -> B {
@@ -12,13 +13,13 @@ fn leave_out(pixels: Pixels, wanted: B) {}
 fn is_left_out(depth: f32) -> bool { return false; }
 
 //! if wanted is masked
-// A bit a pixel of the view at work: 128 pixels of a row in each texel, the first one in the lowest bit.
+// One bit a pixel of the current view. A texel holds 128 pixels of a row, the first one in the lowest bit.
 @group(1) @binding(9) var wanted_pixels: texture_2d<u32>;
 
-// Depth of a source's pixel that is not wanted: nothing was seen there, not even sky.
+// Depth of a source pixel that is not wanted. Nothing was seen there, not even sky.
 const LEFT_OUT: f32 = 0.0;
 
-// The bits of 32 pixels of a row, that of `pixel` in its place.
+// Returns the bits of 32 pixels of a row, among them that of `pixel`.
 fn wanted_word(pixel: vec2u) -> u32 {
     return textureLoad(wanted_pixels, vec2u(pixel.x >> 7u, pixel.y), 0)[(pixel.x >> 5u) & 3u];
 }
@@ -35,7 +36,7 @@ fn inside_rows(pixels: Pixels) -> B {
     return wanted;
 }
 
-// Whether one of the pixels of the tile with this corner is. (A row of a tile stands in one word.)
+// Returns whether any pixel of the tile with this corner is wanted. A row of a tile lies in one word.
 fn is_any_wanted(corner: vec2u) -> bool {
     var any_bits = 0u;
     var row = 0u;
@@ -47,7 +48,7 @@ fn is_any_wanted(corner: vec2u) -> bool {
     return (any_bits & 0xffu) != 0u;
 }
 
-// What other views must not take for something seen: pixels of a source that nobody asked for.
+// Marks unwanted pixels of a source, so that other views do not mistake them for samples.
 fn leave_out(pixels: Pixels, wanted: B) {
     let inside = in_picture(pixels);
     var ray = 0u;

@@ -1,8 +1,8 @@
-//! All primitives in one list, which every ray goes through from its first one on: the classical ray tracer, as a baseline.
+//! All primitives in one list that every ray traverses from the start: the classical ray tracer, as a baseline.
 //!
-//! The list is a tree whose boxes all hold everything, so that the kernels that go through trees go through it too: by the same text, with the
-//! same functions for primitives, in another order alone. A leaf holds eight primitives at most, so a ray visits a pair of boxes for every
-//! eight of them besides.
+//! The list is a tree whose boxes all enclose everything. The kernels that traverse trees also traverse it, with the
+//! same code and primitive tests, only in another order. A leaf holds at most eight primitives, so a ray also visits a
+//! pair of boxes for every eight.
 
 use obvhs::{
     aabb::Aabb,
@@ -12,11 +12,11 @@ use obvhs::{
 use super::{BvhBuild, MAX_LEAF};
 use crate::Error;
 
-/// How far the boxes reach from the world's origin to each side: a fifth farther than a scene's coordinates, and so far from an eye's that its
-/// distance times the largest reciprocal of a direction, 1e30, is a number in f32.
+/// Extent of the boxes from the world's origin to each side: a fifth more than a scene's coordinates. Distances from an
+/// eye to it, times the largest reciprocal of a direction, 1e30, stay finite in f32.
 const REACH: f32 = 1.2e8;
 
-/// A balanced tree over so many primitives in their order, whose boxes all hold everything.
+/// Builds a balanced tree over `count` primitives in order, whose boxes all enclose everything.
 ///
 /// # Errors
 /// [`Error::Scene`] for more primitives than [`BvhBuild::MAX_FLAT`].
@@ -39,7 +39,7 @@ pub(super) fn tree(count: usize) -> Result<Bvh2, Error> {
             nodes[place] = node(MAX_LEAF.min(count - first), first);
             continue;
         }
-        // The first half is no larger than the second one: so a leaf never stands behind what is deeper, and slots are in order.
+        // The first half is no larger than the second. So no leaf follows a deeper subtree, and slots are in order.
         let middle = leaves.start.midpoint(leaves.end);
         let children = nodes.len();
         nodes[place] = node(0, children as u32);

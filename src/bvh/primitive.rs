@@ -1,4 +1,4 @@
-//! Primitives in the words that shaders/shared/primitives.wgsl, ellipsoid.wgsl and planes.wgsl read.
+//! Packs primitives for shaders/shared/primitives.wgsl, ellipsoid.wgsl and planes.wgsl.
 
 use glam::Vec3;
 
@@ -10,16 +10,16 @@ use crate::{
     variant::TexelPlaces,
 };
 
-/// Lowest bit of `w` of a primitive's second texel, which planes have too, see shaders/shared/bvh.wgsl, and the highest one (cutouts.wgsl); the others are its
-/// component.
+/// Lowest and highest bit of `w` in a primitive's second texel. Planes have the lowest bit too
+/// (shaders/shared/bvh.wgsl); the highest one is for cutouts.wgsl. The other bits hold the component.
 const IS_SPHERE: u32 = 1;
 const IS_CUT_OUT: u32 = 1 << 31;
 
-/// Where a triangle that is cut out has its holes: its material and its texture coordinates.
+/// Holes of a cut-out triangle: its material and texture coordinates.
 type Holes = Option<(u32, [[u32; 2]; 3])>;
 
-/// What rays meet of a primitive, to the bit: which kind it is, and its corners, its centre and radius or its centre and axes, or a
-/// plane's point, normal and u axis; and its holes.
+/// Returns the bits that decide a primitive's hits: its kind; its corners, its centre and radius, its centre and axes,
+/// or a plane's point, normal and u axis; and its holes.
 pub(super) fn geometry(scene: &Scene, id: u32) -> (u8, [[u32; 3]; 4], Holes) {
     match scene.primitive(id) {
         Primitive::Triangle(triangle) => {
@@ -47,7 +47,7 @@ fn texel([x, y, z]: [u32; 3], w: u32) -> Texel {
     [x, y, z, w]
 }
 
-/// Texels of each of a scene's primitives.
+/// Returns the texels per primitive of a scene.
 pub(super) fn texels_of_each(scene: &Scene) -> usize {
     places(scene).count
 }
@@ -57,7 +57,7 @@ fn places(scene: &Scene) -> TexelPlaces {
     TexelPlaces::of(fourth, !scene.uv().is_empty(), !scene.colors().is_empty())
 }
 
-/// Adds a primitive's texels. Where there are ellipsoids, spheres are traced as such.
+/// Appends a primitive's texels. If the scene has ellipsoids, spheres are packed as such.
 pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, components: &[u32], id: u32) {
     let component = components[id as usize] << 1;
     let has_ellipsoids = !scene.ellipsoids().is_empty();
@@ -102,13 +102,13 @@ pub(super) fn push_primitive(primitives: &mut Vec<Texel>, scene: &Scene, compone
     }
 }
 
-/// A colour as 10 bits of red, 12 of green and 10 of blue, unpacked by `shaders/shared/textures.wgsl`.
+/// Packs a colour as 10 bits of red, 12 of green and 10 of blue; `shaders/shared/textures.wgsl` unpacks it.
 fn pack_color(color: Vec3) -> u32 {
     let parts = (color.clamp(Vec3::ZERO, Vec3::ONE) * Vec3::new(1023.0, 4095.0, 1023.0)).round();
     parts.x as u32 | (parts.y as u32) << 10 | (parts.z as u32) << 22
 }
 
-/// Corners, and vertex normals where it has any.
+/// Packs a triangle's corners, and its vertex normals if it has any.
 fn triangle_texels(triangle: &Triangle, id: u32, component: u32) -> [Texel; 4] {
     let [a, b, c] = shortest_edge_first(triangle.corners).map(words);
     let material = triangle.material.0 | reach_bits(triangle.corners);
@@ -121,28 +121,28 @@ fn triangle_texels(triangle: &Triangle, id: u32, component: u32) -> [Texel; 4] {
     [texel(a, id), texel(b, component), texel(c, material), normals]
 }
 
-/// The place of the first corner of a triangle's shortest edge.
+/// Returns the index of the first corner of a triangle's shortest edge.
 pub(crate) fn shortest_edge(corners: [Vec3; 3]) -> usize {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
     (0..3).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0)
 }
 
-/// A triangle's corners, turned so that the edge from the first to the second is the shortest: its product with another edge is the
-/// normal that rounds least.
+/// Rotates a triangle's corners so that its shortest edge comes first. The product of that edge with another one is the
+/// normal with the least rounding.
 pub(crate) fn shortest_edge_first(mut corners: [Vec3; 3]) -> [Vec3; 3] {
     let first = shortest_edge(corners);
     corners.rotate_left(first);
     corners
 }
 
-/// At least the length of a triangle's longest edge: the upper half of an f32, the lower half being the material's.
+/// Returns a bound on a triangle's longest edge, in the upper half of an f32; the lower half is the material's.
 pub(crate) fn reach_bits(corners: [Vec3; 3]) -> u32 {
     let longest = longest_edge(corners.map(Vec3::as_dvec3)) as f32;
     longest.next_up().max(f32::MIN_POSITIVE).to_bits().next_multiple_of(1 << 16)
 }
 
-/// A unit vector as two 16-bit snorms (octahedral mapping), unpacked by `shaders/shared/triangle.wgsl`.
+/// Packs a unit vector as two 16-bit snorms (octahedral mapping); `shaders/shared/triangle.wgsl` unpacks it.
 pub(super) fn pack_normal(normal: Vec3) -> u32 {
     let n = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };

@@ -1,5 +1,5 @@
-//! A tree whose primitives moved: its shape is kept, and its boxes are made anew from the leaves up. (obvhs can do this to its own
-//! tree; that has to be kept for it, which takes eight times the memory of the packed tree's links.)
+//! Refits a tree whose primitives moved: keeps its shape and computes its boxes from the leaves up. (obvhs can refit
+//! its own tree, but keeping that takes eight times the memory of the packed tree's links.)
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -16,21 +16,21 @@ use crate::{
     scene::{Stamp, components},
 };
 
-/// What a refit keeps of a tree that was packed.
+/// Data of a packed tree that a refit needs.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeShape {
-    /// Both links of each pair. Pairs stand behind those above them.
+    /// Both links of each pair. Pairs follow their ancestors.
     links: Arc<Vec<[u32; 2]>>,
-    /// The scene's id of each primitive, planes first, then in leaf order.
+    /// Scene id of each primitive, planes first, then in leaf order.
     ids: Arc<Vec<u32>>,
-    /// Primitives that were left out, each with the one that it was an exact copy of.
+    /// Left-out primitives, each with the primitive that it was an exact copy of.
     copies: Arc<Vec<(u32, u32)>>,
     stack_size: u32,
-    /// Of triangles, spheres, ellipsoids and planes.
+    /// Numbers of triangles, spheres, ellipsoids and planes.
     counts: [usize; 4],
     components: Arc<Vec<u32>>,
     stamps: [Stamp; 2],
-    /// A list, which has no shape to keep: it is made anew.
+    /// Whether it is a list, which has no shape to keep and is built anew.
     flat: bool,
 }
 
@@ -38,13 +38,13 @@ fn stamps(scene: &Scene) -> [Stamp; 2] {
     [scene.triangles_stamp, scene.spheres_stamp]
 }
 
-/// How many triangles, spheres, ellipsoids and planes there are.
+/// Returns the numbers of triangles, spheres, ellipsoids and planes.
 fn counts(scene: &Scene) -> [usize; 4] {
     [scene.triangles().len(), scene.spheres().len(), scene.ellipsoids().len(), scene.planes().len()]
 }
 
 impl TreeShape {
-    /// Of what was built of this scene.
+    /// Returns the shape of the tree built from this scene.
     pub(crate) fn of(scene: &Scene, packed: &PackedBvh) -> Self {
         let has_pairs = packed.ids.len() > scene.planes().len();
         let pairs = packed.nodes.chunks_exact(packed.pair_texels).filter(|_| has_pairs);
@@ -60,7 +60,7 @@ impl TreeShape {
         }
     }
 
-    /// The same after a refit to this scene.
+    /// Returns the shape after a refit to this scene.
     pub(crate) fn refitted(&self, scene: &Scene, packed: &PackedBvh) -> Self {
         if self.flat {
             return Self::of(scene, packed);
@@ -68,16 +68,16 @@ impl TreeShape {
         Self { components: packed.components.clone(), stamps: stamps(scene), ..self.clone() }
     }
 
-    /// Whether it was made or refitted last with just these primitives.
+    /// Returns whether the last build or refit was with exactly these primitives.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
         self.stamps == stamps(scene)
     }
 
-    /// The tree of this shape over the scene as it is now. A triangle that lost its area keeps its place in its leaf, but what stands
-    /// there is one more copy of another primitive: where it is tested twice, no hit changes.
+    /// Returns the tree of this shape over the current scene. A triangle that became degenerate keeps its slot, which
+    /// then holds a copy of another primitive. Testing that one twice changes no hit.
     ///
     /// # Errors
-    /// [`Error::Scene`] where the tree does not hold all primitives that are traced now, or a list has become too long.
+    /// [`Error::Scene`] if the tree lacks a primitive that is traced now, or a list has become too long.
     pub(crate) fn refit(&self, scene: &Scene, kind: Boxes) -> Result<PackedBvh, Error> {
         if self.flat {
             return super::build(scene, BvhBuild::Flat, kind);
@@ -97,7 +97,7 @@ impl TreeShape {
         let mut nodes = Vec::with_capacity(2 * pairs.len() * child_texels(kind));
         for (boxes, links) in pairs.iter().zip(&*self.links) {
             for (aabb, &link) in boxes.iter().zip(links) {
-                // What has nothing left in it is a point in the scene's corner, where hardly any ray comes by.
+                // An empty child becomes a point in the scene's corner, where hardly any ray passes.
                 let (low, high) = if is_empty(aabb) { (root.min, root.min) } else { (aabb.min, aabb.max) };
                 nodes.extend(grid.pack(kind, low.into(), high.into(), link));
             }
@@ -120,7 +120,7 @@ impl TreeShape {
         })
     }
 
-    /// The boxes of each pair's children, from the last pair to the root's.
+    /// Returns the boxes of each pair's children, computed from the last pair up to the root's.
     fn pair_boxes(&self, boxes: &[Aabb]) -> Vec<[Aabb; 2]> {
         let mut pairs = vec![[Aabb::empty(); 2]; self.links.len()];
         for pair in (0..pairs.len()).rev() {
@@ -137,7 +137,7 @@ impl TreeShape {
         pairs
     }
 
-    /// Whether all that is traced now is in the tree.
+    /// Checks that everything traced now is in the tree.
     fn check(&self, scene: &Scene, boxes: &[Aabb]) -> Result<(), Error> {
         let fault = |element: String, reason: String| {
             Err(Error::Scene { element, reason: format!("{reason}; use Update::Rebuild") })
@@ -171,7 +171,7 @@ impl TreeShape {
     }
 }
 
-/// The primitives that are traced and not among these, and what they are copies of.
+/// Returns the traced primitives that are not among `ids`, each with the primitive that it copies.
 fn copies(scene: &Scene, ids: &[u32]) -> Vec<(u32, u32)> {
     let mut held = vec![false; scene.primitive_count()];
     ids.iter().for_each(|&id| held[id as usize] = true);

@@ -1,4 +1,4 @@
-//! Packed trees read back as the kernels read them.
+//! Checks packed trees by reading them as kernels do.
 
 use glam::Affine3A;
 
@@ -12,7 +12,7 @@ fn scene_of(corners: Vec<Vec3>) -> Scene {
     scene
 }
 
-/// Decodes as the kernel does, but in f64, and walks the whole tree.
+/// Decodes boxes as the kernel does, but in f64, and traverses the whole tree.
 fn check_boxes(packed: &PackedBvh, kind: Boxes, stride: usize) -> (usize, u32) {
     let bvh = &packed.uniform;
     let origin = DVec3::from_array(bvh.grid_origin.map(f64::from));
@@ -85,7 +85,7 @@ fn small_and_flat_scenes_have_a_pair_at_the_root() {
 
 #[test]
 fn a_deep_tree_gets_its_stack() {
-    // Each triangle is larger than all before it together: every tree over them is a chain.
+    // Each triangle is larger than all before it together, so every tree over them is a chain.
     let corners = (0..120).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|p| p * 1e-30 * 2_f32.powi(i))).collect();
     let deep = build(&scene_of(corners), BvhBuild::Balanced, Boxes::Grid16).unwrap();
     let (_, depth) = check_boxes(&deep, Boxes::Grid16, 3);
@@ -128,7 +128,7 @@ fn normals_survive_packing_within_a_16_bit_step() {
     }
 }
 
-/// Fresh boxes would be as tight: a refit rounds no more than packing does.
+/// Refitted boxes are as tight as new ones, since a refit rounds no more than packing does.
 #[test]
 fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
     let mut random = Random::new(5);
@@ -149,7 +149,8 @@ fn refitted_boxes_hold_what_moved_and_leaves_that_lost_all_are_points() {
             let moved = shape.refit(&scene, kind).unwrap();
             assert_eq!(check_boxes(&moved, kind, 3).0, 300);
         }
-        // Turned, so that they are no exact copies: they hang together with what they lie on.
+        // The corners are rotated, so that these are no exact copies: they are connected with the triangles that they
+        // cover.
         let corners: Vec<Vec3> =
             scene.triangles()[..100].iter().flat_map(|t| [1, 2, 0].map(|k| t.corners[k])).collect();
         let triangles = (0..100).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
@@ -173,7 +174,8 @@ fn a_list_has_all_primitives_in_order_in_boxes_that_hold_everything() {
         scene.add_plane(crate::Plane::new(Vec3::ZERO, Vec3::Y, MaterialId(0))).unwrap();
         let packed = build(&scene, BvhBuild::Flat, kind).unwrap();
         assert!(packed.flat && !packed.world_boxes && packed.stack_size <= 16, "{count}");
-        // The plane has the first slot. Links are followed as a ray follows them that both boxes are entered at once by: first child first.
+        // The plane has the first slot. Links are followed as by a ray that enters both boxes at once: first child
+        // first.
         let (mut found, mut pairs, mut pending) = (Vec::new(), 0, vec![0]);
         while let Some(link) = pending.pop() {
             if link & LEAF == 0 {

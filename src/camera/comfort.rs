@@ -1,11 +1,11 @@
-//! How comfortable a pair is to look at (thesis, section 2.3.2 and equation 12).
+//! Viewing comfort of a stereo pair (thesis, section 2.3.2 and equation 12).
 
 use super::{HUMAN_INTERAXIAL, Pose};
 
 impl Pose {
-    /// How comfortable a pair is whose hits lie between depths `nearest` and `farthest` (`f32::INFINITY` where there is
-    /// sky), on a display `display_width` metres wide. [`StereoCamera::comfortable`](super::StereoCamera::comfortable)
-    /// chooses a camera that is.
+    /// Returns the viewing comfort of a pair on a display `display_width` metres wide. Its hits lie between depths
+    /// `nearest` and `farthest` (`f32::INFINITY` if sky is visible).
+    /// [`StereoCamera::comfortable`](super::StereoCamera::comfortable) chooses a comfortable camera.
     pub fn comfort(&self, nearest: f32, farthest: f32, display_width: f32) -> Comfort {
         let width = self.size[0] as f32;
         let positive_px = self.parallax_px(farthest).max(0.0);
@@ -25,50 +25,50 @@ impl Pose {
     }
 }
 
-/// Eyes that are toed in are warned of where points stand farther apart in height than this, in pixels.
+/// Vertical parallax of toed-in eyes, in pixels, above which a warning is given.
 const MOST_VERTICAL_PX: f32 = 1.0;
 
-/// How comfortable a stereo pair is to look at. It warns and never refuses.
+/// Viewing comfort of a stereo pair. It leads to warnings, never to an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comfort {
-    /// `e / w`, the interaxial as a share of the picture's width (thesis, eq. 12, left side): the parallax at infinity,
-    /// 0 for parallel cameras.
+    /// `e / w`, the parallax at infinity as a share of the picture's width (thesis, eq. 12, left side). It is 0 for
+    /// parallel cameras.
     pub interaxial_ratio: f32,
-    /// `e_real / w_display`, 6.5 cm over the display's width (thesis, eq. 12, right side).
+    /// `e_real / w_display`: 6.5 cm over the display's width (thesis, eq. 12, right side).
     pub interaxial_limit: f32,
-    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2). 0 for
-    /// parallel cameras, whose pictures have all before the display.
+    /// Depth of the nearest hit over the screen's distance; below 0.5 it is too near (thesis, section 2.3.2). It is 0
+    /// for parallel cameras, which show everything in front of the display.
     pub nearest_ratio: f32,
-    /// Largest parallax behind the screen, pixels, at least 0.
+    /// Largest parallax behind the screen, in pixels, at least 0.
     pub positive_parallax_px: f32,
-    /// Largest parallax before the screen, pixels, at most 0.
+    /// Largest parallax in front of the screen, in pixels, at most 0.
     pub negative_parallax_px: f32,
-    /// The same in percent of the picture's width.
+    /// Largest parallax behind the screen, in percent of the picture's width.
     pub positive_parallax_percent: f32,
-    /// The same in percent of the picture's width.
+    /// Largest parallax in front of the screen, in percent of the picture's width.
     pub negative_parallax_percent: f32,
-    /// How much higher a point stands in one picture than in the other at most, pixels: of points in the corners of
-    /// either picture at these depths. 0 unless eyes are toed in.
+    /// Largest vertical parallax, in pixels, of points in the corners of either picture at the two depths. It is 0
+    /// unless the eyes are toed in.
     pub vertical_parallax_px: f32,
-    /// Width of the display in metres that this holds for.
+    /// Width of the display in metres.
     pub display_width: f32,
-    /// The screen is at infinity.
+    /// Whether the screen is at infinity.
     parallel: bool,
 }
 
 impl Comfort {
-    /// The eyes need not diverge (thesis, eq. 12).
+    /// Returns whether viewers can fuse the pair without diverging eyes (thesis, eq. 12).
     pub fn converges(&self) -> bool {
         self.interaxial_ratio < self.interaxial_limit
     }
 
-    /// Nothing is nearer than half the screen's distance (thesis, section 2.3.2).
+    /// Returns whether nothing is nearer than half the screen's distance (thesis, section 2.3.2).
     pub fn nothing_too_near(&self) -> bool {
         self.nearest_ratio >= 0.5
     }
 
-    /// What is uncomfortable, a sentence each; empty if all is well.
+    /// Returns a sentence for each violated rule; the list is empty for a comfortable pair.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if !self.converges() {
@@ -118,7 +118,7 @@ mod tests {
         let parallel = camera.screen_distance(f32::INFINITY).vertical_fov_degrees(40.0).interaxial(0.2).pose().unwrap();
         let comfort = parallel.comfort(4.0, f32::INFINITY, 0.5);
         assert_eq!((comfort.interaxial_ratio, comfort.positive_parallax_px), (0.0, 0.0));
-        // f e / Z, f being half the height over the tangent of half the angle.
+        // Parallax is f e / Z. The focal length f is half the height over the tangent of half the angle.
         let f = 50.0 / 20.0_f32.to_radians().tan();
         assert!((comfort.negative_parallax_px + f * 0.05).abs() < 1e-4, "{comfort:?}");
         assert!(comfort.converges() && !comfort.nothing_too_near());

@@ -1,42 +1,44 @@
-//! The interaxial and the screen's distance that a display, its viewers and a scene ask for (DESIGN, section 2).
+//! Chooses the interaxial and the screen's distance for a display, its viewers and a scene (DESIGN, section 2).
 
 use std::fmt;
 
 use super::{Aperture, Screen, StereoCamera};
 use crate::Error;
 
-/// Largest parallax behind the display and before it, as shares of its width: the percentage rule of television.
+/// Largest parallax behind and in front of the display, as shares of its width: television's percentage rule.
 const PERCENT_BEHIND: f64 = 0.02;
 const PERCENT_BEFORE: f64 = 0.01;
-/// Distance between the eyes of most viewers at least, metres: with more parallax behind the display they diverge.
+/// Smallest common distance between human eyes, in metres. More parallax behind the display makes eyes diverge.
 const EYES_APART: f64 = 0.063;
 /// Largest angular disparity, degrees.
 const MOST_DEGREES: f64 = 1.0;
-/// The interaxial is at most this share of the nearest distance.
+/// Largest interaxial, as a share of the nearest depth.
 const OF_NEAREST: f64 = 1.0 / 30.0;
 
-/// A display on which a pair is shown, each picture as wide as it.
+/// A display that shows a pair. Each picture is as wide as the display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Display {
     /// Width in metres.
     pub width: f32,
-    /// From the viewers' eyes to the display, metres.
+    /// Distance from the viewers' eyes to the display, in metres.
     pub viewing_distance: f32,
 }
 
 impl Display {
-    /// Of a width, seen from a distance, both in metres.
+    /// Makes a display from its width and viewing distance, both in metres.
     pub fn new(width: f32, viewing_distance: f32) -> Self {
         Self { width, viewing_distance }
     }
 
-    /// Of a diagonal in inches (2.54 cm) and an aspect as `[16.0, 9.0]`, seen from a distance in metres.
+    /// Makes a display from its diagonal in inches (2.54 cm), its aspect, such as `[16.0, 9.0]`, and its viewing
+    /// distance in metres.
     pub fn diagonal(inches: f32, [width, height]: [f32; 2], viewing_distance: f32) -> Self {
         Self::new(0.0254 * inches * width / width.hypot(height), viewing_distance)
     }
 
-    /// The shares of its width by which points may stand behind it and before it, and the rules that say so.
+    /// Returns the largest parallax behind and in front of the display, as shares of its width. Each comes with the
+    /// rule that sets it.
     fn budget(&self) -> [(f64, ComfortRule); 2] {
         let [width, distance] = [self.width, self.viewing_distance].map(f64::from);
         let by_angle = (2.0 * distance * (0.5 * MOST_DEGREES).to_radians().tan() / width, ComfortRule::OneDegree);
@@ -48,19 +50,19 @@ impl Display {
     }
 }
 
-/// What keeps a pair comfortable.
+/// A rule for a comfortable pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ComfortRule {
     /// Parallax from -1% to 2% of the display's width.
     Percentage,
-    /// Parallax behind the display of at most 63 mm, so that no eyes diverge.
+    /// Parallax behind the display of at most 63 mm, so that eyes don't diverge.
     Divergence,
-    /// At most a degree of angular disparity, `2 atan(p / 2v)` of a parallax p seen from a distance v.
+    /// At most one degree of angular disparity: `2 atan(p / 2v)` for a parallax p at viewing distance v.
     OneDegree,
-    /// Eyes at most a thirtieth of the nearest distance apart.
+    /// Interaxial of at most a thirtieth of the nearest depth.
     Thirtieth,
-    /// Nothing nearer than half the screen's distance (thesis, section 2.3.2).
+    /// No point nearer than half the screen's distance (thesis, section 2.3.2).
     HalfScreen,
 }
 
@@ -76,37 +78,37 @@ impl fmt::Display for ComfortRule {
     }
 }
 
-/// A camera that a display's rules choose, and which of them keep it from showing more depth.
+/// A camera chosen by a display's rules, and the rules that limit its depth.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Comfortable {
-    /// The camera, its interaxial and screen's distance chosen, its field of view what it was.
+    /// The camera with the chosen interaxial and screen distance. Its field of view is unchanged.
     pub camera: StereoCamera,
     /// The chosen interaxial `e`, world units.
     pub interaxial: f32,
     /// The chosen distance `d` to the screen, world units.
     pub screen_distance: f32,
-    /// The rules that a larger interaxial would break, whatever the screen's distance; at least one.
+    /// Rules that a larger interaxial would break at any screen distance; at least one.
     pub binding: Vec<ComfortRule>,
 }
 
 impl StereoCamera {
-    /// Chooses the interaxial and the screen's distance for a display, and for a scene whose visible points lie between
-    /// depths `nearest` and `farthest` (`f32::INFINITY` where there is sky): as much depth as every [`ComfortRule`]
-    /// leaves.
+    /// Chooses the interaxial and the screen's distance for a display and a scene. The scene's visible points lie
+    /// between depths `nearest` and `farthest` (`f32::INFINITY` if sky is visible). The camera shows as much depth as
+    /// every [`ComfortRule`] allows.
     ///
-    /// Of a point at depth Z the parallax is `p(Z) = e f (1/d - 1/Z)` widths of the display, `f` being the focal length
-    /// in widths of the picture. With `N` and `F` the depths given, `A` the share of the width that points may stand
-    /// behind the display and `B` that before it, `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)` and `B = min(1%, 2
-    /// v tan 0.5° / width)`, the interaxial is the least of
+    /// A point at depth Z has the parallax `p(Z) = e f (1/d - 1/Z)` in widths of the display, with the focal length `f`
+    /// in widths of the picture. Let `N` and `F` be the nearest and farthest depth, and `v` the viewing distance. The
+    /// largest parallax behind the display is `A = min(2%, 63 mm / width, 2 v tan 0.5° / width)`, in front of it
+    /// `B = min(1%, 2 v tan 0.5° / width)`. The interaxial is the least of
     ///
     /// - `(A + B) / (f (1/N - 1/F))`: the range of parallax,
-    /// - `A / (f (1/2N - 1/F))`, where that is above 0: with the screen no farther than `2N`,
-    /// - `N / 30`,
+    /// - `A / (f (1/2N - 1/F))`, if that is above 0: the screen is no farther than `2N`,
+    /// - `N / 30`.
     ///
-    /// and the screen stands where A and B are used alike, `1/d = 1/F + (1/N - 1/F) A / (A + B)`, or as far off that as
-    /// a rule asks. Depths are those that a picture shows ([`View::depth_range`](crate::View::depth_range)), or those
-    /// of a box ([`Pose::depth_range_of`](crate::Pose::depth_range_of)). Of eyes that are toed in this holds on the
+    /// The screen stands at `1/d = 1/F + (1/N - 1/F) A / (A + B)`, which uses A and B equally, or as near to that as
+    /// the rules allow. [`View::depth_range`](crate::View::depth_range) gives the depths of a picture,
+    /// [`Pose::depth_range_of`](crate::Pose::depth_range_of) those of a box. For toed-in eyes the formulas hold on the
     /// axis between them.
     ///
     /// ```
@@ -121,8 +123,9 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Options`] for depths that are not above 0 in this order and for a display without width or distance,
-    /// [`Error::Camera`] for an invalid camera, the chosen one included.
+    /// - [`Error::Options`] for depths that are not above 0 or not in order, and for a display without width or
+    ///   distance.
+    /// - [`Error::Camera`] for an invalid camera, also for the chosen one.
     pub fn comfortable(&self, (nearest, farthest): (f32, f32), display: &Display) -> Result<Comfortable, Error> {
         if !(nearest > 0.0 && nearest.is_finite() && farthest >= nearest) {
             let reason = format!(
@@ -139,7 +142,7 @@ impl StereoCamera {
         let wide = self.focal_in_widths()?;
         let [(behind, behind_rule), (before, before_rule)] = display.budget();
         let [near, far] = [nearest, farthest].map(|z| 1.0 / f64::from(z));
-        // Quotients by 0 are infinite: no bound. (What stands at one depth has no range.)
+        // A quotient by 0 is infinite and does not limit the interaxial, for example if all points have one depth.
         let by_range = (behind + before) / (wide * (near - far));
         let by_half = if 0.5 * near > far { behind / (wide * (0.5 * near - far)) } else { f64::INFINITY };
         let by_nearest = OF_NEAREST * f64::from(nearest);
@@ -166,7 +169,7 @@ impl StereoCamera {
         Ok(Comfortable { camera, interaxial, screen_distance, binding })
     }
 
-    /// The focal length in widths of the picture, whatever the eyes are.
+    /// Returns the focal length in widths of the picture, independent of interaxial and screen.
     fn focal_in_widths(&self) -> Result<f64, Error> {
         let alone = match self.aperture {
             Aperture::ScreenWidth(_) => *self,
@@ -175,7 +178,7 @@ impl StereoCamera {
         Ok(alone.interaxial(0.0).pose()?.focal_px()[0] / f64::from(self.width))
     }
 
-    /// The same field of view through a screen at another distance.
+    /// Returns a camera with the same field of view and another screen distance.
     fn seen_through(self, distance: f32) -> Self {
         match (self.aperture, self.screen) {
             (Aperture::ScreenWidth(width), Screen::Distance(before)) => {
@@ -193,7 +196,7 @@ mod tests {
     use super::*;
     use crate::{camera::Intrinsics, random::Random};
 
-    /// A focal length of one picture's width.
+    /// A camera whose focal length is the picture's width.
     fn camera() -> StereoCamera {
         StereoCamera::look_at(Vec3::Z, Vec3::ZERO).size(1000, 500).screen_width(3.0).screen_distance(3.0)
     }
@@ -205,14 +208,14 @@ mod tests {
         let inf = f32::INFINITY;
         use ComfortRule::{Divergence, HalfScreen, OneDegree, Percentage, Thirtieth};
         for (depths, display, e, d, rules) in [
-            // 3% (1/2)^-1, and 1/d = 1/2 2/3.
+            // e = 3% (1/2)^-1, and 1/d = 1/2 2/3.
             ((2.0, inf), set, 0.06, 3.0, vec![Percentage]),
-            // 3% (1/2 - 1/8)^-1 would be .08: a thirtieth of 2, and 1/d = 1/8 + 3/8 2/3.
+            // 3% (1/2 - 1/8)^-1 would be .08, so a thirtieth of 2 binds; 1/d = 1/8 + 3/8 2/3.
             ((2.0, 8.0), set, 2.0 / 30.0, 8.0 / 3.0, vec![Thirtieth]),
             ((5.0, 5.0), set, 5.0 / 30.0, 5.0, vec![Thirtieth]),
-            // 63 mm of 12 m behind the screen: 0.525%, which is all for 1/2N.
+            // 63 mm of 12 m are 0.525%. Both the range of parallax and the limit of 2N bind.
             ((1.0, inf), cinema, 0.0105, 2.0, vec![Divergence, HalfScreen]),
-            // 0.525% and 1%, and 1/d = 1/3 + 2/3 0.525/1.525.
+            // A = 0.525%, B = 1%, and 1/d = 1/3 + 2/3 0.525/1.525.
             (
                 (1.0, 3.0),
                 cinema,
@@ -220,7 +223,7 @@ mod tests {
                 1.0 / (1.0 / 3.0 + 2.0 / 3.0 * 0.525 / 1.525),
                 vec![Divergence, Percentage],
             ),
-            // Seen from 30 cm a degree is 1.05% of 50 cm.
+            // At 30 cm, one degree is 1.05% of 50 cm.
             (
                 (2.0, inf),
                 close,
@@ -233,7 +236,7 @@ mod tests {
             assert!((found.interaxial / e - 1.0).abs() < 1e-5, "{depths:?}: {found:?}");
             assert!((found.screen_distance / d - 1.0).abs() < 1e-5, "{depths:?}: {found:?}");
             assert_eq!(found.binding, rules, "{depths:?}");
-            // What the camera shows is what it showed.
+            // The field of view is unchanged.
             let (before, after) = (camera().pose().unwrap(), found.camera.pose().unwrap());
             assert!((after.focal_px()[0] / before.focal_px()[0] - 1.0).abs() < 1e-6);
             assert_eq!((after.interaxial, after.screen_distance), (found.interaxial, found.screen_distance));
@@ -242,7 +245,7 @@ mod tests {
         assert!((diagonal.width - 1.2176).abs() < 1e-4, "{diagonal:?}");
     }
 
-    /// Whether every rule holds, told by parallax alone.
+    /// Returns whether every rule holds, computed from parallax alone.
     fn holds(pose: &crate::Pose, (near, far): (f32, f32), display: &Display, slack: f32) -> bool {
         let share = |z: f32| pose.parallax_px(z) / pose.size[0] as f32;
         let degrees =

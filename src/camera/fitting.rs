@@ -1,29 +1,29 @@
-//! The camera that holds an object of unknown size.
+//! A camera for an object of unknown size.
 
 use glam::DVec3;
 
 use super::StereoCamera;
 use crate::scene::{MAX_COORDINATE, MIN_EXTENT};
 
-/// In a fitting camera the tangent of half the picture's horizontal angle is at most this.
+/// Largest tangent of half the horizontal field of view in a fitting camera.
 const WIDEST_FIT: f64 = 3.0;
-/// In a fitting camera the eyes stand at most so far beside their midpoint, in distances to the screen.
+/// Largest offset of an eye from the midpoint in a fitting camera, in screen distances.
 const EYES_ASIDE: f64 = 1.0 / 60.0;
-/// Coordinates of the midpoint between a fitting camera's eyes: the eyes' own then stay within `MAX_EYE_COORDINATE`.
+/// Largest coordinate of the midpoint between a fitting camera's eyes. It keeps the eyes within `MAX_EYE_COORDINATE`.
 const FARTHEST_FIT: f64 = 1.95e8;
 
 impl StereoCamera {
-    /// A camera for an object of unknown size: from the front (+z), a little to the right and above, so that both eyes'
-    /// pictures hold the sphere around `bounds` (low and high corner); the screen through its centre, and a
-    /// thirtieth of the nearest distance between the eyes.
+    /// Makes a camera for an object of unknown size. It looks from the front (+z), a little from the right and above.
+    /// Both eyes' pictures contain the sphere around `bounds` (low and high corner, world coordinates). The screen
+    /// passes through the sphere's centre, and the interaxial is a thirtieth of the nearest distance.
     ///
-    /// The vertical field of view is 35 degrees. It is less where a picture is ten times as wide as high and more, and
+    /// The vertical field of view is 35 degrees. It is less for pictures at least ten times as wide as high. It is
     /// greater where the eyes would leave [`MAX_EYE_COORDINATE`](super::MAX_EYE_COORDINATE) of an origin at 0. A sphere
-    /// too small for f32 is seen from farther off, as if its radius were [`MIN_EXTENT`].
+    /// too small for f32 is seen as if its radius were [`MIN_EXTENT`].
     ///
-    /// The bounds are world coordinates, as [`Scene::bounds`](crate::Scene::bounds) has them. The camera is valid for
-    /// every box within a scene's coordinates, at up to 16 times as many pixels one way as the other. A small scene far
-    /// from its own origin is refused when it is rendered: f32 does not hold its eyes.
+    /// [`Scene::bounds`](crate::Scene::bounds) returns such bounds. The camera is valid for every box within a scene's
+    /// coordinates and for pictures with aspects up to 16. A render refuses a small scene far from its own origin,
+    /// since f32 can't represent its eyes.
     pub fn fitting(bounds: (DVec3, DVec3), width: u32, height: u32) -> Self {
         let (low, high) = bounds;
         let center = low.midpoint(high);
@@ -42,7 +42,7 @@ impl StereoCamera {
             |direction: DVec3| ((FARTHEST_FIT - direction.signum() * center) / direction.abs()).min_element();
         let is_near_origin = center.abs().max_element() <= f64::from(MAX_COORDINATE);
         if is_near_origin && distance > farthest(direction) {
-            // From the origin's side there is most room.
+            // The side towards the origin has the most room.
             direction *= DVec3::select(center.cmpgt(DVec3::ZERO), DVec3::NEG_ONE, DVec3::ONE);
             distance = distance.min(farthest(direction));
             let sine = radius / distance;

@@ -1,4 +1,4 @@
-//! A camera as it was given, as JSON: what [`Pose`](crate::Pose) no longer says, such as whether the interaxial was in
+//! JSON of a camera's settings. Unlike [`Pose`](crate::Pose) it tells, for example, whether the interaxial was given in
 //! pixels.
 
 use std::path::Path;
@@ -9,12 +9,12 @@ use serde_json::{Map, Value, json};
 use super::{Aperture, Convergence, Interaxial, Lenses, Screen, StereoCamera};
 use crate::{Error, Limits, input};
 
-/// The entry of [`StereoCamera::to_json`] that [`StereoCamera::from_json_str`] reads.
+/// Name of the entry that [`StereoCamera::to_json`] writes and [`StereoCamera::from_json_str`] reads.
 const ENTRY: &str = "camera";
 
 impl StereoCamera {
-    /// The camera as JSON text: that of [`Pose::to_json`](crate::Pose::to_json) with one more entry, `camera`, which
-    /// holds what the setters were given. [`StereoCamera::from_json_str`] reads an equal camera from it.
+    /// Returns the camera as JSON text. It is the text of [`Pose::to_json`](crate::Pose::to_json) with one more entry,
+    /// `camera`, for the values given to the setters. [`StereoCamera::from_json_str`] reads an equal camera from it.
     ///
     /// # Errors
     /// Those of [`StereoCamera::pose`].
@@ -50,21 +50,22 @@ impl StereoCamera {
         Ok(format!("{text:#}\n"))
     }
 
-    /// Reads the camera that [`StereoCamera::to_json`] wrote: its entry `camera`, which is not checked against the
-    /// others.
+    /// Reads a camera that [`StereoCamera::to_json`] wrote. It uses the entry `camera` alone and does not compare it
+    /// with the other entries.
     ///
     /// # Errors
-    /// [`Error::Parse`], naming the line or the field, if the text is no JSON or has no such camera; [`Error::Camera`]
-    /// for a camera that has no picture.
+    /// - [`Error::Parse`], naming the line or the field, if the text is not JSON or has no such camera.
+    /// - [`Error::Camera`] for an invalid camera.
     pub fn from_json_str(text: &str) -> Result<Self, Error> {
         parse(Path::new("JSON of a camera"), text.as_bytes())
     }
 
-    /// [`StereoCamera::from_json_str`] of a file.
+    /// Does the same as [`StereoCamera::from_json_str`] for a file.
     ///
     /// # Errors
-    /// Those of [`StereoCamera::from_json_str`], naming the file; [`Error::Io`] if it can't be read or is no regular
-    /// one; [`Error::TooLarge`] if it is larger than [`Limits`] says.
+    /// - Those of [`StereoCamera::from_json_str`], naming the file.
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
     pub fn from_json_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let (path, limits) = (path.as_ref(), Limits::default());
         parse(path, &input::read(path, limits.json_bytes, limits.option_names[0])?)

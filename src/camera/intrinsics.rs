@@ -1,16 +1,16 @@
-//! Cameras as calibrations have them: focal lengths and principal points in pixels.
+//! Camera intrinsics: focal lengths and principal points in pixels.
 
 use super::ranges::fault;
 use crate::Error;
 
-/// Focal lengths and principal points of a calibrated pair, in pixels: `x = fx X/Z + cx` and `y = fy Y/Z + cy` of a
-/// point `X` to the right of an eye's axis, `Y` below it and `Z` along it, x and y from the picture's top left corner
-/// with **pixel centres at halves**. (`OpenCV`, Middlebury and KITTI count them at integers: add a half to their `cx`
-/// and `cy`.)
+/// Focal lengths and principal points of a calibrated pair, in pixels: `x = fx X/Z + cx` and `y = fy Y/Z + cy`. The
+/// point lies `X` to the right of an eye's axis, `Y` below it and `Z` along it. x and y are measured from the picture's
+/// top left corner, with **pixel centres at halves**. (`OpenCV`, Middlebury and KITTI have them at integers: add a half
+/// to their `cx` and `cy`.)
 ///
-/// Both eyes have the same `fx`, `fy` and `cy`, and no lens distortion: rows are epipolar lines. Where `cx1` is above
-/// `cx0` the eyes look through one screen at `d = fx e / (cx1 - cx0)`; where both are equal they are parallel cameras.
-/// f64, so that calibrations go round unchanged.
+/// Both eyes share `fx`, `fy` and `cy`, and have no lens distortion, so rows are epipolar lines. If `cx1` is above
+/// `cx0`, the eyes look through one screen at `d = fx e / (cx1 - cx0)`. If both are equal, the eyes are parallel
+/// cameras. The values are f64, so that calibrations pass through unchanged.
 ///
 /// ```
 /// use stereotrace::{StereoCamera, camera::Intrinsics, glam::Vec3};
@@ -27,7 +27,7 @@ use crate::Error;
 pub struct Intrinsics {
     /// Focal length along x.
     pub fx: f64,
-    /// Focal length along y; not `fx` where pixels are not square.
+    /// Focal length along y; it differs from `fx` if pixels are not square.
     pub fy: f64,
     /// Column of the left eye's principal point.
     pub cx0: f64,
@@ -38,35 +38,35 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// Of parallel cameras, whose principal points are in one place.
+    /// Makes the intrinsics of parallel cameras, whose principal points coincide.
     pub fn new([fx, fy]: [f64; 2], [cx, cy]: [f64; 2]) -> Self {
         Self { fx, fy, cx0: cx, cx1: cx, cy }
     }
 
-    /// Column of the right eye's principal point.
+    /// Sets the column of the right eye's principal point.
     pub fn right_cx(mut self, cx1: f64) -> Self {
         self.cx1 = cx1;
         self
     }
 
-    /// `cx1 - cx0`: Middlebury's `doffs`, the parallax at infinity.
+    /// Returns `cx1 - cx0`, the parallax at infinity: Middlebury's `doffs`.
     pub fn doffs(&self) -> f64 {
         self.cx1 - self.cx0
     }
 
-    /// Of a picture so many times as wide and high that shows the same.
+    /// Returns the intrinsics for the same view in a picture `x` times as wide and `y` times as high.
     pub fn scaled(self, [x, y]: [f64; 2]) -> Self {
         Self { fx: x * self.fx, fy: y * self.fy, cx0: x * self.cx0, cx1: x * self.cx1, cy: y * self.cy }
     }
 
-    /// What both eyes have in common, and `doffs`.
+    /// Splits the intrinsics into the part that both eyes share, and `doffs`.
     pub(super) fn split(self) -> (Lenses, f64) {
         let Self { fx, fy, cx0, cx1, cy } = self;
         (Lenses { focal: [fx, fy], principal: [0.5 * (cx0 + cx1), cy] }, self.doffs())
     }
 }
 
-/// Focal lengths, and the principal point in the middle between the eyes', in pixels.
+/// Focal lengths and the mean of both eyes' principal points, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lenses {
     pub(super) focal: [f64; 2],
@@ -74,7 +74,7 @@ pub(super) struct Lenses {
 }
 
 impl Lenses {
-    /// Of a field of view, given half of its vertical angle in radians.
+    /// Makes them from half of the vertical field of view, in radians, and the picture's size.
     pub(super) fn of_fov(half: f64, size: [f64; 2]) -> Self {
         let [_, y] = size.map(|side| 0.5 * side);
         Self { focal: [y / half.tan(); 2], principal: size.map(|side| 0.5 * side) }

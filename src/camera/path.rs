@@ -1,4 +1,4 @@
-//! Cameras that move: around their target, or from key frame to key frame.
+//! Moving cameras: orbits around the target, and paths through key frames.
 
 use std::mem::discriminant;
 
@@ -8,8 +8,8 @@ use super::{Aperture, Interaxial, Screen, StereoCamera};
 use crate::Error;
 
 impl StereoCamera {
-    /// The camera turned about its target by an angle in radians, around its `up`: at positive angles the eye moves to its own right, so that
-    /// the object seems to turn to the left. All else stays.
+    /// Returns the camera turned about its target by an angle in radians, around its `up`. At positive angles the eye
+    /// moves to its own right, so the object seems to turn to the left.
     pub fn orbited(mut self, angle: f32) -> Self {
         let axis = self.up.as_dvec3().normalize_or_zero();
         self.eye = self.target + DQuat::from_axis_angle(axis, f64::from(angle)) * (self.eye - self.target);
@@ -17,7 +17,7 @@ impl StereoCamera {
     }
 }
 
-/// A camera at some frames, the key frames, and between them.
+/// A camera path: cameras at key frames, with interpolation between them.
 ///
 /// ```
 /// use stereotrace::{CameraPath, StereoCamera, glam::Vec3};
@@ -34,18 +34,22 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
-    /// A path through these cameras, each at its frame, which need not be a whole number.
+    /// Makes a path through these cameras, each at its frame. Frames need not be whole numbers.
     ///
     /// # Errors
-    /// [`Error::Camera`] for no cameras, frames below 0 or not in ascending order, a camera that has no picture, and cameras that are not
-    /// given in the same way: field of view, screen width or intrinsics, of which these stay what they are; interaxial in world units or pixels;
-    /// convergence; picture size.
+    /// [`Error::Camera`] for:
+    ///
+    /// - no cameras, or an invalid camera,
+    /// - frames below 0 or not in ascending order,
+    /// - cameras given in different ways: field of view, screen width or intrinsics; interaxial in world units or
+    ///   pixels; convergence; picture size,
+    /// - cameras with different intrinsics.
     pub fn new(keys: Vec<(f32, StereoCamera)>) -> Result<Self, Error> {
         let fault = |value: String, reason| Err(Error::Camera { field: "frame", value, reason });
         let mut last = None;
         for (frame, camera) in &keys {
             camera.pose()?;
-            // Among f32 so large there are whole numbers that are none.
+            // f32 can't represent all whole numbers above this bound.
             if !(0.0..=16_777_216.0).contains(frame) || last.is_some_and(|(before, _)| *frame <= before) {
                 return fault(frame.to_string(), "frames of a path ascend from 0 on, to at most 2^24");
             }
@@ -62,14 +66,16 @@ impl CameraPath {
         Ok(Self { keys })
     }
 
-    /// Frames from 0 to the last key frame.
+    /// Returns the number of frames from 0 to the last key frame.
     pub fn frames(&self) -> u32 {
         self.keys.last().map_or(0, |(frame, _)| *frame as u32 + 1)
     }
 
-    /// The camera at a frame. Before the first key frame and after the last it stands still. Eye, target and up go along a smooth curve
-    /// through the key frames, with a Catmull-Rom spline's tangents for frames that need not be equally far apart. What lies between two key frames of the field
-    /// of view, the interaxial and the reciprocal of the screen's distance is linear, so that parallax is.
+    /// Returns the camera at a frame. It stands still before the first key frame and after the last one.
+    ///
+    /// Eye, target and up follow a Catmull-Rom spline through the key frames, whose distances may differ. Field of
+    /// view, interaxial and the reciprocal of the screen's distance are interpolated linearly, so parallax changes
+    /// linearly too.
     pub fn at(&self, frame: f32) -> StereoCamera {
         let next = self.keys.partition_point(|(at, _)| *at <= frame);
         if next == 0 || next == self.keys.len() {
@@ -85,7 +91,7 @@ impl CameraPath {
         let aperture = match (a.aperture, b.aperture) {
             (Aperture::VerticalFov(a), Aperture::VerticalFov(b)) => Aperture::VerticalFov(linear(a, b)),
             (Aperture::ScreenWidth(a), Aperture::ScreenWidth(b)) => Aperture::ScreenWidth(linear(a, b)),
-            (a, _) => a, // `new` takes no others
+            (a, _) => a, // `new` refuses other pairs
         };
         let interaxial = match (a.interaxial, b.interaxial) {
             (Interaxial::World(a), Interaxial::World(b)) => Interaxial::World(linear(a, b)),
@@ -107,7 +113,8 @@ impl CameraPath {
         }
     }
 
-    /// A part of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`: a cubic by their places and their tangents.
+    /// Returns a vector of the camera at `t`, 0 to 1, between the key frames `first` and `first + 1`, by a cubic
+    /// Hermite curve.
     fn smooth(&self, first: usize, t: f64, part: fn(&StereoCamera) -> DVec3) -> DVec3 {
         let at = |key: usize| (f64::from(self.keys[key].0), part(&self.keys[key].1));
         let tangent = |key: usize| -> DVec3 {
@@ -124,7 +131,7 @@ impl CameraPath {
 
 fn alike(a: &StereoCamera, b: &StereoCamera) -> bool {
     let apertures = match (a.aperture, b.aperture) {
-        // Of a calibration nothing changes along a path.
+        // Intrinsics can't change along a path.
         (Aperture::Lenses(a), Aperture::Lenses(b)) => a == b,
         (a, b) => discriminant(&a) == discriminant(&b),
     };
@@ -149,7 +156,7 @@ mod tests {
     fn an_orbit_keeps_its_distance_and_comes_back() {
         let start = camera(2.0);
         let quarter = start.orbited(std::f32::consts::FRAC_PI_2);
-        // From +z towards +x, the right of an eye that looks along -z.
+        // The eye looks along -z, so +x is to its right.
         assert!(quarter.eye.distance(DVec3::new(7.0, 1.0, 0.0)) < 1e-6, "{}", quarter.eye);
         assert_eq!(quarter.target, start.target);
         assert!(start.orbited(std::f32::consts::TAU).eye.distance(start.eye) < 1e-6);
@@ -182,7 +189,7 @@ mod tests {
         let step = 1.0 / 64.0;
         let speed = |from: f32| (path.at(from + step).eye - path.at(from).eye) / f64::from(step);
         let (before, after) = (speed(3.0 - step), speed(3.0));
-        // The tangent there by definition, and what a step of this length changes of it.
+        // The tangent at a key frame equals its finite difference, up to the error of this step.
         assert!(before.distance((c - a) / 4.0) < 0.1 && after.distance((c - a) / 4.0) < 0.1, "{before} {after}");
     }
 

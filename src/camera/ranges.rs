@@ -1,4 +1,4 @@
-//! The cameras that f32 holds: what lies outside is refused by name (docs/DESIGN.md, section 2, has the measurements).
+//! Limits of cameras in f32. Values outside are refused by name (DESIGN, section 2, has the measurements).
 
 use std::ops::RangeInclusive;
 
@@ -7,40 +7,42 @@ use glam::DVec3;
 use super::{Aperture, Lenses, Pose, StereoCamera};
 use crate::Error;
 
-/// Longest side of a picture in pixels. With more of them f32 does not tell their directions apart, whatever the field
-/// of view: see [`MIN_PIXEL_ANGLE`].
+/// Longest side of a picture in pixels. In larger pictures f32 can't distinguish the pixels' directions at any field of
+/// view: see [`MIN_PIXEL_ANGLE`].
 pub const MAX_SIDE: u32 = 1 << 17;
 
-/// World coordinates of the eyes and of the target reach this far. Beyond it, f64 rounds positions by more than 1e-3.
+/// Largest world coordinate of the eyes and of the target. Beyond it, f64 rounds positions by more than 1e-3.
 pub const MAX_WORLD_COORDINATE: f64 = 1e13;
 
-/// The rendered eyes lie within this distance of [`Scene::origin`](crate::Scene::origin), along each axis. It is twice
-/// the limit of a scene's coordinates, so that every scene can be seen from outside. Farther off, the box tests of the
-/// traversal overflow f32.
+/// Largest distance of the rendered eyes from [`Scene::origin`](crate::Scene::origin), along each axis. It is twice the
+/// limit of a scene's coordinates, so every scene can be seen from outside. Farther off, the traversal's box tests
+/// overflow f32.
 pub const MAX_EYE_COORDINATE: f32 = 2e8;
 
-/// Distances to the screen in world units, but for infinity. Primitives that a pixel tells apart there are so small
-/// below it that the products of an intersection vanish in f32.
+/// Range of finite screen distances in world units. Below it, primitives of a pixel's size are so small that the
+/// products of an intersection vanish in f32.
 pub const SCREEN_DISTANCES: RangeInclusive<f32> = 1e-6..=1e9;
 
-/// The least angle in radians that a pixel must span as seen from its eye, 2⁻¹⁸: 0.8 seconds of arc. A direction in f32
-/// is good to about a tenth of it.
+/// Least angle in radians that a pixel must span as seen from its eye: 2⁻¹⁸, or 0.8 seconds of arc. The error of an f32
+/// direction is about a tenth of it.
 ///
-/// The pixels of the picture's corners span least: `s d / (d² + c²)`, with the screen's distance `d`, the shorter side
-/// `s` of a pixel on the screen, and the corner's distance `c` from the point of the screen straight before the eye.
-/// (Where the screen is at infinity, of any plane before the eyes.) Too narrow and too wide a field of view fall below
-/// it, too many pixels, eyes too far apart, and principal points too far outside of the picture.
+/// Pixels in the picture's corners span the least angle, `s d / (d² + c²)`. Here `d` is the screen's distance, and `s`
+/// is the shorter side of a pixel on the screen. `c` is the corner's distance from the screen point straight ahead of
+/// the eye. (For a screen at infinity, take any plane in front of the eyes.)
+///
+/// The angle is too small if the field of view is too narrow or too wide, or if there are too many pixels. Eyes too far
+/// apart and principal points too far outside the picture also make it too small.
 pub const MIN_PIXEL_ANGLE: f32 = 1.0 / 262_144.0;
 
-/// The share of the interaxial by which f32 may move the eyes apart or together when their positions are rounded.
+/// Largest change of the interaxial by rounding of the eyes' positions to f32, as a share of it.
 pub const MAX_EYE_SHIFT: f32 = 0.25;
 
-/// An [`Error::Camera`].
+/// Returns an [`Error::Camera`].
 pub(super) fn fault<T>(field: &'static str, value: String, reason: &'static str) -> Result<T, Error> {
     Err(Error::Camera { field, value, reason })
 }
 
-/// Checks what needs no sizes worked out.
+/// Checks size, eye, target and up.
 pub(super) fn check_fields(camera: &StereoCamera) -> Result<(), Error> {
     let (width, height) = (camera.width, camera.height);
     if width == 0 || height == 0 {
@@ -67,7 +69,7 @@ pub(super) fn check_screen_distance(distance: f32) -> Result<(), Error> {
     fault("screen_distance", format!("{distance:?}"), "it must lie between 1e-6 and 1e9, or be infinite")
 }
 
-/// Checks that directions survive their rounding to f32.
+/// Checks that f32 can distinguish the directions of neighbouring pixels.
 pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
     let too_small = |angle: f64| angle.is_nan() || angle < f64::from(MIN_PIXEL_ANGLE);
     let angle = least_pixel_angle(pose, 0.0);
@@ -94,7 +96,7 @@ pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(
     Ok(())
 }
 
-/// Checks that the eyes of a rendered pose survive their rounding to f32.
+/// Checks that f32 can represent the eyes of a rendered pose.
 pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error> {
     let farthest = DVec3::splat(f64::from(MAX_EYE_COORDINATE));
     if pose.local(pose.eye).abs().cmpgt(farthest).any() {
@@ -114,8 +116,8 @@ pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error
     Ok(())
 }
 
-/// The angle in radians that a pixel of the picture's corners spans, as seen from eyes so many interaxials to either
-/// side of the midpoint.
+/// Returns the least angle in radians that a corner pixel spans, for eyes up to `offset` interaxials to either side of
+/// the midpoint.
 pub(crate) fn least_pixel_angle(pose: &Pose, offset: f64) -> f64 {
     let [x, y] = pose.frustum.aside(offset);
     let [across, down] = pose.frustum.steps(pose.size);

@@ -1,12 +1,12 @@
-//! Eyes that are turned towards each other.
+//! Toed-in eyes.
 
 use glam::DVec3;
 
 use super::{Convergence, Frustum, Pose};
 
 impl Pose {
-    /// By how much an eye, -1 the left one, +1 the right one, is turned to the right, in radians: 0 unless eyes are
-    /// toed in.
+    /// Returns the angle in radians by which an eye (-1 left, +1 right) is turned to the right. It is 0 unless the eyes
+    /// are toed in.
     pub(super) fn turn(&self, side: f32) -> f64 {
         match self.convergence {
             Convergence::OffAxis => 0.0,
@@ -14,15 +14,15 @@ impl Pose {
         }
     }
 
-    /// View direction and right of an eye.
+    /// Returns an eye's view direction and right axis.
     pub(super) fn axes(&self, side: f32) -> (DVec3, DVec3) {
         let (sin, cos) = self.turn(side).sin_cos();
         let (forward, right) = (self.forward.as_dvec3(), self.right.as_dvec3());
         (forward * cos + right * sin, right * cos - forward * sin)
     }
 
-    /// `1 + e²/(4 d Z)`, by which points on the axis between eyes that are toed in move less than through a screen:
-    /// `2 f tan(atan(e / 2d) - atan(e / 2Z))` is their parallax. 1 for other eyes.
+    /// Returns `1 + e²/(4 d Z)`, the divisor of a screen's parallax for toed-in eyes, or 1 for other eyes. It follows
+    /// from `2 f tan(atan(e / 2d) - atan(e / 2Z))`, the parallax of points on the axis between the eyes.
     pub(crate) fn toe_in_divisor(&self, z: f64) -> f64 {
         match self.convergence {
             Convergence::OffAxis => 1.0,
@@ -33,8 +33,7 @@ impl Pose {
         }
     }
 
-    /// An eye's own camera, -1 the left one, +1 the right one: one eye alone, at its place, with its own axes and
-    /// principal point.
+    /// Returns the camera of one eye alone (-1 left, +1 right), with its own position, axes and principal point.
     pub fn of_eye(&self, side: f32) -> Self {
         let (forward, right) = self.axes(side);
         let [x, y] = self.frustum.center;
@@ -54,8 +53,8 @@ impl Pose {
         }
     }
 
-    /// The largest distance in rows, in pixels, between the places that a point has in the two pictures: of points in
-    /// the corners of either, at depths `nearest` and `farthest`. 0 unless eyes are toed in.
+    /// Returns the largest vertical parallax in pixels, over points in the corners of either picture at depths
+    /// `nearest` and `farthest`. It is 0 unless the eyes are toed in.
     pub(super) fn vertical_parallax_px(&self, nearest: f32, farthest: f32) -> f32 {
         if self.convergence == Convergence::OffAxis {
             return 0.0;
@@ -69,10 +68,10 @@ impl Pose {
             for (x, y) in [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)] {
                 let direction = corner + across * x + down * y;
                 for z in [nearest, farthest] {
-                    // At infinity it does not matter where the eyes stand.
+                    // At infinite z the offset between the eyes vanishes.
                     let to = direction + apart / f64::from(z);
                     let [_, row, depth] = self.project_from_eye(to, -side);
-                    // What stands beside or behind the other eye is in no picture of its.
+                    // Points beside or behind the other eye are not in its picture.
                     if depth > 0.0 {
                         most = most.max((row - y).abs());
                     }

@@ -6,23 +6,24 @@ use glam::Vec3;
 
 use crate::{Error, Limits, StereoCamera, camera::Intrinsics, input};
 
-/// How far a camera of a pair may stand above, below, before or behind the other one, as a share of the baseline.
+/// Largest offset between a pair's cameras off the x axis, as a share of the baseline.
 const MOST_ASKEW: f64 = 0.01;
 
-/// Fields of lens distortion, by the names that they have in such files.
+/// Names of lens distortion fields in such files.
 pub(super) const DISTORTION: [&str; 11] =
     ["k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "distortion", "dist0", "dist1"];
 
 impl StereoCamera {
-    /// Reads a pair from a Middlebury `calib.txt` (2014, 2021; ETH3D's two-view files are alike): `cam0` and `cam1` as
-    /// `[f 0 cx; 0 f cy; 0 0 1]`, `baseline` in millimetres, `width` and `height`; `doffs`, where it is there, must be
-    /// `cx1 - cx0` within a hundredth. Other lines are passed over.
+    /// Reads a pair from a Middlebury `calib.txt` (2014, 2021; ETH3D's two-view files are alike). The fields are `cam0`
+    /// and `cam1` as `[f 0 cx; 0 f cy; 0 0 1]`, `baseline` in millimetres, `width` and `height`. An optional `doffs`
+    /// must be `cx1 - cx0` within a hundredth. Other lines are ignored.
     ///
     /// World units are millimetres times `scale`: 1 keeps them, 0.001 makes them metres. The left eye stands at the
-    /// origin and looks along -z with y up, so that a point (x, y, z) of the left camera (x right, y down, z ahead) is
-    /// (x, -y, -z) times `scale` here; [`StereoCamera::eye`], `target` and `up` move the pair. Pixel centres are at
-    /// integers in the file and at halves here: a half is added to `cx` and `cy`. With `doffs` 0 the eyes are parallel
-    /// cameras, else their screen is at `f baseline / doffs`.
+    /// origin and looks along -z with y up. So a point (x, y, z) of the left camera (x right, y down, z ahead) is (x,
+    /// -y, -z) times `scale` here. [`StereoCamera::eye`], `target` and `up` move the pair.
+    ///
+    /// Pixel centres are at integers in the file and at halves here: a half is added to `cx` and `cy`. With `doffs` 0
+    /// the eyes are parallel cameras, else their screen is at `f baseline / doffs`.
     ///
     /// ```no_run
     /// let camera = stereotrace::StereoCamera::from_middlebury("Motorcycle/calib.txt", 0.001)?; // in metres
@@ -30,14 +31,15 @@ impl StereoCamera {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::TooLarge`] as [`StereoCamera::from_json`]; [`Error::Parse`], naming line and field,
-    /// for what is missing, given twice or no number, for cameras whose `fx`, `fy` or `cy` differ, for skew, lens
-    /// distortion, a negative `doffs` and a baseline that is not above 0.
+    /// - [`Error::Io`] and [`Error::TooLarge`] as [`StereoCamera::from_json`].
+    /// - [`Error::Parse`], naming line and field, for values that are missing, given twice or not numbers, and for
+    ///   cameras whose `fx`, `fy` or `cy` differ. It is also returned for skew, lens distortion, a negative `doffs` and
+    ///   a baseline that is not above 0.
     pub fn from_middlebury(path: impl AsRef<Path>, scale: f32) -> Result<Self, Error> {
         Self::from_middlebury_within(path, scale, &Limits::default())
     }
 
-    /// [`StereoCamera::from_middlebury`] with other limits than the usual ones: that on JSON files holds.
+    /// Does the same as [`StereoCamera::from_middlebury`], with the given limits: the one on JSON files applies.
     ///
     /// # Errors
     /// Those of [`StereoCamera::from_middlebury`].
@@ -70,23 +72,24 @@ impl StereoCamera {
         file.camera(cam0, cam1[2], baseline, [width?, height?], scale)
     }
 
-    /// Reads a pair from a calibration of KITTI: the projection matrices `P0` to `P3` of its object, odometry and scene
-    /// flow files, or `P_rect_00` to `P_rect_03` of `calib_cam_to_cam.txt`, 12 numbers each. `cameras` are the left one
-    /// and the right one: `[2, 3]` are the colour cameras. `size` is the picture's, `[width, height]`, as `S_rect` says
-    /// where it is there.
+    /// Reads a pair from a KITTI calibration. The file has the projection matrices `P0` to `P3` (object, odometry and
+    /// scene flow), or `P_rect_00` to `P_rect_03` (`calib_cam_to_cam.txt`), 12 numbers each.
     ///
-    /// World units are metres times `scale`. Eyes stand and pixels are counted as [`StereoCamera::from_middlebury`]
-    /// says. `P = K [I | t]` puts a camera at `-t`: the baseline is their distance along x. The colour cameras stand up
-    /// to 0.5% of it askew besides, which one row for both eyes can't say: up to 1% is left out and logged as a
-    /// warning.
+    /// `cameras` are the left and the right one: `[2, 3]` are the colour cameras. `size` is the picture's,
+    /// `[width, height]`; it must agree with `S_rect` if the file has it.
+    ///
+    /// World units are metres times `scale`. Eye positions and pixel centres follow [`StereoCamera::from_middlebury`].
+    /// `P = K [I | t]` puts a camera at `-t`: the baseline is the cameras' distance along x. The colour cameras also
+    /// stand up to 0.5% of it off this axis, so rows are not exact epipolar lines. An offset of up to 1% is ignored,
+    /// with a warning.
     ///
     /// # Errors
-    /// As [`StereoCamera::from_middlebury`].
+    /// Those of [`StereoCamera::from_middlebury`].
     pub fn from_kitti(path: impl AsRef<Path>, cameras: [u32; 2], size: [u32; 2], scale: f32) -> Result<Self, Error> {
         Self::from_kitti_within(path, cameras, size, scale, &Limits::default())
     }
 
-    /// [`StereoCamera::from_kitti`] with other limits than the usual ones: that on JSON files holds.
+    /// Does the same as [`StereoCamera::from_kitti`], with the given limits: the one on JSON files applies.
     ///
     /// # Errors
     /// Those of [`StereoCamera::from_middlebury`].
@@ -136,10 +139,10 @@ impl StereoCamera {
 /// `fx`, `fy`, `cx`, `cy`.
 type Lens = [f64; 4];
 
-/// A file of lines of a name and its value.
+/// A file with a name and a value in each line.
 struct File<'a> {
     path: &'a Path,
-    /// With the line of each.
+    /// Line number and value by name.
     values: HashMap<String, (usize, String)>,
 }
 
@@ -170,7 +173,7 @@ impl<'a> File<'a> {
         Error::parse(self.path, self.values.get(name).map(|(line, _)| *line), format!("{name} {reason}"))
     }
 
-    /// So many finite numbers, in brackets or not.
+    /// Reads `N` finite numbers, with or without brackets.
     fn numbers<const N: usize>(&self, name: &str) -> Result<[f64; N], Error> {
         let Some((_, text)) = self.values.get(name) else {
             return Err(self.fault(name, "is missing".into()));
@@ -197,7 +200,7 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Of a matrix of 3 x 3.
+    /// Reads the intrinsics of a 3 x 3 matrix.
     fn lens(&self, name: &str, [fx, skew, cx, low, fy, cy, a, b, c]: [f64; 9]) -> Result<Lens, Error> {
         if skew != 0.0 || low != 0.0 {
             return Err(
@@ -210,7 +213,7 @@ impl<'a> File<'a> {
         Ok([fx, fy, cx, cy])
     }
 
-    /// A camera of KITTI's, and where it stands: x to the right, y down, z ahead, metres.
+    /// Reads a KITTI camera and its position in metres: x to the right, y down, z ahead.
     fn projection(&self, name: &str) -> Result<(Lens, [f64; 3]), Error> {
         let [fx, skew, cx, x, low, fy, cy, y, a, b, c, z] = self.numbers::<12>(name)?;
         let lens = self.lens(name, [fx, skew, cx, low, fy, cy, a, b, c])?;
@@ -299,11 +302,11 @@ mod tests {
                     assert!(off < 2e-3, "{off} px");
                     assert!((depth / f64::from(scale) / z - 1.0).abs() < 1e-6);
                 }
-                // Z = baseline f / (d + doffs), as the data set says.
+                // Z = baseline f / (d + doffs), by the data set's documentation.
                 let disparity = pose.disparity_px((z * f64::from(scale)) as f32);
                 assert!((193.001 * 3979.911 / (disparity + 124.343) - z).abs() < 1e-3 * z);
             }
-            // Every number goes round.
+            // Every number is reproduced.
             let back = pose.intrinsics();
             let found = [back.fx, back.fy, back.cx0 - 0.5, back.cx1 - 0.5, back.cy - 0.5, back.doffs()];
             let given = [3979.911, 3979.911, 1244.772, 1369.115, 1019.507, 124.343];

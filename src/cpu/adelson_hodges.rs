@@ -5,15 +5,17 @@ use super::{
     reproject::{in_sweep, landing_x},
 };
 
-/// The right column that left sample `column` at depth `z` lands in, whether in the picture or not.
+/// Returns the right column where left sample `column` at depth `z` lands, which may lie outside the picture.
 pub fn landing(frame: &Frame, column: usize, z: f32) -> i32 {
     landing_x(frame, column, z).clamp(-1e9, 1e9).floor() as i32
 }
 
-/// For each pixel of the target the key of the sample that it takes over (how late the sample's column comes, from 1 on), or 0 where it
-/// must be traced. Each row from left to right, where the target stands on the right: a later sample overwrites; where two neighbours
-/// land more than one column apart, the columns strictly between lie in a gap that nobody saw and are cleared, and so are
-/// those past the last sample (DESIGN, section 4). To a target on the left all is mirrored.
+/// Returns for each target pixel the key of its sample, or 0 if it must be traced. A key is the position of the
+/// sample's column in the sweep, from 1 on.
+///
+/// For a target on the right each row is swept from left to right. A later sample overwrites. If two neighbours land
+/// more than one column apart, the columns strictly between lie in a gap and are cleared. Columns past the last sample
+/// are cleared too (DESIGN, section 4). For a target on the left all is mirrored.
 pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let width = frame.size()[0];
     let mut right_source = vec![0; left_depth.len()];
@@ -38,7 +40,7 @@ pub fn sweep(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     right_source
 }
 
-/// Columns `[begin, end)`, as far as they are in the picture.
+/// Clears columns `[begin, end)` within the picture.
 fn clear(row: &mut [u32], begin: i32, end: i32) {
     for column in begin.max(0)..end.min(row.len() as i32) {
         row[column as usize] = 0;
@@ -52,17 +54,17 @@ mod tests {
     use super::*;
     use crate::{StereoCamera, random::Random};
 
-    /// What the right-to-left variation knows of a right column.
+    /// State of a right column in the right-to-left variation.
     #[derive(Clone, Copy, PartialEq)]
     enum Column {
         Free,
-        /// In a gap: whatever comes later in the sweep, it stays untaken.
+        /// In a gap: it stays empty, whatever comes later in the sweep.
         Blocked,
         Taken(u32),
     }
 
-    /// The sweep from right to left, in which the first write wins. The paper's own, with two states, marks gaps as hit and so
-    /// never traces them; with a third one it does what the forward sweep does.
+    /// Sweeps from right to left; the first write wins. The paper's version has two states: it marks gaps as hit and so
+    /// never traces them. With a third state the result equals that of the forward sweep.
     fn sweep_from_the_right(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
         let [width, height] = frame.size();
         let mut right_source = Vec::with_capacity(width * height);
@@ -98,7 +100,7 @@ mod tests {
         let mut random = Random::new(3);
         for interaxial_px in [0.5, 6.0, 30.0] {
             let frame = Frame::new(&camera.size(97, 40).interaxial_pixels(interaxial_px).pose().unwrap());
-            // Surfaces some pixels wide at random depths, slanted, with sky between.
+            // Surfaces a few pixels wide at random depths, slanted, with sky between.
             let mut depths = Vec::new();
             while depths.len() < 97 * 40 {
                 let (z, slope) = (random.between(0.5, 9.5), random.between(-0.5, 0.5));
@@ -129,13 +131,13 @@ mod tests {
 
     #[test]
     fn a_gap_that_the_background_had_covered_is_cleared() {
-        // e_px = 8, d = 4: z = 8 moves by 4, z = 4 by 0, the sky by 8.
+        // With e_px = 8 and d = 4, z = 8 moves by 4, z = 4 by 0 and the sky by 8.
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
         let frame = Frame::new(&camera.size(20, 1).interaxial_pixels(8.0).pose().unwrap());
         let depths: Vec<f32> = (0..20).map(|column| if (6..9).contains(&column) { 4.0 } else { 8.0 }).collect();
         let source = sweep(&frame, &depths);
-        // Columns 0 to 5 land in 4 to 9; 6 to 8 stay and overwrite; 9 lands in 13, so 9 to 12 lie in a gap, of which
-        // column 9 had been written by sample 5.
+        // Columns 0 to 5 land in 4 to 9, columns 6 to 8 stay and overwrite, and column 9 lands in 13. So 9 to 12 lie in
+        // a gap, where sample 5 had been written to column 9.
         let expected: [u32; 20] = [0, 0, 0, 0, 1, 2, 7, 8, 9, 0, 0, 0, 0, 10, 11, 12, 13, 14, 15, 16];
         assert_eq!(source, expected);
     }

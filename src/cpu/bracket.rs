@@ -1,5 +1,5 @@
-//! Twins of the passes of `bracket`: `bound_tiles.wgsl`, the fate of pixels in `resolve_tiles.wgsl`, and shadow bits
-//! (`shared/bits.wgsl`), for scenes without vertex normals.
+//! Twins of the passes of `bracket`: `bound_tiles.wgsl`, how pixels are made in `resolve_tiles.wgsl`, and visibility
+//! bits (`shared/bits.wgsl`), for scenes without vertex normals.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::{
     scene::{Primitive, components},
 };
 
-/// Between two samples a surface may lie a little deeper than both.
+/// Between two samples a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
 /// `GROOVE` of `bits.wgsl`.
 const GROOVE: f32 = 1.0 / 96.0;
@@ -21,8 +21,8 @@ const FLAT: f32 = 1.0 / 32.0;
 /// Least cosine between the normals of primitives that may share a shadow.
 const SAME_NORMAL: f32 = 0.9;
 
-/// How deep each tile of right pixels must be searched, row by row: the largest depth of the left samples that land in it, each from where
-/// the one before landed to a pixel behind its own place.
+/// Returns the bound of each tile of right pixels, row by row. It is the largest depth of the left samples that land
+/// there. Each sample's depth counts from one pixel before the previous landing to one pixel behind its own.
 pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -50,7 +50,7 @@ pub fn tile_bounds(frame: &Frame, left_depth: &[f32]) -> Vec<f32> {
     bounds
 }
 
-/// The same of pixels that are samples: four tiles are searched as deep as the deepest of them.
+/// Returns the bounds for pixels that are samples: four tiles take the largest of their bounds.
 pub fn wide_bounds(frame: &Frame, bounds: &[f32]) -> Vec<f32> {
     let across = frame.size()[0].div_ceil(TILE as usize);
     let (down, four) = (bounds.len() / across, (WIDE_TILE / TILE) as usize);
@@ -63,7 +63,7 @@ pub fn wide_bounds(frame: &Frame, bounds: &[f32]) -> Vec<f32> {
     (0..bounds.len()).map(deepest).collect()
 }
 
-/// Each right pixel's fate, of the bounds and what its own ray hits.
+/// Returns how each right pixel is made, given the bounds and the hits of its own ray.
 pub fn sources(frame: &Frame, bounds: &[f32], right: &[(f32, u32)]) -> Vec<PixelSource> {
     let [width, _] = frame.size();
     let tile = TILE as usize;
@@ -78,18 +78,19 @@ pub fn sources(frame: &Frame, bounds: &[f32], right: &[(f32, u32)]) -> Vec<Pixel
     right.iter().enumerate().map(fate).collect()
 }
 
-/// Of the lights in bit order: those in front of a surface, and those that are seen from it.
+/// Bits of the lights: `known` for lights in front of a surface, `lit` for those visible from it.
 #[derive(Clone, Copy, Default)]
 struct Bits {
     known: u32,
     lit: u32,
 }
 
-/// A view that is traced, and what its rays hit: a depth and an id each pixel. Its frame has it as `Eye::Left`, the target as the other.
+/// A traced view and its hits: a depth and an id per pixel. In its frame it is `Eye::Left`, and the target is
+/// `Eye::Right`.
 pub type Source<'a> = (&'a Frame, &'a [(f32, u32)]);
 
-/// How it is known which lights each right pixel sees: by its source, and where that does not know by a second one, if there are two.
-/// `right` is what the target's own rays hit.
+/// Returns how the visibility bits of each right pixel are known: from its source, or from the second source, if there
+/// are two. `right` has the hits of the target's own rays.
 pub fn shadow_sources(
     scene: &Scene,
     sources: &[Source<'_>],
@@ -120,7 +121,8 @@ pub fn shadow_sources(
     right.iter().enumerate().map(source).collect()
 }
 
-/// Components as packed primitives have them: triangles that are cut out are of another one than the whole ones that they hang together with.
+/// Returns components as in packed primitives: cut-out triangles belong to another component than whole triangles that
+/// they are connected to.
 fn marked_components(scene: &Scene) -> Vec<u32> {
     let mut components = components::of(scene);
     for (id, component) in components.iter_mut().enumerate() {
@@ -130,7 +132,8 @@ fn marked_components(scene: &Scene) -> Vec<u32> {
     components
 }
 
-/// The lights of each tile of which no bit is taken over: their shadows are too narrow for the samples that land around it.
+/// Returns the busy lights of each tile, of which no bit is reused: their shadows are too narrow for the samples that
+/// land near it.
 fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> Vec<u32> {
     let [width, height] = frame.size();
     let tile = TILE as usize;
@@ -139,7 +142,7 @@ fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> 
     let step = Vec3::from(frame.raw.step_x).length();
     for (index, &(depth, id)) in left.iter().enumerate().filter(|(_, hit)| hit.1 != MISS) {
         let (row, column) = (index / width, index % width);
-        // A sample of the same row and component, so many columns on.
+        // Returns the sample `columns` away in the row, if it has the same component.
         let beside = |columns: isize| {
             let place = column.checked_add_signed(columns).filter(|&column| column < width)? + row * width;
             (left[place].1 != MISS && components[left[place].1 as usize] == components[id as usize]).then_some(place)
@@ -170,7 +173,7 @@ fn busy_lights(components: &[u32], (frame, left): Source<'_>, bits: &[Bits]) -> 
     busy
 }
 
-/// The lights of which a source's samples around the point that a right pixel shows know whether it sees them.
+/// Returns the lights whose bits are known from a source's samples around the point that a right pixel shows.
 fn agreed_bits(
     scene: &Scene,
     components: &[u32],
@@ -221,7 +224,7 @@ fn agreed_bits(
     agreed & !open
 }
 
-/// The normal towards the eye of the surface that a pixel's ray hits.
+/// Returns the normal, turned towards the eye, of the surface that a pixel's ray hits.
 fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, id): (f32, u32)) -> Vec3 {
     let width = frame.size()[0];
     let direction = frame.direction(eye, index % width, index / width);
@@ -242,7 +245,8 @@ fn surface_normal(scene: &Scene, frame: &Frame, eye: Eye, index: usize, (depth, 
     if normal.dot(direction) > 0.0 { -normal } else { normal }
 }
 
-/// Which lights are in front of a hit; and, if asked, which of them are seen, by shadow rays as shared/lights.wgsl has them.
+/// Returns which lights are in front of a hit and, if requested, which are visible from it, by shadow rays as in
+/// shared/lights.wgsl.
 fn light_bits(scene: &Scene, frame: &Frame, eye: Eye, index: usize, hit: (f32, u32), trace: bool) -> Bits {
     let mut bits = Bits::default();
     if hit.1 == MISS {

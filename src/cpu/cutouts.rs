@@ -1,10 +1,10 @@
-//! Twin of shaders/shared/cutouts.wgsl. It reads textures' own pixels in place of masks.
+//! Twin of shaders/shared/cutouts.wgsl. It reads the pixels of textures in place of masks.
 
 use glam::{Vec2, Vec3};
 
 use crate::{Scene, Texture, TextureKind, Wrap, bvh::shortest_edge};
 
-/// Whether a triangle that a ray meets has a surface there.
+/// Returns whether a triangle has a surface where a ray meets it.
 pub(super) fn has_surface(scene: &Scene, id: usize, texture: &Texture, origin: Vec3, direction: Vec3) -> bool {
     let mut corners = scene.triangles()[id].corners;
     let mut uv = scene.uv().get(id).copied().unwrap_or_default();
@@ -21,7 +21,7 @@ pub(super) fn has_surface(scene: &Scene, id: usize, texture: &Texture, origin: V
     is_opaque(texture, a * weights.x + b * weights.y + c * weights.z)
 }
 
-/// Whether the pixel or square at these texture coordinates is.
+/// Returns whether the pixel or square at these texture coordinates is opaque.
 fn is_opaque(texture: &Texture, uv: Vec2) -> bool {
     let place = |x: f32, side: u32| {
         let near = if texture.wrap == Wrap::Clamp { x.clamp(-64.0, 65.0) } else { x - 2.0 * (0.5 * x).floor() };

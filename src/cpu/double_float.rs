@@ -1,29 +1,29 @@
-//! Twin of `shaders/shared/double_float.wgsl`: sums of two f32, twice as exact as one.
+//! Twin of `shaders/shared/double_float.wgsl`: sums of two f32, with twice the precision.
 
 use std::ops::{Add, Mul, Neg};
 
 use glam::Vec3;
 
-/// `hi + lo`, `lo` being what `hi` is rounded by.
+/// The sum `hi + lo`, where `lo` is the rounding error of `hi`.
 #[derive(Clone, Copy, Debug)]
 pub struct Two {
-    /// The sum as one f32.
+    /// The sum rounded to f32.
     pub hi: f32,
-    /// What is left of it.
+    /// The remainder.
     pub lo: f32,
 }
 
-/// Three of them.
+/// A vector of three such sums.
 #[derive(Clone, Copy, Debug)]
 pub struct Two3(pub [Two; 3]);
 
 impl Two {
-    /// An f32, exactly.
+    /// Converts an f32 exactly.
     pub fn new(v: f32) -> Self {
         Self { hi: v, lo: 0.0 }
     }
 
-    /// a - b, exactly.
+    /// Returns a - b exactly.
     pub fn difference(a: f32, b: f32) -> Self {
         let hi = a - b;
         let taken = hi - a;
@@ -65,29 +65,29 @@ impl Mul for Two {
 }
 
 impl Two3 {
-    /// A vector, exactly.
+    /// Converts a vector exactly.
     pub fn new(v: Vec3) -> Self {
         Self(v.to_array().map(Two::new))
     }
 
-    /// a - b, exactly.
+    /// Returns a - b exactly.
     pub fn difference(a: Vec3, b: Vec3) -> Self {
         Self(std::array::from_fn(|axis| Two::difference(a[axis], b[axis])))
     }
 }
 
-/// The dot product.
+/// Returns the dot product.
 pub fn dot(a: Two3, b: Two3) -> Two {
     (a.0[0] * b.0[0] + a.0[1] * b.0[1]) + a.0[2] * b.0[2]
 }
 
-/// The cross product.
+/// Returns the cross product.
 pub fn cross(a: Two3, b: Two3) -> Two3 {
     let component = |y: usize, z: usize| a.0[y] * b.0[z] + -(a.0[z] * b.0[y]);
     Two3([component(1, 2), component(2, 0), component(0, 1)])
 }
 
-/// Where a ray meets the plane of a triangle.
+/// Returns t where a ray meets a triangle's plane.
 pub fn plane_t(origin: Vec3, direction: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let normal = cross(Two3::difference(b, a), Two3::difference(c, a));
     let distance = dot(normal, Two3::difference(a, origin));

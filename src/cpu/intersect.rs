@@ -1,4 +1,5 @@
-//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl, planes.wgsl and cutouts.wgsl, and a search through all primitives in place of the BVH.
+//! Twins of shaders/shared/triangle.wgsl, sphere.wgsl, ellipsoid.wgsl, planes.wgsl and cutouts.wgsl, with a search
+//! through all primitives in place of the BVH.
 
 use glam::Vec3;
 
@@ -15,11 +16,11 @@ use crate::{
 
 /// `CANCELLED` of ellipsoid.wgsl.
 const CANCELLED: f32 = 0.25;
-/// Of the direction's length, the corners' distance and the longest edge: what edge products may be off by.
+/// Error of edge products, as a share of the direction's length, the corners' distance and the longest edge.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
-/// The ray's t at a triangle, or `None` where it misses: Plücker products with its edges, and where rounding might decide products of the
-/// projected corners, see shaders/shared/triangle.wgsl.
+/// Returns the ray's t at a triangle, or `None` for a miss. It takes Plücker products with the edges and, if rounding
+/// might decide, products of the projected corners: see shaders/shared/triangle.wgsl.
 pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Option<f32> {
     let corners = shortest_edge_first(corners);
     let [a, b, c] = corners.map(|corner| corner - origin);
@@ -36,7 +37,7 @@ pub fn intersect_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> 
     }
 }
 
-/// Above 0 where the ray passes on the inner side of all edges, and below which size rounding might decide that.
+/// Returns a value that is positive if the ray passes inside all edges, and the size up to which its sign is uncertain.
 fn inside_edges(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> (f32, f32) {
     let [a, b, c] = corners.map(|corner| corner - origin);
     let edge = |p: Vec3, q: Vec3| direction.dot((p + q).cross(q - p));
@@ -47,8 +48,8 @@ fn inside_edges(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> (f32, f32)
     (inside, length_squared.sqrt() * ((a.dot(a).sqrt() + reach) * reach * DOUBT))
 }
 
-/// The ray's t at a triangle of a scene, if that is there and no hole of it (shaders/shared/cutouts.wgsl). What is cut out is always looked
-/// at again.
+/// Returns the ray's t at a triangle of a scene, if it has a surface there (shaders/shared/cutouts.wgsl). A cut-out
+/// triangle always takes the second look.
 fn intersect_in_scene(scene: &Scene, id: usize, origin: Vec3, direction: Vec3) -> Option<f32> {
     let triangle = &scene.triangles()[id];
     if triangle.is_degenerate() {
@@ -87,7 +88,7 @@ fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Opt
     Some(t.max(t_corner.min_element()).min(t_corner.max_element()))
 }
 
-/// Whether t must be computed twice as exactly.
+/// Returns whether t must be computed in sums of two f32.
 pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
     let reach = f32::from_bits(reach_bits(corners));
     let [a, b, c] = corners.map(|corner| corner - origin);
@@ -96,7 +97,7 @@ pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
     normal.dot(a).abs() * LARGE < normal.dot(normal).sqrt() * reach && beside
 }
 
-/// Whether t must be computed twice as exactly.
+/// Returns whether t must be computed in sums of two f32.
 pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
     is_close_to_centered(center - origin, radius)
 }
@@ -105,7 +106,8 @@ fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
     (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
 }
 
-/// Whether t must be computed twice as exactly: for the sphere's size, or for what cancels in the map's products.
+/// Returns whether t must be computed in sums of two f32, for the sphere's size or for cancellation in the map's
+/// products.
 pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
     let from_origin = center - origin;
     let to_center = mapped(map, from_origin);
@@ -132,7 +134,7 @@ fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {
     }
 }
 
-/// The nearest t of at least `t_min` at a sphere, or `None` where the ray misses (shaders/shared/sphere.wgsl).
+/// Returns the nearest t at a sphere that is at least `t_min`, or `None` for a miss (shaders/shared/sphere.wgsl).
 pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32, t_min: f32) -> Option<f32> {
     if is_close_sphere(origin, center, radius) {
         return look_again(Two3::difference(center, origin), Two3::new(direction), radius, t_min);
@@ -140,7 +142,7 @@ pub fn intersect_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32
     meet(center - origin, direction, radius, t_min)
 }
 
-/// The same of an ellipsoid (shaders/shared/ellipsoid.wgsl).
+/// Returns the same for an ellipsoid (shaders/shared/ellipsoid.wgsl).
 pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid, t_min: f32) -> Option<f32> {
     let (center, map) = (ellipsoid.center, ellipsoid.to_sphere());
     if is_close_ellipsoid(origin, center, &map) {
@@ -151,8 +153,8 @@ pub fn intersect_ellipsoid(origin: Vec3, direction: Vec3, ellipsoid: &Ellipsoid,
     meet(mapped(&map, center - origin), mapped(&map, direction), map.radius, t_min)
 }
 
-/// The ray's t at a plane, or `None` where it begins in it, runs along it, or meets it farther than [`PLANE_REACH`] away
-/// (shaders/shared/planes.wgsl). It is below 0 where the ray goes away from it.
+/// Returns the ray's t at a plane (shaders/shared/planes.wgsl). It is `None` if the ray begins in the plane, runs along
+/// it, or meets it farther than [`PLANE_REACH`] away. It is negative if the ray goes away from it.
 pub fn intersect_plane(origin: Vec3, direction: Vec3, plane: &Plane) -> Option<f32> {
     let normal = plane.unit_normal();
     let height = dot(Two3::new(normal), Two3::difference(plane.point, origin)).hi;
@@ -190,8 +192,8 @@ fn look_again(to_center: Two3, way: Two3, radius: f32, t_min: f32) -> Option<f32
     Some(if near >= t_min { near } else { larger_root.max(other_root) })
 }
 
-/// The nearest hit with t in `[t_min, t_max]` among all primitives, as (t, id); of equal t the smallest id;
-/// `(t_max, MISS)` if there is none.
+/// Returns the nearest hit with t in `[t_min, t_max]` among all primitives, as (t, id). At equal t the smallest id
+/// wins. A miss is `(t_max, MISS)`.
 pub fn closest_hit(scene: &Scene, origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> (f32, u32) {
     let triangles = (0..scene.triangles().len()).map(|id| intersect_in_scene(scene, id, origin, direction));
     let spheres =

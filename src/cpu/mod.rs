@@ -1,8 +1,8 @@
-//! Plain Rust twins of the kernels, under the same file names: slow, sequential, and free of BVH and wgpu. Tests compare
-//! the kernels with them; swapping a pass for its twin is how to find the kernel that is wrong.
+//! Plain Rust twins of the kernels, with the same file names: slow and sequential, without BVH and wgpu. Tests compare
+//! the kernels with them. To find a faulty kernel, replace a pass by its twin.
 //!
-//! They do the same arithmetic in the same order, so on adapters that don't contract or reorder f32 the results agree
-//! bit for bit.
+//! They do the same arithmetic in the same order. So on adapters that neither contract nor reorder f32 operations,
+//! results agree bit for bit.
 
 pub mod adelson_hodges;
 pub mod bracket;
@@ -18,45 +18,45 @@ use glam::Vec3;
 
 use crate::{Pose, frame::uniform::frame_uniform, layout, samples::Jitter};
 
-/// The frame as kernels read it, with vectors.
+/// The frame of the kernels, with vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     raw: layout::Frame,
     jitter: Jitter,
 }
 
-/// Which eye.
+/// One of the two eyes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eye {
-    /// The left one, which is traced first.
+    /// The left eye, which is traced first.
     Left,
-    /// The right one.
+    /// The right eye.
     Right,
 }
 
 impl Frame {
-    /// The frame of a camera.
+    /// Makes the frame of a camera.
     pub fn new(pose: &Pose) -> Self {
         Self::between(pose, -0.5, 0.5)
     }
 
-    /// The frame of two eyes at offsets from the middle between a camera's eyes, in interaxials: the first is `Eye::Left`,
-    /// the one that is traced first, whichever side it stands on.
+    /// Makes the frame of two eyes, given as offsets from the middle between a camera's eyes, in interaxials. `source`
+    /// becomes `Eye::Left`, which is traced first, on whichever side it is.
     pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
         Self { raw: frame_uniform(pose, source, target), jitter: Jitter::new(1, 0) }
     }
 
-    /// The same where pixels are jittered samples, so many a side of a pixel (docs/DESIGN.md, section 3).
+    /// Returns the same frame where pixels are jittered samples, `side` a side of a pixel (docs/DESIGN.md, section 3).
     pub fn jittered(self, side: u32, seed: u32) -> Self {
         Self { jitter: Jitter::new(side, seed), ..self }
     }
 
-    /// Picture size, pixels.
+    /// Returns the picture's size in pixels.
     pub fn size(&self) -> [usize; 2] {
         self.raw.image_size.map(|side| side as usize)
     }
 
-    /// World position of an eye.
+    /// Returns the position of an eye in scene coordinates.
     pub fn eye(&self, eye: Eye) -> Vec3 {
         match eye {
             Eye::Left => self.raw.source_eye.into(),
@@ -64,12 +64,13 @@ impl Frame {
         }
     }
 
-    /// `x_t - x_s` in pixels of a point at depth `z`.
+    /// Returns the parallax `x_t - x_s` of a point at depth `z`, in pixels.
     fn parallax(&self, z: f32) -> f32 {
         self.raw.parallax_px * (self.raw.at_infinity - self.raw.parallax_distance / z)
     }
 
-    /// Direction from an eye through a pixel's centre, or its jittered sample, of length 1 along the view axis.
+    /// Returns the direction from an eye through a pixel's centre, or its jittered sample, with length 1 along the view
+    /// axis.
     pub fn direction(&self, eye: Eye, column: usize, row: usize) -> Vec3 {
         let corner: Vec3 = match eye {
             Eye::Left => self.raw.source_corner.into(),

@@ -1,28 +1,28 @@
-//! Twin of shaders/reproject.wgsl: which left sample each right pixel gets.
+//! Twin of shaders/reproject.wgsl: assigns left samples to right pixels.
 
 use super::Frame;
 
-/// Columns in the order of a sweep.
+/// Returns the columns in the order of a sweep.
 pub(super) fn in_sweep(frame: &Frame) -> impl Iterator<Item = usize> + use<> {
     let (width, mirrored) = (frame.size()[0], frame.raw.parallax_px < 0.0);
     (0..width).map(move |place| if mirrored { width - 1 - place } else { place })
 }
 
-/// X, where left sample `column` at depth `z` lands: its centre moved by the parallax (DESIGN, section 2).
+/// Returns X, where left sample `column` at depth `z` lands: its centre moved by the parallax (DESIGN, section 2).
 pub(super) fn landing_x(frame: &Frame, column: usize, z: f32) -> f32 {
     column as f32 + 0.5 + frame.parallax(z)
 }
 
-/// Where left sample `column` at depth `z` lands: `floor(column + 0.5 + parallax)`, or `None` outside the
-/// picture (DESIGN, section 2).
+/// Returns the column where left sample `column` at depth `z` lands, `floor(column + 0.5 + parallax)`, or `None`
+/// outside the picture (DESIGN, section 2).
 pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
     let x = landing_x(frame, column, z);
     (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
 }
 
-/// For each pixel of the target the nearest sample's key, or 0. The key is how late the sample's column comes in a sweep, from 1 on: to a
-/// target on the right from left to right, else from right to left. A later sample overwrites, which is the rule that it is
-/// the nearest.
+/// Returns the nearest sample's key for each target pixel, or 0. A key is the position of the sample's column in the
+/// sweep, from 1 on. The sweep goes from left to right for a target on the right, else from right to left. A later
+/// sample overwrites, since it is nearer.
 pub fn reproject(frame: &Frame, left_depth: &[f32]) -> Vec<u32> {
     let [width, height] = frame.size();
     let mut right_source = vec![0; width * height];

@@ -1,4 +1,5 @@
-//! Twin of `shaders/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: which right pixels are taken over.
+//! Twin of `shaders/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: decides which right pixels are
+//! reused.
 
 use glam::Vec3;
 
@@ -8,7 +9,8 @@ use crate::{FAR, MISS, PixelSource, Scene};
 /// Share of the way to the reused point that must be free.
 pub const VERIFY_FRACTION: f32 = 0.999;
 
-/// The fate of each of the target's pixels; `left` is (depth, id) of each of the source's, `keys` the twin of reprojection's.
+/// Returns how each target pixel is made. `left` has (depth, id) of each source pixel, `keys` the result of the twin of
+/// reprojection.
 pub fn resolve_right(scene: &Scene, frame: &Frame, left: &[(f32, u32)], keys: &[u32]) -> Vec<PixelSource> {
     let width = frame.size()[0];
     let columns: Vec<usize> = in_sweep(frame).collect();

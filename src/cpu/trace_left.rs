@@ -1,9 +1,9 @@
-//! Twin of `shaders/trace_left.wgsl`: what each pixel of a view hits. It does not shade.
+//! Twin of `shaders/trace_left.wgsl`: finds what each pixel of a view hits. It does not shade.
 
 use super::{Eye, Frame, intersect::closest_hit};
 use crate::{FAR, Scene};
 
-/// (depth, primitive id) of each pixel, row-major; ([`FAR`], [`crate::MISS`]) where nothing is hit.
+/// Returns (depth, primitive id) of each pixel, row-major; ([`FAR`], [`crate::MISS`]) for a miss.
 pub fn trace_left(scene: &Scene, frame: &Frame, eye: Eye) -> Vec<(f32, u32)> {
     let [width, height] = frame.size();
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));

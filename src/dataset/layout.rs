@@ -1,4 +1,4 @@
-//! How the files of a data set lie in its folder: as those of the data sets that loaders are written for.
+//! Folder layouts of data sets, compatible with loaders of existing data sets.
 
 use std::{
     fmt, fs,
@@ -10,21 +10,24 @@ use glam::DVec3;
 
 use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, camera::Intrinsics, output::Batch};
 
-/// How a data set's files lie in its folder, which is how the data set of that name has them. A pair has a number from 0 on.
+/// Folder layout of a data set, after the data set of the same name. Pairs are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Layout {
-    /// Middlebury 2014 (Scharstein et al. 2014): a folder a pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`, `disp1.pfm`, `calib.txt`
-    /// and the evaluation's `mask0nocc.png`; and, which Middlebury has not, `mask1nocc.png` and `mask0sky.png`, `mask1sky.png`.
-    /// Sky is unknown there: infinite in the disparities, 0 in `mask0nocc.png`.
+    /// Middlebury 2014 (Scharstein et al. 2014): a folder per pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`,
+    /// `disp1.pfm`, `calib.txt` and the evaluation's `mask0nocc.png`. In addition to Middlebury, it has
+    /// `mask1nocc.png`, `mask0sky.png` and `mask1sky.png`. Sky is unknown: infinite in the disparities, 0 in
+    /// `mask0nocc.png`.
     #[default]
     Middlebury,
-    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`, `disp_noc_0`, and
-    /// `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or `obj_map`.
+    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`,
+    /// `disp_noc_0`, and `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or
+    /// `obj_map`.
     Kitti,
-    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), one sequence named `stereotrace`: `frames_finalpass/stereotrace/left/0000.png`, `right`, the same of
-    /// `disparity`, `object_index` and `material_index` as PFM, and `camera_data/stereotrace/0000.txt`, which are to be put together for a
-    /// `camera_data.txt`. Ids are as there: 0 is nothing. There is no flow, and no clean pass.
+    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), with one sequence named `stereotrace`:
+    /// `frames_finalpass/stereotrace/left/0000.png`, `right`, the same for `disparity`, `object_index` and
+    /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the latter for a `camera_data.txt`.
+    /// As there, id 0 means none. There is no flow and no clean pass.
     SceneFlow,
 }
 
@@ -32,7 +35,7 @@ impl Layout {
     /// Every layout, the default first.
     pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
 
-    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Middlebury => "middlebury",
@@ -41,24 +44,23 @@ impl Layout {
         }
     }
 
-    /// Whether it takes parallel cameras alone. Middlebury's `doffs` says where converged ones have their screen, but
-    /// its loaders take no disparity below 0 either.
+    /// Returns whether the layout requires parallel cameras. Middlebury's `doffs` allows converged cameras, but its
+    /// loaders accept no negative disparities.
     pub fn is_parallel(self) -> bool {
         self != Self::Middlebury
     }
 
-    /// Disparities that its files can't hold are this large, in pixels.
+    /// Returns the disparity limit of the layout's files in pixels: they can't hold disparities of this size or larger.
     pub fn disparity_limit(self) -> f32 {
         if self == Self::Kitti { 256.0 } else { f32::INFINITY }
     }
 
-    /// Adds all files of a pair to what is written, and makes their folders.
+    /// Adds all files of a pair to a batch, and creates their folders.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair whose cameras are not parallel where they must be, whose eyes are toed in, or, in
-    /// Middlebury's files, that has a disparity below 0; [`Error::Io`], as [`Batch::add`], as
-    /// [`Batch::add_kitti_disparity`] for a disparity that does not fit, and in Scene Flow's files for an id over 2^24
-    /// - 1.
+    /// [`Error::Options`] for cameras that are not parallel where they must be, for toed-in eyes, and in Middlebury's
+    /// layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a
+    /// disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
     pub fn add(
         self,
         batch: &mut Batch,
@@ -110,11 +112,11 @@ impl FromStr for Layout {
     }
 }
 
-/// The folder of a data set.
+/// Folder of a data set.
 struct Root<'a>(&'a Path);
 
 impl Root<'_> {
-    /// Where a file lies; its folder is there then.
+    /// Returns a file's path and creates its folder.
     fn file(&self, name: &str) -> Result<PathBuf, Error> {
         let path = self.0.join(name);
         if let Some(folder) = path.parent() {
@@ -124,7 +126,7 @@ impl Root<'_> {
     }
 }
 
-/// The first surface whose disparity is below 0, in words.
+/// Describes the first surface with a negative disparity.
 fn negative_disparity(truth: &GroundTruth) -> Option<String> {
     [("left", &truth.left), ("right", &truth.right)].into_iter().find_map(|(eye, truth)| {
         let mut pixels = truth.disparity.iter().zip(truth.surfaces());
@@ -165,8 +167,8 @@ fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, trut
     batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
 }
 
-/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and 3 the right one; principal points count from the centre of
-/// the top left pixel.
+/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and camera 3 the right one. Principal points
+/// are relative to the centre of the top left pixel.
 fn kitti_calibration(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [width, height] = pose.size;
@@ -174,8 +176,9 @@ fn kitti_calibration(truth: &GroundTruth) -> String {
     let cy = cy - 0.5;
     let mut text = String::new();
     let rounding = pose.baseline_rounding();
-    // From the eye to the left one: right, down and ahead. But for rounding the right eye stands on the left one's x axis.
-    let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // no -0
+    // Vector from the eye to the left one: right, down, forward. Apart from rounding, the right eye is on the left
+    // one's x axis.
+    let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // avoids -0
     for (name, cx, shift) in [("02", cx0 - 0.5, DVec3::ZERO), ("03", cx1 - 0.5, to_left)] {
         let DVec3 { x, y, z } = shift;
         let (right, down) = (fx * x + cx * z, fy * y + cy * z);
@@ -207,8 +210,8 @@ fn scene_flow(
     batch.add(path, camera_data(index, truth).as_bytes())
 }
 
-/// An entry of `camera_data.txt`: the matrices that take points of an eye's frame to the world, row by row. The frame is that of computer
-/// graphics: x right, y up, the camera looks along -z.
+/// Returns an entry of `camera_data.txt`: the matrices from an eye's frame to the world, row by row. The frame has x
+/// right, y up, and the camera looks along -z.
 fn camera_data(index: u32, truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());

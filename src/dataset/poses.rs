@@ -11,24 +11,31 @@ use crate::{
     scene::Primitive,
 };
 
-/// Cameras that are tried for an item before it is given up.
+/// Maximum number of candidates per item.
 const TRIES: u32 = 2000;
-/// Directions in which it is asked how near surfaces are.
+/// Number of directions in which distances to surfaces are measured.
 const DIRECTIONS: usize = 128;
-/// Rays of each eye that ask what its picture shows, across and down.
+/// Rays per eye, across and down, that sample its picture.
 const GRID: [u32; 2] = [24, 16];
-/// A camera in the scene looks up or down by at most this angle, in radians.
+/// Maximum angle up or down of a camera within the scene, in radians.
 const STEEPEST: f32 = 0.4;
-/// A place from which so much of what surrounds it shows its other side is inside of something.
+/// A place is inside an object if more than this share of its surroundings shows the other side.
 const OTHER_SIDES: f32 = 0.25;
 
-/// Random cameras in the free space of a scene: like a given one, but elsewhere. A camera within the scene's bounding box becomes one
-/// anywhere in that box, looking anywhere, at most 23 degrees up or down; one outside of it stays as far from the middle, and looks at what is there.
+/// Random cameras in the free space of a scene, derived from a given one. A given camera within the scene's bounding
+/// box yields cameras anywhere in that box, in any direction, at most 23 degrees up or down. One outside the box yields
+/// cameras at the same distance from the box's centre that look at the scene.
 ///
-/// A camera is rejected that stands too near to a surface, from which a quarter of what surrounds it shows its other side (it is inside of
-/// something, or behind a wall), whose eyes don't see each other, and whose picture shows too little or disparities that are too large. The
-/// other side of an object is its back, as the order of its triangles' corners says; of one that the given camera sees from the back, such as walls
-/// that were modelled as a block, it is the front.
+/// A camera is rejected if
+///
+/// - it is too near to a surface,
+/// - over a quarter of its surroundings shows its other side, so that it is inside an object or behind a wall,
+/// - a surface lies between the eyes,
+/// - disparities are too large,
+/// - the picture shows too few surfaces.
+///
+/// The other side of an object is its back, by the order of its triangles' corners. If the given camera sees mostly the
+/// back of an object, such as walls modelled as a block, the other side is the front.
 #[derive(Clone, Debug)]
 pub struct FreePoses<'a> {
     scene: &'a Scene,
@@ -43,13 +50,13 @@ pub struct FreePoses<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RandomPose {
-    /// Where it stands.
+    /// The camera.
     pub camera: StereoCamera,
-    /// How many were tried, with this one.
+    /// Number of candidates tried, including this one.
     pub tries: u32,
 }
 
-/// Why cameras were rejected, counted.
+/// Rejected candidates by reason.
 #[derive(Default)]
 struct Rejected {
     near: u32,
@@ -60,10 +67,10 @@ struct Rejected {
 }
 
 impl<'a> FreePoses<'a> {
-    /// Cameras like this one, by a seed.
+    /// Creates random cameras derived from this one, with a seed.
     ///
     /// # Errors
-    /// [`Error::Camera`] for a camera that has no picture, [`Error::Scene`] for a scene in which nothing is, or only infinite planes.
+    /// [`Error::Camera`] for an invalid camera, [`Error::Scene`] for an empty scene, or one with infinite planes only.
     pub fn new(scene: &'a Scene, camera: StereoCamera, seed: u32) -> Result<Self, Error> {
         let pose = camera.pose()?;
         if scene.bounds().is_none() {
@@ -74,28 +81,31 @@ impl<'a> FreePoses<'a> {
         Ok(Self { scene, camera, seed, clearance, disparity: f32::INFINITY, surfaces })
     }
 
-    /// How far every surface is from the middle between the eyes, in world units; twice the interaxial where nothing is said.
+    /// Sets the minimum distance of surfaces from the midpoint between the eyes, in world units; twice the interaxial
+    /// by default.
     pub fn clearance(mut self, distance: f32) -> Self {
         self.clearance = distance;
         self
     }
 
-    /// How large disparities may be, in pixels, before or behind the screen; any where nothing is said.
+    /// Sets the maximum disparity in pixels, in front of the screen or behind it; unlimited by default.
     pub fn disparity(mut self, pixels: f32) -> Self {
         self.disparity = pixels;
         self
     }
 
-    /// How much of the left picture shows surfaces at least, 0 to 1; where nothing is said a half within a scene, and a tenth of what is seen from outside.
+    /// Sets the minimum share of the left picture that shows surfaces, 0 to 1. The default is 0.5 within a scene, and
+    /// 0.1 outside.
     pub fn surfaces(mut self, share: f32) -> Self {
         self.surfaces = share;
         self
     }
 
-    /// The camera of an item, which follows from the scene, the camera, the seed and the item's number alone.
+    /// Returns the camera of an item, which depends only on the scene, the camera, the seed and the item's number.
     ///
     /// # Errors
-    /// [`Error::Options`] where 2000 cameras were all rejected, with the reasons; and those of [`Renderer::closest_hits_async`].
+    /// [`Error::Options`] if 2000 candidates were rejected, with the reasons; and the errors of
+    /// [`Renderer::closest_hits_async`].
     pub async fn find_async(
         &self,
         renderer: &Renderer,
@@ -126,7 +136,7 @@ impl<'a> FreePoses<'a> {
         Err(Error::Options { option: "poses", reason })
     }
 
-    /// Somewhere else, by random numbers alone.
+    /// Returns a random camera, unchecked.
     fn candidate(&self, given: &Pose, random: &mut Random) -> StereoCamera {
         let (low, high) = self.scene.local_bounds().unwrap_or_default();
         let to_world = |place: Vec3| self.scene.origin() + place.as_dvec3();
@@ -148,13 +158,13 @@ impl<'a> FreePoses<'a> {
         self.camera.eye(to_world(eye)).target(to_world(target))
     }
 
-    /// What is in all directions from a place.
+    /// Traces rays in all directions from a place.
     async fn around(&self, renderer: &Renderer, uploaded: &UploadedScene, place: DVec3) -> Result<Vec<RayHit>, Error> {
         let rays: Vec<Ray> = (0..DIRECTIONS).map(|index| Ray::new(place, direction(index))).collect();
         Ok(renderer.closest_hits_async(uploaded, &rays).await?.hits)
     }
 
-    /// Of each object that is seen from a place, whether more of it is seen from behind.
+    /// Returns, for each object visible from a place, whether more back faces than front faces are seen.
     fn sides(&self, place: DVec3, around: &[RayHit]) -> HashMap<u32, bool> {
         let mut balance = HashMap::<u32, i32>::new();
         for (object, behind) in self.faces(place, around) {
@@ -163,13 +173,13 @@ impl<'a> FreePoses<'a> {
         balance.into_iter().map(|(object, balance)| (object, balance > 0)).collect()
     }
 
-    /// The share of all directions in which an object shows the other side.
+    /// Returns the share of all directions in which an object shows its other side.
     fn other_sides(&self, place: DVec3, around: &[RayHit], sides: &HashMap<u32, bool>) -> f32 {
         let is_other = |(object, behind): &(u32, bool)| *behind != sides.get(object).copied().unwrap_or(false);
         self.faces(place, around).filter(is_other).count() as f32 / DIRECTIONS as f32
     }
 
-    /// What is met around a place: each time its object, and whether it is met from behind.
+    /// Returns, for each hit around a place, its object and whether its back face was hit.
     fn faces(&self, place: DVec3, around: &[RayHit]) -> impl Iterator<Item = (u32, bool)> {
         let place = self.scene.local(place);
         around.iter().enumerate().filter(|(_, hit)| hit.t.is_finite()).map(move |(index, hit)| {
@@ -186,7 +196,7 @@ impl<'a> FreePoses<'a> {
         })
     }
 
-    /// Whether the eyes see each other, and enough that is not too near.
+    /// Returns whether the eyes see each other, and the picture shows enough surfaces with acceptable disparities.
     async fn shows_enough(
         &self,
         renderer: &Renderer,
@@ -232,7 +242,7 @@ fn is_inside(scene: &Scene, place: DVec3) -> bool {
     scene.bounds().is_some_and(|(low, high)| place.cmpge(low).all() && place.cmple(high).all())
 }
 
-/// The directions of a spiral around a sphere, evenly spread.
+/// Returns directions of a spiral around a sphere, evenly spread.
 fn direction(index: usize) -> Vec3 {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let z = 1.0 - (2 * index + 1) as f32 / DIRECTIONS as f32;

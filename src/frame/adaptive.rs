@@ -1,6 +1,6 @@
-//! Frames of adaptive samples: a lattice of samples in the corners of pixels, then finer ones of which only those are traced that divided
-//! cells lack (`src/samples/cells.rs`). Each is a frame of a larger picture of which a part is wanted, so that methods and kernels need
-//! not know more of it than a mask. Some rows of pixels after the other go through all levels.
+//! Frames of adaptive samples. The first level is a lattice of samples in the corners of pixels. On finer lattices only
+//! the samples that divided cells lack are traced (`src/samples/cells.rs`). Each level is a frame of a larger picture
+//! with a mask, so methods and kernels need to know nothing else. Strips of pixel rows go through all levels in turn.
 
 use std::ops::{ControlFlow, Range};
 
@@ -16,7 +16,7 @@ use crate::{
     samples::{Cells, Centres},
 };
 
-/// Samples of the finest level that the host holds at a time, of all views, about: some 150 MiB.
+/// Approximate number of samples of the finest level that the host holds at a time, for all views: some 150 MiB.
 const HELD: u64 = 1 << 23;
 
 /// A frame of adaptive samples.
@@ -25,21 +25,21 @@ struct Levels<'a> {
     eyes: &'a Eyes,
     options: &'a Options,
     adaptive: Adaptive,
-    /// Eyes with a pixel for each sample of a level.
+    /// The eyes, with one pixel per sample of a level.
     lattices: Vec<Eyes>,
 }
 
-/// What some rows of pixels were made of.
+/// The samples of some rows of pixels.
 struct Strip {
-    /// Of each view.
+    /// One per view.
     cells: Vec<Cells>,
     done: Done,
-    /// Of each view, where the samples in pixels' upper left corners came from.
+    /// One per view: how the samples in pixels' upper left corners were made.
     corners: Vec<ViewRows>,
 }
 
 impl Renderer {
-    /// All rows of a frame of adaptive samples: as [`Renderer::frame`].
+    /// Renders all rows of a frame of adaptive samples, like [`Renderer::frame`].
     pub(super) async fn adaptive(
         &mut self,
         scene: &UploadedScene,
@@ -51,14 +51,15 @@ impl Renderer {
     ) -> Result<Done, Error> {
         options.check()?;
         let levels = Levels::new(scene, eyes, options)?;
-        // Buffers of each level's size, and of the last rows', which may be fewer; of a frame that ends early as well they go.
+        // Keeps buffers for each level's size, and for the last strip, which may be shorter. They are dropped
+        // afterwards, also if the frame ends early.
         self.cache.keep(2 * levels.lattices.len());
         let done = self.strips(&levels, pictures, progress, on_rows).await;
         self.cache.keep(1);
         done
     }
 
-    /// All rows, some of pixels after the other.
+    /// Renders all rows, strip by strip.
     async fn strips(
         &mut self,
         levels: &Levels<'_>,
@@ -97,7 +98,8 @@ impl Renderer {
         }
     }
 
-    /// Some rows of pixels through all levels. They are so much of the rays of a pixel, behind others of all.
+    /// Renders some rows of pixels through all levels. For progress, they take `rays` of all rays a pixel, after
+    /// `before`.
     async fn strip(
         &mut self,
         levels: &Levels<'_>,
@@ -150,8 +152,7 @@ impl Renderer {
 
 impl<'a> Levels<'a> {
     /// # Errors
-    /// [`Error::Samples`] where samples of the last level are more than directions in f32 tell apart, and [`Error::Options`] without
-    /// adaptive samples.
+    /// [`Error::Samples`] if f32 directions cannot tell the samples of the last level apart.
     fn new(scene: &'a UploadedScene, eyes: &'a Eyes, options: &'a Options) -> Result<Self, Error> {
         let adaptive = options.adaptive.expect("asked for");
         eyes.with_lattice(1 << (adaptive.levels - 1))?; // the finest one is refused first
@@ -159,12 +160,12 @@ impl<'a> Levels<'a> {
         Ok(Self { scene, eyes, options, adaptive, lattices })
     }
 
-    /// Of a pixel that is divided as often as can be, without those that are its neighbours' too.
+    /// Returns the samples of a pixel that is divided as often as possible, without those shared with its neighbours.
     fn most_samples(&self) -> u32 {
         1 << (2 * (self.adaptive.levels - 1))
     }
 
-    /// Rows of pixels that go through all levels together.
+    /// Returns how many rows of pixels go through all levels together.
     fn rows_at_a_time(&self) -> u32 {
         let [width, height] = self.eyes.pose.size;
         let views = self.eyes.sources.len() as u64;
@@ -172,27 +173,27 @@ impl<'a> Levels<'a> {
         (HELD / row).clamp(1, height.into()) as u32
     }
 
-    /// What a level's samples are rendered with: the last one's depths tell nobody anything.
+    /// Returns the options of a level's frame. The depths of the last level are not needed.
     fn options_of(&self, level: u32, method: Method) -> Options {
         let is_last = level + 1 == self.adaptive.levels;
         let g_buffer = if is_last { GBuffer::None } else { GBuffer::Depth };
         Options { method, adaptive: None, linear: true, g_buffer, ..self.options.clone() }
     }
 
-    /// The samples of a level that are to be traced.
+    /// Returns masks of the samples of a level to trace.
     fn masks(&self, cells: &[Cells], level: u32, rows: &Range<u32>, method: Method) -> Vec<Mask> {
-        // What others take over of a view's samples is asked of corners too.
+        // If other views reuse a view's samples, corners are needed too.
         let is_asked = |view| method != Method::Naive && targets(&self.eyes.sources).any(|(_, source)| source == view);
         let mask = |(view, cells): (usize, &Cells)| cells.wanted(level, rows.start << level, is_asked(view));
         cells.iter().enumerate().map(mask).collect()
     }
 
-    /// Divides cells that differ, and in each view those where another shows such.
+    /// Divides cells whose corners differ. In each view it also divides cells where another view shows such a cell.
     fn divide(&self, cells: &mut [Cells], level: u32, method: Method) {
         let tolerance = self.adaptive.tolerance;
         let differing: Vec<_> = cells.iter().map(|cells| cells.differing(level, tolerance)).collect();
         let mut divided = differing.clone();
-        // Copies are their source's, whatever they would show.
+        // Copies equal their source in any case.
         let pairs = targets(&self.eyes.sources).filter(|_| method != Method::Ideal);
         for (from, to) in pairs.flat_map(|(view, source)| [(view, source), (source, view)]) {
             let apart = self.eyes.offsets[to] - self.eyes.offsets[from];
@@ -202,18 +203,18 @@ impl<'a> Levels<'a> {
         cells.iter_mut().zip(divided).for_each(|(cells, divided)| cells.divide(level, divided));
     }
 
-    /// Where samples of the first level in the upper left corners of pixels came from.
+    /// Returns how the samples of the first level in pixels' upper left corners were made.
     fn corners(&self, samples: &ViewRows) -> ViewRows {
         let width = self.eyes.pose.size[0];
         let mut corners = ViewRows::new(width);
         corners.view.height = samples.view.height;
-        // Each row of samples has one more than pixels.
+        // Each row of samples has one more than the row of pixels.
         corners.source = rows_of(&samples.source, width).concat();
         corners.shadow_source = rows_of(&samples.shadow_source, width).concat();
         corners
     }
 
-    /// What rows of pixels show.
+    /// Returns the pictures of rows of pixels.
     fn rows(&self, strip: &Strip, rows: &Range<u32>, centres: Option<&mut Centres>) -> Rows {
         let count = rows.len() as u32;
         let width = self.eyes.pose.size[0];
@@ -239,7 +240,7 @@ impl<'a> Levels<'a> {
     }
 }
 
-/// The first ones of each row of one more.
+/// Returns the first `width` elements of each row of `width + 1`.
 fn rows_of<T>(list: &[T], width: u32) -> Vec<&[T]> {
     list.chunks_exact(width as usize + 1).map(|row| &row[..width as usize]).collect()
 }

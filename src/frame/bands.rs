@@ -1,21 +1,21 @@
-//! Which rows of a picture are done together.
+//! Bands: rows of a picture that are rendered together.
 
 use std::ops::Range;
 
 use crate::{Gpu, layout};
 
-/// Rows of a band are a multiple of this, but for a picture's last ones: whole workgroups of the tiles' search.
+/// The rows of a band are a multiple of this, except the last ones: whole workgroups of the tiles' search.
 const WHOLE: u32 = layout::WORKGROUP * layout::TILE;
 
-/// Rows that are kept above and below a band for steps that look there: the one next to it, and what keeps tiles whole.
+/// Rows kept above and below a band for steps that read them: the adjacent row, and more to keep tiles whole.
 const HALO: u32 = layout::TILE;
 
-/// Pixels of all views of a band at most, as far as its least number of rows allows: 64 MiB of them.
+/// Most pixels of all views of a band, unless its least number of rows has more: 64 MiB.
 const VIEWS_PIXELS: u32 = 1 << 22;
 
-/// Pixels of a band, about, for up to five lights; more lights make it less. On a software adapter some 1.5 million rays. A GPU has
-/// thousands of threads to feed, and a watchdog that ends a submission after a second or more: with eight times as many rays a slow one
-/// takes a fifth of that.
+/// Returns the approximate pixels of a band, for up to five lights; more lights reduce it. On a software adapter this
+/// is some 1.5 million rays. A GPU has thousands of threads to feed, and a watchdog that ends a submission after a
+/// second or more. With eight times as many rays, a slow GPU takes a fifth of that time.
 pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     match gpu.adapter_info().device_type {
         wgpu::DeviceType::Cpu => 1 << 18,
@@ -23,29 +23,30 @@ pub(crate) fn band_pixels(gpu: &Gpu) -> u32 {
     }
 }
 
-/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2), so all steps of one band can run before
-/// the next one, and what lies between the steps takes a band's memory, whatever the picture's size.
+/// A picture's rows in bands. Rows are epipolar lines of every pair of views (DESIGN, section 2). So all steps of a
+/// band can run before the next band. Data between steps takes the memory of one band, for any size of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bands {
     height: u32,
-    /// Of a band; the last one may have fewer.
+    /// Rows of a band; the last one may have fewer.
     pub(crate) rows: u32,
     /// Rows kept above and below it.
     halo: u32,
 }
 
-/// One of them, in the picture's rows.
+/// One band, in the picture's rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) rows: Range<u32>,
-    /// The same with rows above and below that some step looks at, where there are such.
+    /// The band's rows plus those above and below that some step reads.
     pub(crate) seen: Range<u32>,
-    /// The row that the frame's buffers begin with.
+    /// The first row of the frame's buffers.
     pub(crate) first: u32,
 }
 
 impl Bands {
-    /// Bands of so many pixels, about, for so many views; `reaches` if a step looks at the rows above and below.
+    /// Makes bands of about `pixels` pixels, for this many views. `reaches` says whether a step reads the rows above
+    /// and below.
     pub(crate) fn new([width, height]: [u32; 2], pixels: u32, views: usize, reaches: bool) -> Self {
         let pixels = pixels.min(VIEWS_PIXELS / u32::try_from(views).unwrap_or(u32::MAX).max(1));
         let most = (pixels / width).max(WHOLE);
@@ -58,12 +59,12 @@ impl Bands {
         self.height.div_ceil(self.rows)
     }
 
-    /// Rows of all of them.
+    /// Returns the rows of all bands.
     pub(crate) fn height(self) -> u32 {
         self.height
     }
 
-    /// Rows of a frame's buffers.
+    /// Returns the rows of a frame's buffers.
     pub(crate) fn rows_kept(self) -> u32 {
         self.rows + 2 * self.halo
     }
@@ -71,7 +72,7 @@ impl Bands {
     pub(crate) fn get(self, index: u32) -> Band {
         let begin = index * self.rows;
         let end = self.height.min(begin + self.rows);
-        // Above it two: four rays of a lane are two rows, which stay together.
+        // Two rows above it: the four rays of a lane take two rows, which stay together.
         let (above, below) = (self.halo.min(2), self.halo.min(1));
         Band {
             rows: begin..end,
@@ -82,13 +83,13 @@ impl Bands {
 }
 
 impl Band {
-    /// The same of a picture of which bands are only those from this row on.
+    /// Moves the band down, for a picture whose bands begin at row `top`.
     pub(crate) fn moved_down(self, top: u32) -> Self {
         let moved = |rows: Range<u32>| rows.start + top..rows.end + top;
         Self { rows: moved(self.rows), seen: moved(self.seen), first: self.first + top }
     }
 
-    /// Its rows from the one that buffers begin with.
+    /// Returns its rows, counted from the first row of the buffers.
     pub(crate) fn place(&self) -> Range<u32> {
         self.rows.start - self.first..self.rows.end - self.first
     }

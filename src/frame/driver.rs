@@ -24,7 +24,7 @@ use crate::{
     variant::Variant,
 };
 
-/// One frame at work.
+/// Runs one frame.
 pub(crate) struct Driver<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) kernels: &'a Kernels,
@@ -32,36 +32,36 @@ pub(crate) struct Driver<'a> {
     pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
-    /// What `Auto` goes by.
+    /// The cost model of `Auto`.
     pub(crate) model: CostModel,
-    /// The 3D buffer, once it has been sized; before, the last frame's.
+    /// The 3D buffer. Until it is sized, it is the last frame's.
     pub(crate) slots: &'a mut Option<wgpu::Buffer>,
-    /// Bytes of it that the band uses, and that any band has used.
+    /// Bytes of it that this band uses, and the most that any band has used.
     pub(crate) slot_bytes: u64,
     pub(crate) most_slot_bytes: u64,
-    /// Of each view; rows are those of the band at work.
+    /// The uniforms of each view. Their rows are those of the current band.
     pub(crate) frames: Vec<layout::Frame>,
-    /// What is asked of lights that are not points, a dispatch each.
+    /// Parts of soft light, one per dispatch.
     pub(crate) parts: Vec<Part>,
     /// Slots a pixel of the deepest 3D buffer.
     pub(crate) buffer_depth: u32,
     pub(crate) timestamps: Option<&'a mut Timestamps>,
-    /// What threads keep from dispatch to dispatch, for kernels that go on.
+    /// State that threads keep between dispatches, for kernels that run in steps.
     pub(crate) lanes: Option<Lanes>,
-    /// Which pixels of each view are wanted, where not all are, of the band at work.
+    /// Masks of the wanted pixels of each view in the current band, if not all are wanted.
     pub(crate) masks: Vec<wgpu::TextureView>,
-    /// Shadow-buffers, where kernels read them.
+    /// Shadow-buffers, if kernels read them.
     pub(crate) shadow_tables: Option<Arc<Tables>>,
-    /// The texture that a kernel writes, if it writes one.
+    /// The texture that the current kernel writes, if any.
     pub(crate) picture: Option<wgpu::TextureView>,
-    /// Time of what the host did in place of a step.
+    /// Time of steps on the host.
     pub(crate) host: Duration,
     pub(crate) rows_done: u32,
     pub(crate) progress: &'a mut OnProgress<'a>,
 }
 
 impl<'a> Driver<'a> {
-    /// Before a frame's first step.
+    /// Prepares a frame's first step.
     pub(crate) fn new(
         renderer: &'a mut Renderer,
         scene: &'a UploadedScene,
@@ -118,7 +118,7 @@ impl<'a> Driver<'a> {
 }
 
 impl Driver<'_> {
-    /// What a plan's steps read of the scene besides what all read.
+    /// Uploads tables that only some plans read.
     pub(crate) async fn upload_tables(&mut self, plan: &Plan) -> Result<(), Error> {
         if plan.touches_objects() {
             self.scene.upload_object_table(self.gpu, self.kernels).await?;
@@ -126,7 +126,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// The masks of a band. Those of the one before have been handed over with its commands.
+    /// Uploads the masks of a band. Those of the previous band have been submitted with its commands.
     pub(crate) async fn upload_masks(&mut self, masks: &[Mask], band: &Band) -> Result<(), Error> {
         let gpu = self.gpu;
         let upload = |mask: &Mask| {
@@ -139,7 +139,7 @@ impl Driver<'_> {
         Ok(())
     }
 
-    /// What a plan's bands share.
+    /// Uploads what all bands of a plan share.
     pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
         self.upload_tables(plan).await?;
         let write = || {
@@ -149,7 +149,7 @@ impl Driver<'_> {
         self.gpu.checked(write).await
     }
 
-    /// Heads of lists before a step adds to them; launches that are made whole or not at all are whole until `choose` says otherwise.
+    /// Returns the initial heads of lists. Dispatches that run whole or not at all are whole until `choose` decides.
     pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
         let rows = self.targets.shape.bands.rows;
         let block = TRACE_LEFT.block(&self.variant);
@@ -161,7 +161,7 @@ impl Driver<'_> {
         heads
     }
 
-    /// All stages of a band. Returns the commands that the host has not handed over yet.
+    /// Runs all stages of a band. Returns the commands that are not submitted yet.
     pub(crate) async fn band(&mut self, plan: &Plan, band: &Band) -> Result<wgpu::CommandEncoder, Error> {
         let gpu = self.gpu;
         let mut encoder = self.encoder();
@@ -191,7 +191,7 @@ impl Driver<'_> {
         Ok(encoder)
     }
 
-    /// Empties what steps add to; of views that are not traced the marks too.
+    /// Clears buffers that steps add to, optionally with the marks of views that are not traced.
     pub(crate) fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
         for (view, source) in self.eyes.sources.iter().enumerate() {
             let pixels = (marks && *source != view).then_some(Target::View);
@@ -203,7 +203,7 @@ impl Driver<'_> {
         }
     }
 
-    /// Tells the caller how far the frame is, with a share of so many rows more than are done.
+    /// Reports a frame's progress: the rows done, plus `more` rows.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops it.
@@ -215,7 +215,7 @@ impl Driver<'_> {
         }
     }
 
-    /// A band's rows, for each view; sources' rows are all that are looked at.
+    /// Sets the rows of a band for each view. For sources these include the rows above and below that steps read.
     pub(crate) fn set_rows(&mut self, band: &Band) {
         for (view, frame) in self.frames.iter_mut().enumerate() {
             let rows = if self.eyes.sources[view] == view { &band.seen } else { &band.rows };
@@ -225,7 +225,7 @@ impl Driver<'_> {
         }
     }
 
-    /// The uniforms of all views, as buffers have them.
+    /// Returns the uniforms of all views, as laid out in the buffer.
     pub(crate) fn frame_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.targets.shape.uniforms_bytes() as usize];
         let parts = self.targets.shape.parts as usize;
@@ -243,7 +243,7 @@ impl Driver<'_> {
         self.gpu.queue.write_buffer(&self.targets.frames, 0, &self.frame_bytes());
     }
 
-    /// Rows at work of a view.
+    /// Returns the number of a view's rows at work.
     fn rows_of(&self, view: usize) -> u32 {
         self.frames[view].row_end - self.frames[view].row_begin
     }
@@ -283,7 +283,7 @@ impl Driver<'_> {
         }
     }
 
-    /// The rows at work of a view become its source's.
+    /// Copies the rows at work of a view from its source.
     fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
         let first = self.frames[view].row_begin;
         let (width, rows) = (self.targets.shape.size[0], self.rows_of(view));
@@ -337,14 +337,14 @@ impl Driver<'_> {
         pass.dispatch_workgroups(x, y, z);
     }
 
-    /// Workgroups over so many rows, each thread with a block of so many pixels in x and in y.
+    /// Returns the workgroups for this many rows, if each thread has a block of `across` x `down` pixels.
     fn workgroups(&self, rows: u32, [across, down]: [u32; 2]) -> [u32; 3] {
         let runs = self.frames[0].runs;
         let columns = self.targets.shape.size[0].div_ceil(WORKGROUP * across);
         [columns, rows.div_ceil(WORKGROUP * down).div_ceil(runs), runs]
     }
 
-    /// Group 1 of a kernel: the frame, the buffers that it names, and what else it has.
+    /// Returns bind group 1 of a kernel: the frame, the buffers in its `storage`, and its other resources.
     fn own_bindings(
         &self,
         kernel: &Kernel,

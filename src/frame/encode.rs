@@ -1,4 +1,4 @@
-//! A frame as commands for the caller's encoder: its views stay on the device, as textures.
+//! A frame as commands for the caller's encoder. Its views stay on the device, as textures.
 
 use std::{ops::ControlFlow, sync::Arc};
 
@@ -16,16 +16,17 @@ use crate::{
     },
 };
 
-/// Views on the device, there once the commands that make them have run.
+/// Views on the device. They are complete once the commands that make them have run.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Encoded {
-    /// One an eye, in the rig's order.
+    /// One per eye, in the rig's order.
     pub views: Vec<EncodedView>,
-    /// Four bytes, to be mapped once the commands have run: how many threads the adapter ended before their work was done, u32. Unless it
-    /// is 0 the pictures are not whole, and are to be rendered by [`Renderer::render_views_async`], which goes on in steps.
+    /// A buffer of four bytes, to be mapped after the commands have run: the number of threads (u32) that the adapter
+    /// ended early. If it is not 0, the pictures are incomplete. Render them by [`Renderer::render_views_async`], which
+    /// goes on in steps.
     pub unfinished: wgpu::Buffer,
-    /// What the commands use.
+    /// Resources that the commands use.
     _targets: Arc<Targets>,
     _upload: wgpu::Buffer,
     _tables: Option<Arc<Tables>>,
@@ -35,9 +36,9 @@ pub struct Encoded {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct EncodedView {
-    /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may be viewed as `Rgba8UnormSrgb` too.
+    /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may also be viewed as `Rgba8UnormSrgb`.
     pub color: wgpu::Texture,
-    /// Depth along the view direction in world units, `R32Float`, 3.4e38 where nothing was hit; unless [`Options::g_buffer`] is
+    /// Depth along the view direction in world units, `R32Float`, 3.4e38 for a miss. `None` if [`Options::g_buffer`] is
     /// [`GBuffer::None`].
     pub depth: Option<wgpu::Texture>,
 }
@@ -55,13 +56,13 @@ impl EncodedView {
 }
 
 impl Renderer {
-    /// Adds the commands of a frame to an encoder. Its views stay on the device: nothing is read back, and nothing is waited for but what the
-    /// driver says to new buffers and kernels. What is encoded is fixed: threads whose rays take more rounds than the adapter grants a
-    /// thread end, and [`Encoded::unfinished`] says how many did.
+    /// Encodes a frame into the caller's encoder. Its views stay on the device, and nothing is read back. The call only
+    /// waits for the driver's checks of new buffers and kernels. The commands are fixed: a thread ends early if its
+    /// rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
     ///
     /// # Errors
-    /// As [`Renderer::render_views_async`]; [`Error::Encoding`] for a method that needs the host between its steps, and for options
-    /// that ask for what is read back; [`Error::Limit`] for a picture that no texture of the adapter holds.
+    /// Those of [`Renderer::render_views_async`]; [`Error::Encoding`] for a method with a stage on the host, and for
+    /// options that need reading back; [`Error::Limit`] for a picture larger than the adapter's textures.
     pub async fn encode_async(
         &mut self,
         scene: &UploadedScene,
@@ -72,12 +73,12 @@ impl Renderer {
         self.encode_each(scene, rig, options, Some(encoder)).await.map(|(encoded, _)| encoded)
     }
 
-    /// The same as a command buffer for each band of rows, from the top down: for frames so heavy that a watchdog would end one submission, or
-    /// that are to leave the device to others in between. They are to be submitted in order, and nothing else of this renderer between
-    /// them.
+    /// Encodes a frame as one command buffer per band of rows, from the top down. This suits frames so heavy that a
+    /// watchdog would end one submission, or that must leave the device to others in between. Submit the buffers in
+    /// order, with nothing else of this renderer between them.
     ///
     /// # Errors
-    /// As [`Renderer::encode_async`].
+    /// Those of [`Renderer::encode_async`].
     pub async fn encode_bands_async(
         &mut self,
         scene: &UploadedScene,
@@ -158,7 +159,7 @@ impl Encoded {
         }
     }
 
-    /// One band, from its uniforms to its rows of the textures.
+    /// Encodes one band, from the upload of its uniforms to its rows of the textures.
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
         let targets = driver.targets;
         let uniforms = targets.shape.uniforms_bytes();
@@ -189,7 +190,7 @@ impl Encoded {
 }
 
 /// # Errors
-/// [`Error::Encoding`] for what can't be encoded ahead, [`Error::Limit`] for a picture that is larger than a texture may be.
+/// [`Error::Encoding`] for what cannot be encoded ahead, [`Error::Limit`] for a picture larger than a texture may be.
 fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
     if plan.needs_host() {
         let what = options.method.to_string();

@@ -1,4 +1,4 @@
-//! A band that no bound on a thread's loops can end: all views traced in steps.
+//! A band traced in steps, so that no limit on a thread's loops can end it.
 
 use super::{bands::Band, driver::Driver, plan::Launch};
 use crate::{
@@ -10,21 +10,21 @@ use crate::{
 };
 
 impl Driver<'_> {
-    /// All views of a band by `Naive` in steps.
+    /// Renders all views of a band by `Naive` in steps.
     pub(super) async fn band_in_steps(&mut self, band: &Band, steps: Steps) -> Result<(), Error> {
         let usual = self.variant;
         if self.variant.shadows == Shadows::FromSurface {
-            // Its shadow rays are traced one by one, and a lane keeps where one traversal stands.
+            // Its shadow rays are traced one by one, and a lane keeps the state of one traversal only.
             self.variant.traversal.rays = RaysPerLane::One;
         }
-        // All pixels are, whatever is wanted: threads that had nothing to do would have to finish too.
+        // All pixels are traced, also unwanted ones, since threads without work would have to finish too.
         (self.variant.samples, self.variant.second, self.variant.masked) = (false, false, false);
         let rows = self.rows_in_steps(steps);
         if self.lanes.is_none() {
             let block = self.variant.traversal.rays.block();
             self.lanes = Some(Lanes::new(self.gpu, &self.variant, rows / block * self.threads_across()).await?);
         }
-        self.set_rows(band); // of the next one by now, if that is in flight
+        self.set_rows(band); // those of the next band by now, if that is in flight
         let gpu = self.gpu;
         let clear = || {
             let mut encoder = self.encoder();
@@ -60,14 +60,14 @@ impl Driver<'_> {
         WORKGROUP * self.targets.shape.size[0].div_ceil(WORKGROUP * self.variant.traversal.rays.block())
     }
 
-    /// Rows of a dispatch: as many as keep its threads few.
+    /// Returns the rows of a dispatch, few enough to limit its threads.
     fn rows_in_steps(&self, steps: Steps) -> u32 {
         let block = WORKGROUP * self.variant.traversal.rays.block();
         let most = self.targets.shape.bands.rows.div_ceil(block);
         (steps.threads / WORKGROUP / self.threads_across()).clamp(1, most) * block
     }
 
-    /// One view, some rows at a time, each in as many steps as it takes.
+    /// Traces one view, some rows at a time, each in as many steps as it takes.
     async fn view_in_steps(&mut self, band: &Band, view: usize, rows: u32, steps: Steps) -> Result<(), Error> {
         let gpu = self.gpu;
         let name = if self.eyes.sources[view] == view { "trace_left" } else { "trace_right" };
@@ -127,7 +127,7 @@ mod tests {
         Steps { rounds, always: true, ..Steps::default() }
     }
 
-    /// Spheres among triangles behind a fence: a board of which every other square is left out.
+    /// Spheres among triangles behind a fence: a checkerboard whose every other square is cut out.
     fn behind_a_fence(camera: &StereoCamera) -> Scene {
         let mut scene = Builtin::Near.scene();
         let board = scene.add_texture(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 9).unwrap());
@@ -152,7 +152,8 @@ mod tests {
         scene
     }
 
-    /// A hall by its own lights, spheres among triangles under a gradient, lights so far off that rays start at surfaces, and planes.
+    /// A hall with its own lights; spheres among triangles under a gradient; lights so far away that shadow rays start
+    /// at surfaces; and planes.
     fn scenes() -> Vec<(&'static str, Scene, StereoCamera)> {
         let far = Light::point(Vec3::new(3e5, 8e5, 2e5), Vec3::splat(0.4));
         let mut by_far_lights = Builtin::Near.scene();
@@ -184,15 +185,15 @@ mod tests {
         ]
     }
 
-    /// What a frame shows and counts.
+    /// Returns what a frame shows and counts.
     fn shown(mut pair: StereoPair) -> StereoPair {
         (pair.statistics.times, pair.statistics.intermediate_bytes) = (None, 0);
         pair.statistics.in_steps = false;
         pair
     }
 
-    /// What is doubtful is looked at again at the end of a step at the latest, so that boxes behind it are not visited: counts may be a
-    /// little lower, 0.1% as measured.
+    /// Uncertain hits are settled at the end of a step at the latest, so that boxes behind them are not visited.
+    /// Counters may therefore be slightly lower, by 0.1% as measured.
     fn assert_counts_alike(pair: &StereoPair, expected: &StereoPair, what: &str) {
         for (work, expected) in
             [(pair.statistics.left, expected.statistics.left), (pair.statistics.right, expected.statistics.right)]
@@ -212,7 +213,8 @@ mod tests {
         pair
     }
 
-    /// Compares a frame in steps of several sizes with one at once, by a method whose steps are `Naive`'s.
+    /// Compares a frame in steps of several sizes with one in a single dispatch, by a method whose steps are those of
+    /// `Naive`.
     fn assert_alike(name: &str, scene: &Scene, camera: &StereoCamera, renderer: &mut Renderer, costs: bool) {
         let occlusion = name.ends_with("occluded").then(|| AmbientOcclusion::new(5, 1.0));
         let sky_rays = name.ends_with("sun").then_some(5);

@@ -1,5 +1,5 @@
-//! One frame: its plan, the bands of rows that the plan is run on, the buffers between its steps, the driver that runs them, and what is
-//! read back.
+//! One frame: its plan, the bands of rows that the plan runs on, the buffers between its steps, the driver that runs
+//! them, and what is read back.
 
 mod adaptive;
 mod bands;
@@ -43,33 +43,34 @@ use tally::Tally;
 use targets::{Shape, Target, Targets, Used};
 use wanted::Wanted;
 
-/// Takes rows as they are done. It can go to another thread with its frame, but for wasm32.
+/// Callback that takes rows as they are done. It is `Send`, so that its frame can move to another thread, except on
+/// wasm32.
 #[cfg(not(target_arch = "wasm32"))]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
 
-/// Takes rows as they are done.
+/// Callback that takes rows as they are done.
 #[cfg(target_arch = "wasm32")]
 pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
 
-/// What a frame was made by, and what it cost.
+/// How a frame was made, and what it cost.
 pub(crate) struct Done {
     pub(crate) eyes: Eyes,
-    /// The method that was asked for, or that stands for it.
+    /// The requested method, or the one that replaced it.
     method: Method,
-    /// Of each view.
+    /// One per view.
     pub(crate) tallies: Vec<Tally>,
-    /// What `Auto` chose for each view.
+    /// The choice of `Auto`, per view.
     pub(crate) choices: Vec<Option<Choice>>,
     pub(crate) in_steps: bool,
     pub(crate) buffer_depth: u32,
     pub(crate) times: Option<PassTimes>,
     pub(crate) intermediate_bytes: u64,
-    /// What filling them cost.
+    /// Cost of filling the shadow-buffers.
     pub(crate) shadow_buffer: ShadowBufferWork,
 }
 
 impl Done {
-    /// The method that made a view.
+    /// Returns the method that made a view.
     pub(crate) fn method_of(&self, view: usize) -> Method {
         match self.choices[view] {
             _ if self.eyes.sources[view] == view => Method::Naive,
@@ -79,18 +80,18 @@ impl Done {
     }
 }
 
-/// A frame at work.
+/// A frame in progress.
 struct Frame<'a> {
     driver: Driver<'a>,
     plan: Plan,
     wanted: Wanted<'a>,
     read_back: ReadBack,
-    /// To be filled.
+    /// Staging buffers that are free.
     stagings: Vec<Staging>,
     steps: Steps,
     tallies: Vec<Tally>,
     times: PassTimes,
-    /// How many bands were traced in steps.
+    /// Number of bands that were traced in steps.
     in_steps: u32,
     on_rows: &'a mut OnRows<'a>,
 }
@@ -99,20 +100,20 @@ struct Frame<'a> {
 struct Flight {
     band: Band,
     filling: Filling,
-    /// The passes that are timed.
+    /// The timed passes.
     names: Vec<&'static str>,
     in_steps: bool,
 }
 
-/// What came back of a band.
+/// The result of reading back a band.
 enum Landed {
     Rows(Option<Rows>),
-    /// The adapter ended the loops of so many threads.
+    /// The adapter ended the loops of this many threads.
     CutShort(u64),
 }
 
 impl Renderer {
-    /// All bands of a frame. Their rows go to `on_rows`, if pictures are wanted.
+    /// Renders all bands of a frame. Their rows go to `on_rows`, if pictures are wanted.
     pub(crate) async fn frame<'a>(
         &'a mut self,
         scene: &'a UploadedScene,
@@ -138,7 +139,8 @@ impl Renderer {
         let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
         let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
         let bytes = read_back.times_offset() + Timestamps::BYTES;
-        // Taken for as long as the frame is at work: one that is left mapped by a frame that ends early is not filled again.
+        // The staging buffers leave the cache while the frame is in progress. So a buffer that a cancelled frame leaves
+        // mapped is not used again.
         let mut stagings = self.cache.staging_of(bytes);
         let in_flight = targets.shape.bands.count().min(2) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
@@ -164,7 +166,7 @@ impl Renderer {
         Ok(done)
     }
 
-    /// The method of a frame, what `Auto` chose before its first step, if it could, and the plan that follows.
+    /// Returns a frame's method, the choice of `Auto` if it can be made before the first step, and the resulting plan.
     fn planned(
         &self,
         scene: &UploadedScene,
@@ -181,9 +183,9 @@ impl Renderer {
         (method, early, plan)
     }
 
-    /// The method that views are made by. Without interaxial all views are equal, unless each has noise of its own. Where
-    /// there is no tree, `bracket` has nothing to search. Pictures too wide for its texture of samples are traced, if the
-    /// choice is ours.
+    /// Returns the method that makes the views. Without interaxial all views are equal, unless each has its own noise.
+    /// Without a tree `bracket` has nothing to search. `Auto` traces pictures too wide for the texture of `bracket`'s
+    /// samples.
     fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {
@@ -196,13 +198,13 @@ impl Renderer {
         }
     }
 
-    /// How many primitives are drawn into a T-buffer, where a frame without masks has one.
+    /// Returns the number of primitives to draw into a T-buffer, or `None` if the frame has none.
     fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<u32> {
         let is_asked = options.visibility == Visibility::TBuffer && !self.steps.always;
         if is_asked { t_buffer::drawn(scene, &self.gpu) } else { None }
     }
 
-    /// Of a frame of so many rows.
+    /// Returns the shape of a frame of this many rows.
     fn shape(
         &self,
         scene: &UploadedScene,
@@ -226,7 +228,7 @@ impl Renderer {
         }
     }
 
-    /// What kernels of a frame are specialised to.
+    /// Returns the variant that a frame's kernels are specialised to.
     fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Variant {
         let counting = scene.variant.counting(options.count, options.cost_map);
         let (bits, samples) = (plan.bits, plan.samples);
@@ -264,7 +266,7 @@ impl Renderer {
 }
 
 impl Frame<'_> {
-    /// All bands, of which at most two are in flight.
+    /// Runs all bands. At most two are in flight.
     async fn run(&mut self) -> Result<(), Error> {
         self.driver.begin(&self.plan).await?;
         let bands = self.driver.targets.shape.bands;
@@ -282,7 +284,7 @@ impl Frame<'_> {
         }
     }
 
-    /// A band by the frame's plan.
+    /// Runs a band by the frame's plan.
     async fn at_once(&mut self, band: Band) -> Result<Flight, Error> {
         if let Some(masks) = self.wanted.masks() {
             self.driver.upload_masks(masks, &band).await?;
@@ -291,7 +293,7 @@ impl Frame<'_> {
         self.take_off(band, commands, false).await
     }
 
-    /// A band by `Naive` in steps, which no bound on a thread's loops can end.
+    /// Runs a band by `Naive` in steps, so that no limit on a thread's loops can end it.
     async fn in_steps(&mut self, band: Band) -> Result<Flight, Error> {
         self.in_steps += 1;
         self.driver.band_in_steps(&band, self.steps).await?;
@@ -299,7 +301,7 @@ impl Frame<'_> {
         self.take_off(band, commands, true).await
     }
 
-    /// Hands over a band's last commands, with those that bring it back.
+    /// Submits a band's last commands, with those that read it back.
     async fn take_off(
         &mut self,
         band: Band,
@@ -320,7 +322,7 @@ impl Frame<'_> {
         gpu.checked(submit).await
     }
 
-    /// Waits for a band, and hands its rows on.
+    /// Waits for a band, and passes its rows on.
     async fn land(&mut self, flight: Flight) -> Result<(), Error> {
         let mut flight = flight;
         loop {

@@ -1,4 +1,4 @@
-//! What a method's frame does to each band of rows: steps over views, as data.
+//! What a method does to each band of rows: steps over views, as data.
 
 use super::{
     driver::Driver,
@@ -11,101 +11,102 @@ use crate::{
     variant::Variant,
 };
 
-/// How a view came about, or a band of it.
+/// How a view, or a band of it, was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Made {
-    /// All of its pixels were traced.
+    /// All pixels were traced.
     Traced,
-    /// All were drawn, but for those that marks in counters say, which were traced.
+    /// All pixels were drawn, except those counted as missed, which were traced.
     Drawn,
-    /// All were resolved, with marks of how.
+    /// All pixels were resolved by `bracket`; marks say how.
     Bracketed,
-    /// They are its source's.
+    /// All pixels are copied from the source.
     Copied,
-    /// Traced, or those of its source, as marks say; those that are not were checked by a ray each, or not.
+    /// Pixels were traced or reused from the source, as marks say. `checked` says whether a ray verified each reused
+    /// one.
     Marked { checked: bool },
-    /// Each band as its counters say: traced or bracketed.
+    /// Traced or bracketed, as each band's counters say.
     Chosen,
 }
 
-/// What a frame does to a band, and what its kernels are made for.
+/// What a frame does to each band, and how its kernels are specialised.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) stages: Vec<Stage>,
-    /// Which shadow bits views take over: what is kept of their sources' samples depends on it.
+    /// Which visibility bits views reuse. What is kept of source samples depends on it.
     pub(crate) bits: ShadowReuse,
-    /// Whether it takes any of them over.
+    /// Whether source samples are kept for reuse.
     pub(crate) samples: bool,
-    /// Whether `bracket` searches four tiles at once, as it does where a pixel has several samples.
+    /// Whether `bracket` searches four tiles at once, which it does for several samples a pixel.
     pub(crate) wide: bool,
-    /// Whether some step looks into the rows above and below, as an edge and a block of a source's samples do.
+    /// Whether some step reads the rows above and below a band, for edges or blocks of samples.
     pub(crate) reaches: bool,
-    /// How each view comes about.
+    /// How each view is made.
     pub(crate) made: Vec<Made>,
-    /// Of each view the one that it is made from; one that is traced is its own.
+    /// The source of each view. A traced view is its own source.
     pub(crate) sources: Vec<usize>,
 }
 
-/// What is done before the next stage begins.
+/// Work that completes before the next stage begins.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
-    /// Steps of the device.
+    /// Steps on the device.
     Steps(Vec<Step>),
-    /// What the host does, once all of them are done.
+    /// Work on the host, after all earlier steps.
     Host(Host),
 }
 
-/// What a step does to a band.
+/// One step for a band.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Step {
-    /// A kernel runs.
+    /// Runs a kernel.
     Run {
-        /// What times and progress call it.
+        /// Its name in times and progress.
         name: &'static str,
         kernel: &'static Kernel,
         /// The view that it works for.
         view: usize,
         launch: Launch,
-        /// Which of the view's uniforms it reads: one a part of what is asked of lights that are not points, else the first.
+        /// Index of the view's uniform that it reads. Soft light has one per part, all other steps use the first.
         part: usize,
     },
-    /// A view becomes its source's.
+    /// Copies a view from its source.
     Copy(usize),
-    /// The lists of a buffer are emptied: `Lists` or `Found`.
+    /// Empties the lists of a buffer: `Lists` or `Found`.
     EmptyLists(Target),
-    /// The 3D buffer is.
+    /// Empties the 3D buffer.
     EmptySlots,
-    /// The T-buffer and the heads of its lists are.
+    /// Empties the T-buffer and the heads of its lists.
     EmptyTBuffer,
 }
 
 /// Threads of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Launch {
-    /// One a pixel of the band, or a block of pixels where the kernel traces rays.
+    /// One per pixel of the band, or per block of pixels if the kernel traces rays.
     Pixels,
-    /// One a run of so many pixels in each row of the band.
+    /// One per run of this many pixels in each row of the band.
     Runs(u32),
-    /// One a tile of the band.
+    /// One per tile of the band.
     Tiles,
-    /// One for four tiles of the band.
+    /// One per four tiles of the band.
     WideTiles,
-    /// One a row of the band.
+    /// One per row of the band.
     Rows,
-    /// One a primitive of the tree.
+    /// One per primitive of the tree.
     Primitives,
-    /// As the head of a list of a buffer says, which an earlier step filled.
+    /// By the head of a buffer's list, which an earlier step filled.
     Listed(Target, u32),
     /// One workgroup.
     Once,
 }
 
-/// What the host does between steps.
+/// Work of the host between steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Host {
-    /// Adelson & Hodges' sweep, for a view.
+    /// Runs Adelson & Hodges' sweep for a view.
     Sweep(usize),
-    /// Sizes the 3D buffer for a view, and reprojects by it.
+    /// Sizes the 3D buffer for a view, and reprojects with it.
     Slots(BufferDepth, usize),
 }
 
@@ -119,7 +120,7 @@ impl Host {
 }
 
 impl Step {
-    /// The same under another name.
+    /// Returns the same step under another name.
     pub(crate) fn named(self, called: &'static str) -> Self {
         match self {
             Self::Run { kernel, view, launch, part, .. } => Self::Run { name: called, kernel, view, launch, part },
@@ -133,8 +134,9 @@ impl Step {
 }
 
 impl Plan {
-    /// The plan of a method for views with these sources; `mirrors` if the scene has surfaces that send rays on, and of the parts of what is asked of
-    /// `soft` light, where there is such; `wide` if a pixel has several samples; `drawn` if hits of traced views are found by a T-buffer.
+    /// Makes the plan of a method for views with these sources. `mirrors` says whether surfaces send rays on. `soft` is
+    /// the number of parts of soft light, if any. `wide` is set for several samples a pixel, `drawn` if a T-buffer
+    /// finds the hits of traced views.
     pub(crate) fn of(
         method: Method,
         sources: &[usize],
@@ -176,7 +178,7 @@ impl Plan {
         Self { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec() }
     }
 
-    /// Its steps, with those of the host's stages.
+    /// Returns all steps, including those of the host's stages.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
         self.stages.iter().flat_map(|stage| match stage {
             Stage::Steps(steps) => steps.clone(),
@@ -185,7 +187,7 @@ impl Plan {
         })
     }
 
-    /// What it uses, its kernels specialised so.
+    /// Returns the resources that the plan uses with kernels of this variant.
     pub(crate) fn uses(&self, with: &Variant) -> Used {
         let mut used = Used::default();
         for step in self.steps() {
@@ -204,32 +206,32 @@ impl Plan {
                     used.places.insert((Target::View, view));
                     used.places.extend(with.linear.then_some((Target::Linear, view)));
                 }
-                // Of kernels that run.
+                // Kernels that run use the same buffers.
                 Step::EmptyLists(_) | Step::EmptySlots | Step::EmptyTBuffer => {}
             }
         }
         used.places.remove(&(Target::Slots, 0)); // made when its depth is known
-        // Statistics are read of every view.
+        // Statistics are read for every view.
         used.places.extend(views(&self.sources).map(|view| (Target::Counters, view)));
         used
     }
 
-    /// Whether a step reads the table of objects.
+    /// Returns whether a step reads the table of objects.
     pub(crate) fn touches_objects(&self) -> bool {
         self.steps().any(|step| matches!(step, Step::Run { kernel, .. } if kernel.touches == Touches::Objects))
     }
 
-    /// Whether views' marks are to be empty before the first step, since steps add to them.
+    /// Returns whether the marks of views must be cleared before the first step, since steps add to them.
     pub(crate) fn clears_marks(&self) -> bool {
         self.made.iter().any(|made| matches!(made, Made::Marked { .. }))
     }
 
-    /// Whether the host has a part in it.
+    /// Returns whether a stage runs on the host.
     pub(crate) fn needs_host(&self) -> bool {
         self.stages.iter().any(|stage| matches!(stage, Stage::Host(_)))
     }
 
-    /// What progress calls it: the last step of a band.
+    /// Returns the plan's name in progress: that of a band's last step.
     pub(crate) fn name(&self) -> &'static str {
         self.steps().filter_map(|step| step.name()).last().unwrap_or_default()
     }
@@ -239,12 +241,12 @@ fn views(sources: &[usize]) -> std::ops::Range<usize> {
     0..sources.len()
 }
 
-/// The views that are not traced, each with its source.
+/// Returns the views that are not traced, each with its source.
 pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)> + '_ {
     sources.iter().copied().enumerate().filter(|(view, source)| view != source)
 }
 
-/// The stages by which a method makes a view from its source.
+/// Returns the stages that make a view from its source.
 fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Option<usize>, bool, bool)) -> Vec<Stage> {
     let steps = match method {
         Method::Naive => trace::target(view, soft, drawn),
@@ -259,7 +261,7 @@ fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Opti
                 Stage::Steps(resolve::of(view, check, soft)),
             ];
         }
-        // What the sweep leaves is trusted: it has cleared the gaps.
+        // The result of the sweep is trusted, since it has cleared the gaps.
         Method::Sweep(Sweep::Scanline) => [reproject::scanline(view), resolve::of(view, Check::None, soft)].concat(),
         Method::Sweep(Sweep::Sequential) => {
             return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None, soft))];
@@ -269,7 +271,7 @@ fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Opti
     vec![Stage::Steps(steps)]
 }
 
-/// With steps that follow each other as one stage.
+/// Joins consecutive stages of steps.
 fn joined(stages: Vec<Stage>) -> Vec<Stage> {
     let mut all: Vec<Stage> = Vec::new();
     for stage in stages {

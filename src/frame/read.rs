@@ -1,4 +1,4 @@
-//! What a band made, brought back to the host.
+//! Reads a band back to the host.
 
 use super::{
     ViewRows,
@@ -9,12 +9,12 @@ use super::{
 };
 use crate::{PixelSource, ShadowSource, UploadedScene, View, layout, steps::show::PACK};
 
-/// What is brought back of each band, and where in a staging buffer it stands: pixels as `pack` leaves them, linear colour, costs and
-/// counters of the first view, then of the next; times behind all.
+/// Layout of a band in a staging buffer. Each view has the pixels of `pack`, linear colour, costs and counters. Times
+/// follow the last view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadBack {
     shape: Shape,
-    /// Whether pictures are wanted; else counters alone.
+    /// Whether pictures are read back; otherwise counters only.
     pictures: bool,
     linear: bool,
 }
@@ -22,10 +22,10 @@ pub(crate) struct ReadBack {
 /// Parts of a view.
 #[derive(Clone, Copy)]
 enum Part {
-    /// Colour, and marks in place of its alpha.
+    /// Colour, with marks in place of alpha.
     Color,
     Depth,
-    /// Place of what was hit among the primitives.
+    /// Slot of the primitive that was hit.
     Slot,
     Linear,
     Cost,
@@ -41,7 +41,7 @@ impl ReadBack {
         Self { shape, pictures, linear }
     }
 
-    /// Bytes of a row of a part, 0 if it is not wanted.
+    /// Returns the bytes of a part's row, 0 if it is not wanted.
     fn row_bytes(&self, part: Part) -> u64 {
         let width = u64::from(self.shape.size[0]);
         let words = self.shape.words_read();
@@ -66,12 +66,12 @@ impl ReadBack {
         view as u64 * self.view_bytes() + before.sum::<u64>() * u64::from(self.shape.bands.rows)
     }
 
-    /// Where times stand: bytes of all views.
+    /// Returns the offset of times: the bytes of all views.
     pub(crate) fn times_offset(&self) -> u64 {
         self.shape.views as u64 * self.view_bytes()
     }
 
-    /// Adds the commands that bring a band's rows to a staging buffer.
+    /// Encodes the copies of a band's rows to a staging buffer.
     pub(crate) fn encode(
         &self,
         driver: &mut Driver<'_>,
@@ -110,12 +110,12 @@ impl ReadBack {
         &bytes[begin as usize..(begin + count) as usize]
     }
 
-    /// What was counted in a band of a view.
+    /// Returns the counters of a view's band.
     pub(crate) fn counts(&self, bytes: &[u8], band: &Band, view: usize) -> Counts {
         Counts::of(&words(self.part(bytes, band, view, Part::Counters)))
     }
 
-    /// A band's rows of a view that was made so; `None` if no pictures are wanted.
+    /// Returns a band's rows of a view, given how it was made; `None` if no pictures are wanted.
     pub(crate) fn rows(
         &self,
         bytes: &[u8],
@@ -167,13 +167,13 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     words_of(bytes).collect()
 }
 
-/// What was counted in a band of a view.
+/// Counters of a view's band.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) shadow_rays: u64,
-    /// By mirrors and the like.
+    /// Rays sent on by mirrors, glass and veils.
     pub(crate) sent_rays: u64,
-    /// Of the shadow rays those at what mirrors and the like show.
+    /// Shadow rays from mirrored surfaces, included in `shadow_rays`.
     pub(crate) own_shadow_rays: u64,
     pub(crate) nodes: u64,
     pub(crate) primitive_tests: u64,
@@ -183,7 +183,7 @@ pub(crate) struct Counts {
     pub(crate) lost_candidates: u64,
     /// Threads whose loops an adapter ended.
     pub(crate) cut_short: u64,
-    /// What `choose` chose.
+    /// The choice of `choose`.
     chosen: u64,
 }
 
@@ -205,7 +205,7 @@ impl Counts {
         }
     }
 
-    /// How the band came about, of a view that was made so.
+    /// Returns how the band was made, given how the view was.
     pub(crate) fn made(&self, made: Made) -> Made {
         match made {
             Made::Chosen if self.chosen == u64::from(layout::BRACKET_CHOSEN) => Made::Bracketed,

@@ -1,4 +1,4 @@
-//! Rows of views, and the pairs and views that are put together of them.
+//! Rows of views, and the pairs and views made of them.
 
 use super::{Done, targets::MOST_BYTES};
 use crate::{
@@ -10,26 +10,26 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rows {
-    /// The row of the picture that is the first one here.
+    /// The picture's row that is the first one here.
     pub first: u32,
-    /// One an eye, in the rig's order.
+    /// One per eye, in the rig's order.
     pub views: Vec<ViewRows>,
 }
 
-/// Rows of a view, and how their pixels came about.
+/// Rows of a view, and how their pixels were made.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ViewRows {
-    /// What the eye sees; its height is the number of rows.
+    /// The picture; its height is the number of rows.
     pub view: View,
-    /// Where each pixel came from, row-major.
+    /// How each pixel was made, row-major.
     pub source: Vec<PixelSource>,
-    /// How it is known which lights each pixel sees, row-major; by `bracket` only, else empty.
+    /// How each pixel's visibility bits are known, row-major. Empty except for `bracket`.
     pub shadow_source: Vec<ShadowSource>,
 }
 
 impl ViewRows {
-    /// None yet.
+    /// Returns an empty list of rows.
     pub(crate) fn new(width: u32) -> Self {
         let view = View {
             width,
@@ -44,15 +44,15 @@ impl ViewRows {
         Self { view, source: Vec::new(), shadow_source: Vec::new() }
     }
 
-    /// None yet, with room for all of each view.
+    /// Returns empty lists with room for all rows of each view.
     ///
     /// # Errors
-    /// [`Error::Limit`] for more than fits memory.
+    /// [`Error::Limit`] if they do not fit into memory.
     pub(crate) fn with_room(eyes: &Eyes, options: &Options) -> Result<Vec<Self>, Error> {
         let [width, height] = eyes.pose.size;
         let pixels = u64::from(width) * u64::from(height);
         let (depth, ids) = (options.g_buffer != GBuffer::None, options.g_buffer == GBuffer::Ids);
-        // Colour and sources; then what was asked for.
+        // Colour and sources, then the requested parts.
         let each: u64 = [(true, 6), (depth, 4), (ids, 8), (options.linear, 16), (options.cost_map, 4)]
             .map(|(wanted, bytes)| if wanted { bytes } else { 0 })
             .iter()
@@ -92,7 +92,7 @@ impl ViewRows {
         self.source.try_reserve_exact(pixels)
     }
 
-    /// The sources of so many rows from the top, and nothing else.
+    /// Returns the pixel sources of the first `rows` rows, without a picture.
     pub(crate) fn first_rows(&self, rows: u32) -> Self {
         let pixels = (rows * self.view.width) as usize;
         let of_these = self.shadow_source.len().min(pixels);
@@ -103,7 +103,7 @@ impl ViewRows {
         first
     }
 
-    /// Takes off all but so many from the top.
+    /// Splits off all but the first `rows` rows.
     pub(crate) fn split_off(&mut self, rows: u32) -> Self {
         fn below<T>(list: &mut Vec<T>, place: usize) -> Vec<T> {
             list.split_off(place.min(list.len()))
@@ -125,9 +125,9 @@ impl ViewRows {
         Self { view: below_it, source, shadow_source }
     }
 
-    /// Puts others below these.
+    /// Appends other rows below these.
     pub(crate) fn append(&mut self, mut rows: Self) {
-        // Bands that are traced have no shadow bits: where others have, theirs were traced.
+        // Traced bands have no shadow sources. Beside bands that have them, theirs count as traced.
         let pixels = self.source.len() + rows.source.len();
         if !rows.shadow_source.is_empty() || !self.shadow_source.is_empty() {
             self.shadow_source.resize(self.source.len(), ShadowSource::Traced);
@@ -147,7 +147,7 @@ impl ViewRows {
 }
 
 impl Done {
-    /// With the eye that another frame shows.
+    /// Adds the eye of another frame.
     pub(crate) fn beside(mut self, other: Self) -> Self {
         self.eyes.offsets.extend(&other.eyes.offsets);
         self.eyes.sources.push(1);
@@ -157,7 +157,7 @@ impl Done {
         self.in_all(other)
     }
 
-    /// Of a pair.
+    /// Returns the statistics of a pair.
     pub(crate) fn pair_statistics(&self) -> Statistics {
         let [left, right] = [&self.tallies[0], &self.tallies[1]];
         Statistics {
@@ -179,7 +179,7 @@ impl Done {
 }
 
 impl StereoPair {
-    /// Of two frames of one eye each.
+    /// Makes a pair from two frames of one eye each.
     pub(crate) fn of_two(pose: Pose, left: (Done, Vec<ViewRows>), right: (Done, Vec<ViewRows>)) -> Self {
         let ((left, mut views), (right, of_right)) = (left, right);
         views.extend(of_right);

@@ -1,5 +1,6 @@
-//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows come. Rows of samples
-//! are epipolar lines like any others (DESIGN, section 3), so that methods and kernels need not know.
+//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows
+//! arrive. Rows of samples are epipolar lines like any others (DESIGN, section 3), so methods and kernels need not
+//! know.
 
 #[cfg(test)]
 mod tests;
@@ -13,7 +14,7 @@ use crate::{
 };
 
 impl Renderer {
-    /// All bands of a frame of as many samples a pixel as are asked for: as [`Renderer::frame`], which it is of one sample.
+    /// Renders all bands of a frame with the requested samples a pixel. With one sample it is [`Renderer::frame`].
     pub(crate) async fn sampled(
         &mut self,
         scene: &UploadedScene,
@@ -31,9 +32,9 @@ impl Renderer {
             return self.frame(scene, eyes, options, Wanted::all(pictures), progress, on_rows).await;
         }
         let finer = eyes.with_samples(side)?;
-        // A sample stands in the centre of odd grids that are not jittered.
+        // An odd grid without jitter has a sample in the pixel's centre.
         let asks_centre = (side % 2 == 0 || options.jitter) && options.g_buffer != GBuffer::None;
-        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // a pixel, of both frames
+        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // per pixel, of both frames
         let (mut centre, mut centres) = (None, None);
         if asks_centre {
             check_centres(eyes, options, pictures)?;
@@ -51,7 +52,7 @@ impl Renderer {
         Ok(Done { eyes: eyes.clone(), ..centre.into_iter().fold(done, Done::with) })
     }
 
-    /// A frame of one sample a pixel, in its centre.
+    /// Renders a frame of one sample a pixel, in its centre.
     pub(super) async fn centres(
         &mut self,
         scene: &UploadedScene,
@@ -65,14 +66,14 @@ impl Renderer {
             centres.add(rows.views);
             Ok(())
         };
-        // With linear colour, which nobody asks for, its kernels are those of the other frames.
+        // Linear colour is not needed, but with it the kernels are those of the other frames.
         let options = Options { linear: true, samples: 1, ..options.clone() };
         let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
         Ok((done, centres))
     }
 }
 
-/// What shows a frame's progress as that of both: so many of the rays of a pixel, behind others.
+/// Maps a sub-frame's progress to the whole frame: `rays` of all rays a pixel, after `before`.
 pub(super) fn part_of(
     progress: &mut OnProgress<'_>,
     before: f32,
@@ -83,7 +84,7 @@ pub(super) fn part_of(
 }
 
 /// # Errors
-/// [`Error::Limit`] if what pixels' centres show does not fit memory.
+/// [`Error::Limit`] if the data of pixels' centres does not fit into memory.
 pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
     let ([width, height], views) = (eyes.pose.size, eyes.sources.len());
     // Depth, two ids, sources and a cost.
@@ -104,7 +105,7 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
     })
 }
 
-/// An error of the larger picture, whose size nobody gave.
+/// Renames an error of the larger picture, whose size the caller did not give.
 pub(super) fn of_samples(error: Error, samples: u32) -> Error {
     match error {
         Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
@@ -119,7 +120,7 @@ pub(super) fn of_samples(error: Error, samples: u32) -> Error {
 }
 
 impl Done {
-    /// With what another frame of the same picture cost.
+    /// Adds the cost of another frame of the same picture.
     pub(super) fn with(mut self, other: Self) -> Self {
         for (tally, other) in self.tallies.iter_mut().zip(&other.tallies) {
             tally.work += other.work;
@@ -131,7 +132,7 @@ impl Done {
         self.in_all(other)
     }
 
-    /// With what another frame cost but for its views.
+    /// Adds the cost of another frame, except that of its views.
     pub(super) fn in_all(mut self, other: Self) -> Self {
         self.in_steps |= other.in_steps;
         self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
@@ -141,7 +142,7 @@ impl Done {
     }
 }
 
-/// By name.
+/// Adds times by name.
 fn sum(mut times: PassTimes, others: &PassTimes) -> PassTimes {
     for &(name, time) in &others.passes {
         match times.passes.iter_mut().find(|(known, _)| *known == name) {

@@ -1,4 +1,4 @@
-//! What a frame's views cost, band by band, and how they came about.
+//! The cost of a frame's views, band by band, and how they were made.
 
 use super::{plan::Made, read::Counts};
 use crate::{
@@ -6,31 +6,31 @@ use crate::{
     auto::{CostModel, Seen},
 };
 
-/// Of one view.
+/// The tally of one view.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) work: Work,
-    /// Pixels taken over from the view's source.
+    /// Pixels reused from the view's source.
     pub(crate) reused: u64,
     pub(crate) bad: u64,
     pub(crate) missed: u64,
     pub(crate) lost_candidates: u64,
-    /// Shadow rays at what mirrors and the like show.
+    /// Shadow rays from mirrored surfaces.
     own_shadow_rays: u64,
-    /// Pixels in gaps, as far as they were counted.
+    /// Pixels in gaps, if they were counted.
     gaps: u64,
-    /// Pixels that were resolved by `bracket`.
+    /// Pixels resolved by `bracket`.
     bracketed: u64,
     pixels: u64,
 }
 
 impl Tally {
-    /// Adds a band of so many pixels that was made so.
+    /// Adds a band of this many pixels, given how it was made.
     pub(crate) fn add(&mut self, counts: &Counts, pixels: u64, made: Made) {
         let landed = pixels - counts.missed;
         let (primary, verification, reused) = match made {
             Made::Traced | Made::Chosen => (pixels, 0, 0),
-            // Of what was drawn its counters say only which pixels were traced after all.
+            // The counters of a drawn band only say which pixels were traced after all.
             Made::Drawn => (counts.missed, 0, 0),
             Made::Copied => (0, 0, pixels),
             Made::Marked { checked } => {
@@ -50,7 +50,7 @@ impl Tally {
         self.pixels += pixels;
     }
 
-    /// What `Auto` chose for most of a view, and what the model says of the whole.
+    /// Returns the choice of `Auto` for most of a view, with the model's prediction for the whole.
     pub(crate) fn choice(&self, source: &Self, model: CostModel, pose: &Pose) -> Choice {
         let Rays { shadow: shadow_rays, secondary: secondary_rays, .. } = source.work.rays;
         let (own_shadow_rays, gap_pixels) = (source.own_shadow_rays, self.gaps);

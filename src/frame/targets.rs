@@ -1,4 +1,4 @@
-//! What kernels of a frame read and write, by name, and the buffers behind the names.
+//! Buffers that a frame's kernels read and write, by name.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -14,44 +14,44 @@ use crate::{
     steps::t_buffer::drawing_bytes,
 };
 
-/// A buffer of a frame, by what it holds of a band.
+/// A buffer of a frame, named by what it holds for a band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Target {
-    /// The pixels of the view at work.
+    /// Pixels of the current view.
     View,
-    /// Those of its source.
+    /// Pixels of its source.
     Source,
-    /// What the host asked for of the pixels of a view, one view after the other.
+    /// The parts of a view's pixels that the host reads back, one view after the other.
     Packed,
-    /// Linear colour of the view at work, RGB and 1.
+    /// Linear colour of the current view, RGB and 1.
     Linear,
-    /// That of its source.
+    /// Linear colour of its source.
     SourceLinear,
-    /// How deep each tile of the view at work is searched.
+    /// Search depth of each tile of the current view.
     Bounds,
-    /// Counters of each row of it, and behind them a map of costs and which rays of soft light arrive.
+    /// Counters of each of its rows, followed by the cost map and the masks of soft light.
     Counters,
-    /// Those of its source.
+    /// Counters of its source.
     SourceCounters,
     /// Lists of pixels, with indirect heads.
     Lists,
-    /// The same with lists of tiles, and behind them what `search_tiles` finds there.
+    /// The same with lists of tiles, followed by the results of `search_tiles`.
     Found,
     /// The 3D buffer.
     Slots,
-    /// Two words a pixel: the nearest t so far, and the primitive that it is of (`shaders/shared/t_buffer.wgsl`).
+    /// Two words a pixel: the nearest t so far, and its primitive (`shaders/shared/t_buffer.wgsl`).
     TBuffer,
-    /// Lists of what is drawn into it, with indirect heads.
+    /// Lists of primitives to draw into it, with indirect heads.
     Drawing,
-    /// How many threads of an encoded frame were ended.
+    /// Number of threads of an encoded frame that did not finish.
     Unfinished,
 }
 
-/// A buffer and the view that it belongs to; those that views share are the first one's.
+/// A buffer and its view. Buffers that views share belong to view 0.
 pub(crate) type Place = (Target, usize);
 
 impl Target {
-    /// What a step of a view with this source means by it.
+    /// Returns the buffer that a step means by this name, for a view with this source.
     pub(crate) fn of(self, view: usize, source: usize) -> Place {
         match self {
             Self::Source => (Self::View, source),
@@ -63,41 +63,41 @@ impl Target {
         }
     }
 
-    /// Whether it is a part of what is rendered, not something between its steps.
+    /// Returns whether the buffer is output, not an intermediate.
     fn is_output(self) -> bool {
         matches!(self, Self::View | Self::Packed | Self::Linear)
     }
 }
 
-/// What the sizes of a frame's buffers follow from.
+/// Parameters that determine the sizes of a frame's buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
-    /// Of the picture.
+    /// Size of the picture, in pixels.
     pub(crate) size: [u32; 2],
     pub(crate) bands: Bands,
     pub(crate) views: usize,
     pub(crate) cost_map: bool,
     pub(crate) g_buffer: GBuffer,
-    /// Lights that are not points, and ambient light where it is asked for.
+    /// Number of lights that are not points, plus one for sampled ambient light.
     pub(crate) soft_sources: u32,
-    /// Primitives that are drawn into a T-buffer, if there is one.
+    /// Primitives drawn into a T-buffer, 0 without one.
     pub(crate) drawn: u32,
-    /// Uniforms a view: one, or one a part of what is asked of these.
+    /// Uniforms per view: one per part of soft light, at least one.
     pub(crate) parts: u32,
 }
 
 impl Shape {
-    /// Columns and rows of the frame's buffers: a band's.
+    /// Returns columns and rows of the frame's buffers, which hold one band.
     pub(crate) fn kept(&self) -> [u32; 2] {
         [self.size[0], self.bands.rows_kept()]
     }
 
-    /// Bytes of all views' uniforms.
+    /// Returns the bytes of all uniforms.
     pub(crate) fn uniforms_bytes(&self) -> u64 {
         self.views as u64 * u64::from(self.parts) * FRAME_STRIDE
     }
 
-    /// Words of a pixel that the host reads: colour and marks, depth, place of the primitive.
+    /// Returns the words per pixel that are read back: colour and marks, depth, slot.
     pub(crate) fn words_read(&self) -> u32 {
         match self.g_buffer {
             GBuffer::None => 1,
@@ -130,7 +130,7 @@ impl Shape {
     }
 
     /// # Errors
-    /// [`Error::Limit`], naming the limit that a picture of this width, or so many views, do not keep.
+    /// [`Error::Limit`] naming the limit that a picture of this width, or this number of views, exceeds.
     fn check(&self, gpu: &Gpu, used: &Used) -> Result<(), Error> {
         let [width, rows] = self.kept();
         let what = format!("a picture {width} pixels wide");
@@ -174,43 +174,43 @@ impl Shape {
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) shape: Shape,
-    /// A `layout::Frame` of each view and its source.
+    /// One `layout::Frame` per view and part.
     pub(crate) frames: wgpu::Buffer,
-    /// The head of the list at work: what dispatches may not be bound for writing.
+    /// The head of the current list, copied here since an indirect buffer may not be bound for writing.
     pub(crate) indirect: wgpu::Buffer,
-    /// What `bracket` asks of sources' samples.
+    /// Samples of sources, which `bracket` queries.
     samples: BTreeMap<usize, wgpu::TextureView>,
-    /// The heads of lists before a step adds to them.
+    /// Initial heads of lists.
     pub(crate) empty_lists: wgpu::Buffer,
     buffers: BTreeMap<Place, wgpu::Buffer>,
 }
 
-/// In the place of a source: the samples of views that are traced though they have one, which nobody asks for.
+/// In place of a source: samples that nobody queries, of traced views that have a source.
 const UNASKED: usize = usize::MAX;
 
-/// Whose samples a step of a view with this source writes or reads.
+/// Returns whose samples a step of a view with this source writes or reads.
 pub(crate) fn samples_of(view: usize, source: usize, access: Access) -> usize {
     if access == Access::Write && view != source { UNASKED } else { source }
 }
 
-/// What the steps of a plan use.
+/// The resources that a plan's steps use.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) places: BTreeSet<Place>,
-    /// The views of which samples are kept, as `samples_of` names them.
+    /// Views whose samples are kept, as named by `samples_of`.
     pub(crate) samples: BTreeSet<usize>,
 }
 
-/// Bytes of a frame's buffers at most, and of its pictures on the host. Drivers don't say how much there is; a rig of many large views
-/// would take it all.
+/// Most bytes of a frame's buffers, and of its pictures on the host. Drivers do not report free memory, and a rig of
+/// many large views would take all of it.
 pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
-/// From one view's `layout::Frame` to the next, in bytes: WebGPU's default alignment of uniform offsets.
+/// Bytes from one `layout::Frame` to the next: WebGPU's default alignment of uniform offsets.
 pub(crate) const FRAME_STRIDE: u64 = 256;
 
 impl Targets {
     /// # Errors
-    /// [`Error::Limit`] for a picture that the adapter can't bind.
+    /// [`Error::Limit`] for a picture that the adapter cannot bind.
     pub(crate) fn new(gpu: &Gpu, shape: Shape, used: &Used) -> Result<Self, Error> {
         shape.check(gpu, used)?;
         let buffer =
@@ -231,29 +231,29 @@ impl Targets {
         })
     }
 
-    /// Whether they will do for another frame.
+    /// Returns whether the buffers suit another frame.
     pub(crate) fn fit(&self, shape: Shape, used: &Used) -> bool {
         self.shape == shape
             && used.places.iter().all(|place| self.buffers.contains_key(place))
             && used.samples.iter().all(|view| self.samples.contains_key(view))
     }
 
-    /// The buffer of a view; `Slots` is the driver's to tell.
+    /// Returns the buffer of a view. `Slots` belongs to the driver instead.
     pub(crate) fn get(&self, target: Target, view: usize) -> &wgpu::Buffer {
         &self.buffers[&(target, view)]
     }
 
-    /// Samples by the name that `samples_of` gives.
+    /// Returns the samples named by `samples_of`.
     pub(crate) fn samples(&self, of: usize) -> &wgpu::TextureView {
         &self.samples[&of]
     }
 
-    /// A buffer, if the frame has it.
+    /// Returns a buffer, if the frame has it.
     pub(crate) fn find(&self, place: Place) -> Option<&wgpu::Buffer> {
         self.buffers.get(&place)
     }
 
-    /// Bytes between the steps of a plan that uses these, without what is rendered.
+    /// Returns the bytes of a plan's intermediates, without its output.
     pub(crate) fn intermediate_bytes(&self, used: &Used) -> u64 {
         let between = used.places.iter().filter(|(target, _)| !target.is_output());
         let [width, rows] = self.shape.kept().map(u64::from);
@@ -261,7 +261,7 @@ impl Targets {
     }
 }
 
-/// Of itself a browser frees nothing before it collects garbage.
+/// A browser frees buffers only at garbage collection, unless they are destroyed.
 impl Drop for Targets {
     fn drop(&mut self) {
         let own = [&self.frames, &self.indirect, &self.empty_lists];
@@ -271,16 +271,17 @@ impl Drop for Targets {
 }
 
 fn samples_texture(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
-    // Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
+    // The texture is filled here. Otherwise wgpu clears it at its first use, and after a clear Mesa's software driver
+    // takes every timestamp too early.
     gpu.filled_texture("source_samples", width, &vec![[0; 4]; width as usize * height as usize])
 }
 
-/// Kept by a renderer from frame to frame.
+/// Resources that a renderer keeps between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Cache {
-    /// The last one used stands last.
+    /// The most recently used one is last.
     pub(crate) targets: Vec<Arc<Targets>>,
-    /// How many of them are kept besides the one at work.
+    /// How many are kept besides the current one.
     others: usize,
     pub(crate) slots: Option<wgpu::Buffer>,
     /// None of them is mapped.
@@ -288,13 +289,13 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// As many targets, for frames of as many shapes in turn.
+    /// Sets how many targets are kept, for frames of as many shapes in turn.
     pub(crate) fn keep(&mut self, targets: usize) {
         self.others = targets.saturating_sub(1);
         self.make_room(targets);
     }
 
-    /// Targets that will do for a frame.
+    /// Returns targets that suit a frame.
     pub(crate) fn fitting(&mut self, shape: Shape, used: &Used) -> Option<Arc<Targets>> {
         let place = self.targets.iter().rposition(|targets| targets.fit(shape, used))?;
         let found = self.targets.remove(place);
@@ -302,17 +303,17 @@ impl Cache {
         Some(found)
     }
 
-    /// How many targets are kept besides the one at work.
+    /// Returns how many targets are kept besides the current one.
     pub(crate) fn others(&self) -> usize {
         self.others
     }
 
-    /// Drops the oldest ones but so many: their memory goes first.
+    /// Drops the oldest targets until `left` remain, so that their memory is free first.
     pub(crate) fn make_room(&mut self, left: usize) {
         self.targets.drain(..self.targets.len().saturating_sub(left));
     }
 
-    /// The staging buffers of that size; of others some are kept.
+    /// Takes the staging buffers of this size. Some others are kept.
     pub(crate) fn staging_of(&mut self, bytes: u64) -> Vec<Staging> {
         let (fitting, mut others): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.staging).into_iter().partition(|staging| staging.bytes() == bytes);
@@ -324,6 +325,6 @@ impl Cache {
 
 impl Drop for Cache {
     fn drop(&mut self) {
-        self.slots.iter().for_each(wgpu::Buffer::destroy); // as targets
+        self.slots.iter().for_each(wgpu::Buffer::destroy); // as for targets
     }
 }

@@ -46,7 +46,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
     let camera = builtin.camera(130, 271);
     let mut renderer = renderer(USUAL);
     let uploaded = renderer.upload(&builtin.scene()).unwrap();
-    // Counting traces one ray a lane; those of the tiles' search are to be seen as they ship.
+    // Counting traces one ray a lane; the tiles' search should run as it ships.
     let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
     let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
     let counted = all.map(|method| Options::new(method).count(true).cost_map(true).linear(true));
@@ -62,7 +62,7 @@ fn bands_change_nothing_but_the_number_of_dispatches() {
             let mut pair = renderer.render_with(&uploaded, &camera, &options, &mut count).unwrap();
             pair.statistics.times = None;
             pair.statistics.intermediate_bytes = 0;
-            pair.statistics.buffer_depth = 0; // a band's may be less
+            pair.statistics.buffer_depth = 0; // a band's may be smaller
             (pair, calls)
         });
         let [(a, _), (b, _)] = [&whole, &banded];
@@ -82,7 +82,8 @@ fn every_traversal_gives_the_same_pair() {
             let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
             let uploaded = renderer.upload(&builtin.scene()).unwrap();
             let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
-            // Which of several occluders is kept, and so how many rays it spares, is the traversal's.
+            // Which of several occluders is kept depends on the traversal, and so does the number of rays that it
+            // saves.
             pair.statistics = Statistics::default();
             pair
         }));
@@ -98,12 +99,12 @@ fn buffer(depth: BufferDepth) -> Method {
     Method::Buffer(depth, Check::None)
 }
 
-/// Runs reprojection alone on given depths of the source: keys of samples, and candidates that were lost.
+/// Runs reprojection alone on given source depths. Returns the keys of samples, and the number of lost candidates.
 fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
     let mut renderer = renderer(64 * 16);
     let scene = renderer.upload(&Scene::new()).unwrap();
     let run = async {
-        // Depths are given in place of the first step, by which the source is traced.
+        // The depths are given, in place of the step that traces the source.
         let mut plan = Plan::of(method, &eyes.sources, false, None, false, false);
         let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
         steps.remove(0);
@@ -132,7 +133,7 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
         let counters: Vec<u32> = renderer.gpu.read(targets.get(Target::Counters, 1), rows).await?;
         let lost = counters.iter().skip(layout::LOST_CANDIDATES).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum();
         let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Target::View, 1), depths.len()).await?;
-        // What was missed has been marked since.
+        // Missed pixels have been marked since.
         let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
         Ok::<_, Error>((target.into_iter().map(|pixel| empty(pixel.marks)).collect(), lost))
     };
@@ -220,8 +221,8 @@ fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
     assert_eq!(land(39, crate::FAR), Some(39));
     assert_eq!(land(7, 4.0), None, "past the left edge");
     assert_eq!(land(8, 4.0), Some(0));
-    // Lemma 1: columns between depths of 2 and infinity meet over up to 16; twice the disparity at the target, 4 away,
-    // are 16 slots.
+    // Lemma 1: columns of depths between 2 and infinity meet if they are up to 16 apart. Twice the disparity at the
+    // target, 4 away, gives 16 slots.
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
@@ -231,13 +232,13 @@ fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
 
 #[test]
 fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
-    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e; columns 2e apart meet, and slot i mod 2e is the same.
+    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e. Columns 2e apart meet, in the same slot i mod 2e.
     let eyes = eyes([40, 1], 8.0);
     let mut depths = vec![1e-9; 40];
     (depths[10], depths[26]) = (crate::FAR, 2.0);
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
-    // (The samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
+    // (Samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
     assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
 }
@@ -251,7 +252,7 @@ fn renderer_and_scene_may_cross_threads() {
     check::<Error>();
 }
 
-/// A frame of a part of what is wanted: half of the left view's pixels, all of the right one's.
+/// Renders a frame with masks: half of the left view's pixels, all of the right view's.
 fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: Method) -> Vec<Rows> {
     let [width, height] = eyes.pose.size;
     let rows = (10, height - 3);
@@ -276,7 +277,7 @@ fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: 
     found
 }
 
-/// Half a frame's samples stand where another frame left its own.
+/// Half of a frame's samples are left over from another frame.
 #[test]
 fn what_was_not_wanted_vouches_for_nothing() {
     let builtin = crate::scene::builtin::Builtin::Hall;
@@ -291,7 +292,7 @@ fn what_was_not_wanted_vouches_for_nothing() {
         let mut fresh = renderer(USUAL);
         let same = fresh.upload(&scene).unwrap();
         let expected = part_of(&mut fresh, &same, &eyes, method);
-        // A frame of all pixels in the same buffers.
+        // Renders a frame of all pixels into the same buffers.
         let all = Wanted { pictures: true, part: Some(Part { rows: (10, 80), masks: None }) };
         let (mut go_on, mut drop_them) = (|_| ControlFlow::Continue(()), |_| Ok(()));
         let options = Options::new(method);

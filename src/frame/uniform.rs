@@ -1,16 +1,17 @@
-//! The camera as kernels read it.
+//! The camera's uniform.
 
 use crate::{Pose, camera::least_pixel_angle, layout};
 
-/// Of an ordinary picture, whose pixels span 2e-5 radians and more: far more than the rounding of a projection.
+/// Guard band of an ordinary picture, in pixels. Its pixels span at least 2e-5 radians, so this far exceeds the
+/// rounding of a projection.
 const WIDER: f32 = 0.05;
 
-/// Two eyes as kernels read them: offsets from the middle along `pose.right`, in interaxials. Directions have length 1 along the
-/// view axis: a ray's t is the depth Z.
+/// Returns the uniform of two eyes, with offsets from the middle along `pose.right` in interaxials. Directions have
+/// length 1 along the view axis, so a ray's t is the depth Z.
 pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Frame {
     let corner = |offset: f32| pose.corner(offset.into()).as_vec3().to_array();
     let [step_x, step_y] = pose.pixel_steps().map(|step| step.as_vec3().to_array());
-    // To the corner of the picture that lies farthest aside, of either eye.
+    // The direction to the outermost corner of the picture, from either eye.
     let far = f64::from(source.abs().max(target.abs()));
     let [aside, above] = pose.frustum.aside(far);
     let longest = (1.0_f64.hypot(aside.hypot(above)) * 1.001) as f32;
@@ -38,26 +39,28 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
     }
 }
 
-/// The square root of a pixel's height over its width. What differs by rounding alone is square.
+/// Returns the square root of a pixel's height over its width. Pixels that differ from squares by rounding alone count
+/// as square.
 fn pixel_side(pose: &Pose) -> f32 {
     let [x, y] = pose.frustum.steps(pose.size);
     if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
 }
 
-/// A sample vouches for a point beside it, in shadow bits, if the surface between them may be one that recedes by no more than so many
-/// pixels a pixel, of a pixel's size on the screen: 88.4 degrees. (Nearer than the screen the angle is larger, beyond it less.)
+/// A sample vouches for a point beside it if the surface between them recedes by at most this many pixels per pixel.
+/// These are pixels of their size on the screen. This is an angle of 88.4 degrees there, more before the screen and
+/// less beyond it.
 const STEEPEST: f32 = 36.0;
 const MOST_PARALLAX: f32 = 0.75;
 
-/// The same as a difference of parallaxes in pixels, where the camera's subject is. It does not depend on the picture's
-/// size: with twice as many pixels neighbours lie half as far apart, and a pixel of parallax is half as much depth.
-/// With eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75, and never more.
+/// Returns the same limit as a difference of parallaxes in pixels, at the camera's subject. It does not depend on the
+/// picture's size: with twice as many pixels neighbours are half as far apart, and a pixel of parallax is half as much
+/// depth. For eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75, its maximum.
 pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
     MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
 }
 
-/// Pixels by which the search of a tile widens projected bounds: four times what the directions of this picture's
-/// corners may be rounded by, and never less than in an ordinary picture. Of eyes so many interaxials to either side.
+/// Returns the guard band of a tile's search, in pixels. It is four times the rounding of directions in the picture's
+/// corners, and at least that of an ordinary picture. `far` is the eyes' largest offset in interaxials.
 fn wider(pose: &Pose, far: f64) -> f32 {
     WIDER.max((f64::from(f32::EPSILON) * 8.0 / least_pixel_angle(pose, far)) as f32)
 }

@@ -1,13 +1,13 @@
-//! What of a picture a frame is to make: all rows, some, or some pixels of these.
+//! The part of a picture that a frame makes: all rows, some rows, or some of their pixels.
 
 use std::ops::Range;
 
 use crate::bvh::Texel;
 
-/// What is wanted of a frame.
+/// The part of a frame that is wanted.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    /// Whether pictures are; else what they cost alone.
+    /// Whether pictures are wanted; otherwise only their cost.
     pub(crate) pictures: bool,
     /// All rows, or a part.
     pub(crate) part: Option<Part<'a>>,
@@ -17,12 +17,12 @@ pub(crate) struct Wanted<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub(crate) rows: (u32, u32),
-    /// The pixels of each view that are wanted of them; without it all are. Of others it is not said what a frame makes.
+    /// The wanted pixels of each view; without masks all are. Other pixels are undefined.
     pub(crate) masks: Option<&'a [Mask]>,
 }
 
 impl Wanted<'_> {
-    /// Of all rows.
+    /// Returns all rows.
     pub(crate) fn all(pictures: bool) -> Self {
         Self { pictures, part: None }
     }
@@ -39,7 +39,8 @@ impl Wanted<'_> {
 /// A bit for each pixel of some rows of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mask {
-    /// Texels of a row, each with the bits of 128 pixels, the first one in the lowest bit (`shaders/shared/wanted.wgsl`).
+    /// Texels of a row. Each has the bits of 128 pixels, the first one in the lowest bit
+    /// (`shaders/shared/wanted.wgsl`).
     texels_across: u32,
     /// Rows of the picture.
     rows: Range<u32>,
@@ -47,20 +48,20 @@ pub(crate) struct Mask {
 }
 
 impl Mask {
-    /// Of rows of a picture so wide; no pixel is wanted.
+    /// Makes a mask of these rows of a picture of this width, without wanted pixels.
     pub(crate) fn new(width: u32, rows: Range<u32>) -> Self {
         let texels_across = width.div_ceil(128);
         let texels = vec![[0; 4]; texels_across as usize * rows.len()];
         Self { texels_across, rows, texels }
     }
 
-    /// The texel of a pixel of the picture, and the word and the bit in it.
+    /// Returns the texel of a pixel of the picture, and the word and bit in it.
     fn place(&self, column: u32, row: u32) -> (usize, usize, u32) {
         let texel = (row - self.rows.start) * self.texels_across + column / 128;
         (texel as usize, (column / 32 % 4) as usize, 1 << (column % 32))
     }
 
-    /// A pixel of the picture is wanted.
+    /// Marks a pixel of the picture as wanted.
     pub(crate) fn want(&mut self, column: u32, row: u32) {
         let (texel, word, bit) = self.place(column, row);
         self.texels[texel][word] |= bit;
@@ -72,12 +73,12 @@ impl Mask {
         self.texels[texel][word] & bit != 0
     }
 
-    /// How many are in these rows.
+    /// Counts the wanted pixels in these rows.
     pub(crate) fn count(&self, rows: Range<u32>) -> u64 {
         self.texels_of(rows).iter().flatten().map(|word| u64::from(word.count_ones())).sum()
     }
 
-    /// The texels of these rows, and how many make a row.
+    /// Returns the texels of these rows, and their number per row.
     pub(crate) fn rows(&self, rows: Range<u32>) -> (u32, &[Texel]) {
         (self.texels_across, self.texels_of(rows))
     }

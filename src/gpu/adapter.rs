@@ -1,26 +1,26 @@
-//! Which adapter a device is opened on.
+//! Choice of the adapter.
 
 use crate::Error;
 
-/// The variable that [`Adapter::FromEnv`] reads: `software`, or a part of an adapter's name. wgpu's own `WGPU_BACKEND` narrows
-/// every choice to a backend: `vulkan`, `gl`, `dx12` or `metal`.
+/// Name of the environment variable that [`Adapter::FromEnv`] reads: `software`, or a part of an adapter's name. wgpu's
+/// own `WGPU_BACKEND` restricts every choice to a backend: `vulkan`, `gl`, `dx12` or `metal`.
 pub const ADAPTER_VARIABLE: &str = "STEREOTRACE_ADAPTER";
 
-/// Which graphics adapter to open ([`Gpu::open_async`](crate::Gpu::open_async)).
+/// The graphics adapter to open ([`Gpu::open_async`](crate::Gpu::open_async)).
 ///
-/// A text becomes one as the variable is read: `software` is [`Adapter::Software`], all else a part of a name. A browser offers
-/// one adapter, mostly without a name.
+/// A text converts to an adapter like the variable: `software` gives [`Adapter::Software`], any other text a part of a
+/// name. A browser offers one adapter, mostly without a name.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Adapter {
-    /// The fastest kind there is: discrete, integrated, virtual, unknown, software.
+    /// The fastest kind available, in the order discrete, integrated, virtual, unknown, software.
     Fastest,
-    /// One that runs on the CPU.
+    /// An adapter that runs on the CPU.
     Software,
-    /// One whose name has this in it, in capitals or small letters.
+    /// An adapter whose name contains this text, in upper or lower case.
     Named(String),
-    /// What the environment variable `STEREOTRACE_ADAPTER` says ([`ADAPTER_VARIABLE`]); [`Adapter::Fastest`] where it is not set,
-    /// as in browsers.
+    /// The adapter named by the environment variable `STEREOTRACE_ADAPTER` ([`ADAPTER_VARIABLE`]); [`Adapter::Fastest`]
+    /// if it is not set, as in browsers.
     #[default]
     FromEnv,
 }
@@ -38,7 +38,7 @@ impl From<String> for Adapter {
 }
 
 impl Adapter {
-    /// The first adapter that fits, of the fastest kind.
+    /// Returns the first matching adapter of the fastest kind.
     pub(super) async fn find(self) -> Result<wgpu::Adapter, Error> {
         self.find_by(std::env::var(ADAPTER_VARIABLE).ok().as_deref()).await
     }
@@ -47,11 +47,11 @@ impl Adapter {
         let enabled = wgpu::Instance::enabled_backend_features();
         let mut names = Vec::new();
         let wanted = self.resolved(variable);
-        // wgpu panics where there is none.
+        // wgpu panics without a backend.
         if !enabled.is_empty() {
             for backends in tries() {
                 let mut adapters = offered(backends).await;
-                // Stable: among equals the driver's own order stands.
+                // The sort is stable: adapters of one kind keep the driver's order.
                 adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
                 names.extend(adapters.iter().map(|adapter| describe(&adapter.get_info())));
                 if let Some(adapter) = adapters.into_iter().find(|adapter| wanted.fits(&adapter.get_info())) {
@@ -65,7 +65,7 @@ impl Adapter {
         })
     }
 
-    /// What is looked for, given the variable.
+    /// Returns the adapter to look for, given the variable.
     fn resolved(&self, variable: Option<&str>) -> Self {
         match (self, variable) {
             (Self::FromEnv, Some(variable)) => Self::from(variable),
@@ -82,7 +82,7 @@ impl Adapter {
         }
     }
 
-    /// What was asked for, as messages say it.
+    /// Returns the request in the words of error messages.
     fn asked(&self, variable: Option<&str>, backend: Option<&str>) -> String {
         let adapter = match self {
             Self::Fastest => None,
@@ -96,20 +96,20 @@ impl Adapter {
     }
 }
 
-/// Sets of backends, one to be asked after the other. OpenGL last, and only if nothing else fits: the same hardware shows up
-/// there a second time, with fewer features, and looking for it can make the driver print to the terminal.
+/// Returns sets of backends to try in turn. OpenGL comes last: it offers the same hardware again with fewer features,
+/// and looking for it can make the driver print to the terminal.
 fn tries() -> Vec<wgpu::Backends> {
     let chosen = wgpu::Backends::from_env();
     chosen.map_or_else(|| vec![wgpu::Backends::PRIMARY, wgpu::Backends::GL], |backends| vec![backends])
 }
 
-/// The adapters of these backends.
+/// Returns the adapters of these backends.
 async fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
     if cfg!(target_arch = "wasm32") {
-        // A browser has no list; of two adapters it gives the one that suits.
+        // A browser has no list. It returns the adapter that suits best.
         let power_preference = wgpu::PowerPreference::HighPerformance;
         let options = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
         return instance.request_adapter(&options).await.into_iter().collect();
@@ -117,7 +117,7 @@ async fn offered(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     instance.enumerate_adapters(backends).await
 }
 
-/// Why none was found.
+/// Explains why no adapter was found.
 fn there_are(enabled: wgpu::Backends, names: &[String]) -> String {
     match names {
         [] if enabled.is_empty() => {
@@ -151,7 +151,7 @@ mod tests {
         pollster::block_on(adapter.find_by(variable)).map(|adapter| adapter.get_info())
     }
 
-    /// The adapter that tests run on.
+    /// Returns the adapter that tests run on.
     fn own() -> wgpu::AdapterInfo {
         let variable = std::env::var(ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
         found(variable.into(), None).unwrap()

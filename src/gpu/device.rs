@@ -1,4 +1,4 @@
-//! The device: its limits, its errors and its loss.
+//! The device, its limits, errors and loss.
 
 use std::{
     future::Future,
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{Error, kernels};
 
-/// A graphics device and what is known of it. Cloning is cheap and shares the device.
+/// A graphics device and its properties. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
@@ -23,26 +23,27 @@ pub struct Gpu {
     pub(super) pipelines: Arc<Held>,
 }
 
-/// A lock that another thread's panic poisoned still guards whole values here.
+/// Locks a mutex. If another thread's panic poisoned it, its value is still consistent here.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Gpu {
-    /// Opens a device of its own on [`Adapter::FromEnv`].
+    /// Opens a new device on [`Adapter::FromEnv`].
     ///
     /// # Errors
-    /// As [`Gpu::open_async`].
+    /// Those of [`Gpu::open_async`].
     pub async fn new_async() -> Result<Self, Error> {
         Self::open_async(Adapter::FromEnv).await
     }
 
-    /// Opens an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Where several fit, it is the
-    /// fastest kind. The environment variable `WGPU_BACKEND` narrows the choice to a backend (`vulkan`, `gl`, …).
+    /// Opens a device on an adapter, given as an [`Adapter`] or as a text: `software`, or a part of its name. Among
+    /// several matches the fastest kind is taken. The environment variable `WGPU_BACKEND` restricts the choice to a
+    /// backend (`vulkan`, `gl`, …).
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] if none fits, saying what was asked for and what there is, or [`Error::Gpu`] if the driver refuses
-    /// to open it.
+    /// [`Error::NoAdapter`] if none matches, with the request and the available adapters; [`Error::Gpu`] if the driver
+    /// refuses to open it.
     pub async fn open_async(adapter: impl Into<Adapter>) -> Result<Self, Error> {
         Self::request(&adapter.into().find().await?).await
     }
@@ -68,14 +69,14 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// The features that a device must have: none. Frames are timed where it has `TIMESTAMP_QUERY`.
+    /// Returns the features that a device must have: none. With `TIMESTAMP_QUERY` frames are timed.
     pub fn required_features() -> wgpu::Features {
         wgpu::Features::empty()
     }
 
-    /// The limits that a device must have at least, none of them over WebGPU's defaults. A device with more of
-    /// `max_storage_buffer_binding_size`, `max_buffer_size` and `max_texture_dimension_2d` takes larger scenes and
-    /// pictures: each is checked when it comes.
+    /// Returns the minimum limits of a device. None exceeds WebGPU's defaults. With larger
+    /// `max_storage_buffer_binding_size`, `max_buffer_size` and `max_texture_dimension_2d` a device takes larger scenes
+    /// and pictures, which are checked one by one.
     ///
     /// ```no_run
     /// # async fn open(adapter: stereotrace::wgpu::Adapter) -> Result<(), Box<dyn std::error::Error>> {
@@ -95,10 +96,10 @@ impl Gpu {
         kernels::limits_over(wgpu::Limits::downlevel_defaults())
     }
 
-    /// Uses a device of the caller's. It keeps its own handlers for errors and loss.
+    /// Uses the caller's device, which keeps its own handlers for errors and loss.
     ///
     /// # Errors
-    /// [`Error::Limit`], naming the first limit below [`Gpu::required_limits`] that kernels need.
+    /// [`Error::Limit`] naming the first limit below [`Gpu::required_limits`].
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Error> {
         let limits = device.limits();
         let mut short = None;
@@ -125,43 +126,43 @@ impl Gpu {
         })
     }
 
-    /// The same Gpu, or a clone of it. (Devices of different instances can compare equal.)
+    /// Returns whether both are the same `Gpu` or clones of it. (Devices of different instances can compare equal.)
     pub(crate) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.lost, &other.lost)
     }
 
-    /// The adapter's name, kind and backend.
+    /// Returns the adapter's name, kind and backend.
     pub fn adapter_name(&self) -> String {
         describe(&self.info)
     }
 
-    /// The driver's name and version.
+    /// Returns the driver's name and version.
     pub fn driver(&self) -> String {
         format!("{} {}", self.info.driver, self.info.driver_info).trim().to_owned()
     }
 
-    /// What wgpu knows of the adapter.
+    /// Returns wgpu's information on the adapter.
     pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
         &self.info
     }
 
-    /// The device, shared.
+    /// Returns the device, which is shared.
     pub fn device(&self) -> &wgpu::Device {
         &self.device
     }
 
-    /// The queue, shared.
+    /// Returns the queue, which is shared.
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
     }
 
-    /// Largest storage buffer that a kernel can bind, in bytes.
+    /// Returns the size of the largest storage buffer that a kernel can bind, in bytes.
     pub(crate) fn binding_limit(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
-    /// Runs `work` and returns its result once the driver has said whether something in it failed. `work` must not await:
-    /// the driver's errors are collected by thread.
+    /// Runs `work`, and returns its result once the driver has reported any errors. `work` must not await, since the
+    /// driver's errors are collected per thread.
     pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, Error>) -> impl Future<Output = Result<T, Error>> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
@@ -184,7 +185,8 @@ impl Gpu {
         }
     }
 
-    /// Threads of the host that run kernels, each of them one contiguous part of a dispatch: of software adapters; else 1.
+    /// Returns how many host threads of a software adapter run kernels, each on one contiguous part of a dispatch; 1
+    /// for other adapters.
     pub(crate) fn threads(&self) -> u32 {
         match self.adapter_info().device_type {
             wgpu::DeviceType::Cpu => {
@@ -194,7 +196,7 @@ impl Gpu {
         }
     }
 
-    /// Why the device was lost, if it was.
+    /// Returns why the device was lost, if it was.
     pub(super) fn loss(&self) -> Option<String> {
         lock(&self.lost).clone()
     }
@@ -203,8 +205,8 @@ impl Gpu {
 fn classify(error: &wgpu::Error) -> Error {
     match error {
         wgpu::Error::OutOfMemory { .. } => Error::OutOfMemory(error.to_string()),
-        // A lost device makes invalid objects without a word, and wgpu reports their use as a validation error. Any
-        // other failure to make an object has been reported itself, and stands first.
+        // A lost device silently makes invalid objects, and wgpu reports their use as a validation error. Any other
+        // failure to make an object has been reported before and comes first.
         other => match other.to_string() {
             message if ["lost", "destroyed", "label is invalid"].iter().any(|sign| message.contains(sign)) => {
                 Error::DeviceLost(message)

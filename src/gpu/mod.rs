@@ -1,4 +1,4 @@
-//! Device, buffers, dispatches, read-back and timestamps. Knows nothing of stereo.
+//! Device, buffers, dispatches, read-back and timestamps. This module knows nothing of stereo.
 
 mod adapter;
 mod device;

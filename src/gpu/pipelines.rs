@@ -1,4 +1,4 @@
-//! Compute pipelines, each built when it is first used, and bind groups.
+//! Compute pipelines, built at their first use, and bind groups.
 
 use std::{
     collections::HashMap,
@@ -9,14 +9,14 @@ use std::{
 
 use super::{Gpu, lock};
 
-/// What a pipeline is made of.
+/// The description of a pipeline.
 pub(crate) struct Program<'a> {
     pub(crate) label: &'static str,
     /// WGSL with one entry point.
     pub(crate) text: String,
-    /// The layout of group 1, which is the kernel's own.
+    /// Layout of the kernel's own bind group 1.
     pub(crate) own: Vec<wgpu::BindGroupLayoutEntry>,
-    /// The layouts of groups 0 and 2, which kernels share, where they are used.
+    /// Layouts of bind groups 0 and 2, which kernels share, if they are used.
     pub(crate) shared: [Option<&'a wgpu::BindGroupLayout>; 2],
     /// Values of `override` constants.
     pub(crate) constants: Vec<(&'static str, f64)>,
@@ -41,13 +41,13 @@ impl Deref for Built {
     }
 }
 
-/// The pipelines of a device that somebody holds, by hashes of what they are made of. Kernels that are specialised to
-/// different things often have the same text, and so do those of several renderers.
+/// Pipelines of a device that are in use, by hashes of their descriptions. Different variants often have the same text,
+/// and so do kernels of several renderers.
 #[derive(Debug, Default)]
 pub(crate) struct Held(Mutex<HashMap<[u64; 2], Weak<OnceLock<Pipeline>>>>);
 
 impl Held {
-    /// Other threads wait for the one that builds a pipeline, but not for each other's.
+    /// Returns a pipeline. Other threads wait while one thread builds it, but not for other pipelines.
     fn get(&self, gpu: &Gpu, program: Program<'_>) -> Built {
         let slot = {
             let mut held = lock(&self.0);
@@ -65,7 +65,7 @@ impl Held {
 }
 
 impl Program<'_> {
-    /// What its text binds of groups 0 and 2 follows from the text.
+    /// Hashes the description. The bindings of groups 0 and 2 follow from the text.
     fn hash(&self, seed: u8) -> u64 {
         let mut hasher = DefaultHasher::new();
         (seed, &self.text, &self.own).hash(&mut hasher);
@@ -76,7 +76,7 @@ impl Program<'_> {
     }
 }
 
-/// The pipelines that a renderer has used, by what they are made for.
+/// The pipelines that a renderer has used, by key.
 #[derive(Debug)]
 pub(crate) struct Pipelines<Key>(Mutex<HashMap<Key, Built>>);
 
@@ -87,7 +87,7 @@ impl<Key> Default for Pipelines<Key> {
 }
 
 impl<Key: Eq + Hash> Pipelines<Key> {
-    /// The pipeline made for this, built if this is its first use.
+    /// Returns the pipeline of a key, built at its first use.
     pub(crate) fn get<'a>(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program<'a>) -> Built {
         lock(&self.0).entry(key).or_insert_with(|| gpu.pipelines.get(gpu, program())).clone()
     }
@@ -142,12 +142,12 @@ pub(crate) fn texture_type(format: wgpu::TextureFormat, access: wgpu::StorageTex
     wgpu::BindingType::StorageTexture { access, format, view_dimension }
 }
 
-/// Of texels that are read without filtering.
+/// Returns the type of a texture that is read without filtering.
 pub(crate) fn sampled_type() -> wgpu::BindingType {
     sampled(wgpu::TextureViewDimension::D2)
 }
 
-/// Of layers of such texels.
+/// Returns the type of an array of such textures.
 pub(crate) fn sampled_layers_type() -> wgpu::BindingType {
     sampled(wgpu::TextureViewDimension::D2Array)
 }
@@ -156,13 +156,13 @@ fn sampled(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Uint, view_dimension, multisampled: false }
 }
 
-/// A layout of bindings from 0 on.
+/// Returns a layout of bindings numbered from 0.
 pub(crate) fn layout_of(gpu: &Gpu, label: &'static str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// A bind group of resources in the order of their bindings.
+/// Returns a bind group of resources in the order of their bindings.
 pub(crate) fn bind_group<'a>(
     gpu: &Gpu,
     label: &str,
@@ -172,7 +172,7 @@ pub(crate) fn bind_group<'a>(
     bind_group_at(gpu, label, layout, (0..).zip(resources))
 }
 
-/// A bind group of bindings and resources.
+/// Returns a bind group of resources with explicit bindings.
 pub(crate) fn bind_group_at<'a>(
     gpu: &Gpu,
     label: &str,

@@ -1,4 +1,4 @@
-//! What is brought back to the host while the device goes on.
+//! Reading back while the device continues.
 
 use super::{
     Gpu,
@@ -6,11 +6,11 @@ use super::{
 };
 use crate::Error;
 
-/// A buffer that the host reads, to be used again. Freed when it is dropped.
+/// A reusable buffer that the host reads. It is freed when dropped.
 #[derive(Debug)]
 pub(crate) struct Staging(wgpu::Buffer);
 
-/// One that is being filled by a submission.
+/// A staging buffer that a submission is filling.
 pub(crate) struct Filling {
     staging: Staging,
     submission: Submission,
@@ -31,7 +31,7 @@ impl Staging {
         self.0.size()
     }
 
-    /// To copy to.
+    /// Returns the buffer to copy to.
     pub(crate) fn buffer(&self) -> &wgpu::Buffer {
         &self.0
     }
@@ -46,7 +46,7 @@ impl Staging {
 }
 
 impl Filling {
-    /// What `read` makes of the bytes, once they are there, and the buffer, to be filled again.
+    /// Waits for the bytes, and returns the result of `read` together with the buffer, for reuse.
     ///
     /// # Errors
     /// [`Error::DeviceLost`].

@@ -3,22 +3,22 @@
 use super::{Gpu, Staging};
 use crate::Error;
 
-/// Timestamps of the compute passes of one frame, a pair each.
+/// Timestamps of one frame's compute passes, a pair each.
 #[derive(Debug)]
 pub(crate) struct Timestamps {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    /// The name of each pair's pass.
+    /// Name of each pair's pass.
     names: Vec<&'static str>,
-    /// There were more passes than pairs.
+    /// Whether there were more passes than pairs.
     full: bool,
 }
 
-/// WebGPU's own bound on a query set.
+/// WebGPU's limit of a query set.
 const MAX_QUERIES: u32 = wgpu::QUERY_SET_MAX_QUERIES;
 
 impl Timestamps {
-    /// `None` where the adapter has no timestamps.
+    /// Returns `None` if the adapter has no timestamps.
     pub(crate) fn new(gpu: &Gpu) -> Option<Self> {
         gpu.timestamps.then(|| Self {
             queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -37,18 +37,18 @@ impl Timestamps {
         })
     }
 
-    /// Forgets the last frame's.
+    /// Forgets the passes of the last frame.
     pub(crate) fn restart(&mut self) {
         self.names.clear();
         self.full = false;
     }
 
-    /// Whether there were more passes in one band than can be timed.
+    /// Returns whether one band had more passes than can be timed.
     pub(crate) fn is_full(&self) -> bool {
         self.full
     }
 
-    /// The next pair, for a pass of this name; `None` when all are used up.
+    /// Returns the next pair, for a pass of this name; `None` if all are used.
     pub(crate) fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.names.len() as u32;
         if first + 2 > MAX_QUERIES {
@@ -63,10 +63,11 @@ impl Timestamps {
         })
     }
 
-    /// Bytes that [`Timestamps::resolve`] writes at most.
+    /// Most bytes that [`Timestamps::resolve`] writes.
     pub(crate) const BYTES: u64 = MAX_QUERIES as u64 * 8;
 
-    /// Writes the times of all passes since the last call to a buffer from `offset` on, once they are known. Returns their names.
+    /// Encodes a copy of the timestamps since the last call to a buffer, from `offset` on. Returns the names of their
+    /// passes.
     pub(crate) fn resolve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -81,7 +82,7 @@ impl Timestamps {
         names
     }
 
-    /// Waits for all passes since the last call and sums them by name; `None` if there were more than could be timed.
+    /// Waits for all passes since the last call and sums their times by name; `None` if there were too many passes.
     pub(crate) async fn read(&mut self, gpu: &Gpu) -> Result<Option<crate::PassTimes>, Error> {
         let fill = || {
             let staging = Staging::new(gpu, Self::BYTES);
@@ -96,7 +97,7 @@ impl Timestamps {
     }
 }
 
-/// Adds what a band's passes took, by name in order of first use.
+/// Adds the times of a band's passes by name, in order of first use.
 pub(crate) fn add_times(times: &mut crate::PassTimes, names: &[&'static str], ticks: &[u8], gpu: &Gpu) {
     let period = f64::from(gpu.queue.get_timestamp_period());
     for (name, pair) in names.iter().zip(ticks.chunks_exact(16)) {

@@ -1,4 +1,4 @@
-//! Buffers and textures, and what is brought to them and back.
+//! Buffers and textures, uploads to them and reading back.
 
 use super::{Gpu, Staging, TEXELS};
 use crate::{Error, bvh::Texel, traversal::Fetch};
@@ -6,7 +6,7 @@ use crate::{Error, bvh::Texel, traversal::Fetch};
 /// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;
 
-/// Texels that are handed to the driver at a time: whole rows of those textures, 16 MiB.
+/// Texels per upload: whole rows of these textures, 16 MiB.
 const PIECE: usize = 1 << 20;
 
 impl Gpu {
@@ -20,7 +20,7 @@ impl Gpu {
         })
     }
 
-    /// Not mapped at creation: on a lost device that panics.
+    /// Makes a uniform buffer. It is not mapped at creation, since that panics on a lost device.
     pub(crate) fn uniform_buffer(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -32,7 +32,7 @@ impl Gpu {
         buffer
     }
 
-    /// How many texels fit one texture or one binding.
+    /// Returns how many texels fit one texture or binding.
     pub(crate) fn texel_capacity(&self, fetch: Fetch) -> u64 {
         match fetch {
             Fetch::Texture => match self.limits.max_texture_dimension_2d {
@@ -43,7 +43,7 @@ impl Gpu {
         }
     }
 
-    /// How many texels a scene's shading table may have, read either way.
+    /// Returns how many texels a scene's shading table may have, by either way of reading.
     #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
     pub(crate) fn largest_table(&self) -> u64 {
         self.texel_capacity(Fetch::Texture).max(self.texel_capacity(Fetch::Buffer))
@@ -52,15 +52,15 @@ impl Gpu {
     /// Uploads texels as a texture or a storage buffer.
     ///
     /// # Errors
-    /// [`Error::Limit`] if they don't fit one texture or binding, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
+    /// [`Error::Limit`] if they do not fit one texture or binding, [`Error::OutOfMemory`] and [`Error::DeviceLost`].
     pub(crate) async fn upload(&self, label: &'static str, texels: &[Texel], fetch: Fetch) -> Result<Texels, Error> {
         self.upload_each(label, texels.len(), texels.iter().copied(), fetch).await
     }
 
-    /// Uploads so many texels as they come, without having them all at once.
+    /// Uploads `count` texels from an iterator, without holding all of them at once.
     ///
     /// # Errors
-    /// As [`Gpu::upload`].
+    /// Those of [`Gpu::upload`].
     pub(crate) async fn upload_each(
         &self,
         label: &'static str,
@@ -73,10 +73,10 @@ impl Gpu {
         Ok(room)
     }
 
-    /// A texture or a storage buffer for so many texels.
+    /// Makes a texture or a storage buffer for this many texels.
     ///
     /// # Errors
-    /// As [`Gpu::upload`].
+    /// Those of [`Gpu::upload`].
     pub(crate) async fn room(&self, label: &'static str, count: usize, fetch: Fetch) -> Result<Texels, Error> {
         match fetch {
             Fetch::Texture => {
@@ -101,7 +101,7 @@ impl Gpu {
         }
     }
 
-    /// Writes texels from the first one on, as many as there is room for at most.
+    /// Writes texels from index 0 on. They must fit.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] and [`Error::DeviceLost`].
@@ -109,10 +109,10 @@ impl Gpu {
         self.fill_from(room, 0, texels).await
     }
 
-    /// The same from another place on.
+    /// Writes texels from index `begin` on.
     ///
     /// # Errors
-    /// As [`Gpu::fill`].
+    /// Those of [`Gpu::fill`].
     pub(crate) async fn fill_from(
         &self,
         room: &Texels,
@@ -129,8 +129,8 @@ impl Gpu {
         self.in_pieces(texels, write).await
     }
 
-    /// Writes texels in pieces, from the index of a first one on. A driver holds a copy of what it is handed until it is done,
-    /// so one piece is waited for before the next is made.
+    /// Writes texels in pieces; `write` takes the index of a piece's first texel. A driver holds a copy of each piece
+    /// until it is uploaded, so each piece is waited for before the next.
     async fn in_pieces(
         &self,
         mut texels: impl Iterator<Item = Texel>,
@@ -154,14 +154,14 @@ impl Gpu {
         Ok(())
     }
 
-    /// A texture of texels in rows, the last of which may be short.
+    /// Makes a texture of texels in rows, the last of which may be short.
     pub(crate) fn filled_texture(&self, label: &str, width: u32, texels: &[Texel]) -> wgpu::TextureView {
         let texture = self.texel_rows(label, width, texels.len());
         self.write_rows(&texture, 0, texels);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
-    /// A texture for texels in rows.
+    /// Makes a texture for texels in rows.
     fn texel_rows(&self, label: &str, width: u32, texels: usize) -> wgpu::Texture {
         let height = texels.div_ceil(width as usize).max(1) as u32;
         let usage =
@@ -169,7 +169,7 @@ impl Gpu {
         self.texture(label, [width, height], TEXELS, usage, &[])
     }
 
-    /// Writes texels to a texture's rows from a place on. The first row and the last one may be short.
+    /// Writes texels to a texture's rows, from index `first` on. The first and the last row may be partial.
     fn write_rows(&self, texture: &wgpu::Texture, first: usize, texels: &[Texel]) {
         let write = |at: usize, texels: &[Texel], rows: usize| {
             let (x, y) = (at % texture.width() as usize, at / texture.width() as usize);
@@ -186,7 +186,7 @@ impl Gpu {
             self.queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
         };
         let width = texture.width() as usize;
-        // What is left of a row that is begun already.
+        // The rest of a partial row.
         let (begun, texels) = texels.split_at(((width - first % width) % width).min(texels.len()));
         let rows = texels.len() / width;
         let (whole, rest) = texels.split_at(rows * width);
@@ -198,7 +198,7 @@ impl Gpu {
         }
     }
 
-    /// Copies a buffer back to the host.
+    /// Reads a buffer back to the host.
     pub(crate) async fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, Error> {
         let bytes = (count * size_of::<T>()) as u64;
         let fill = || {
@@ -212,7 +212,7 @@ impl Gpu {
         filling.read(self, values).await.map(|(values, _)| values)
     }
 
-    /// A plain texture of one layer, level and sample.
+    /// Makes a texture of one layer, level and sample.
     pub(crate) fn texture(
         &self,
         label: &str,
@@ -234,7 +234,7 @@ impl Gpu {
     }
 }
 
-/// [`Error::Limit`] if a binding of `bytes` is more than `allowed`.
+/// Returns [`Error::Limit`] if a binding of `bytes` exceeds `allowed`.
 pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static str) -> Result<(), Error> {
     if bytes <= allowed {
         return Ok(());
@@ -249,8 +249,8 @@ pub(crate) fn check_bytes(what: &str, bytes: u64, allowed: u64, remedy: &'static
     })
 }
 
-/// A part of a scene on the device, freed when it is dropped. Of itself a browser frees nothing before it collects garbage, which
-/// the device's memory does not make it do.
+/// A part of a scene on the device, freed when dropped. A browser would free it only at garbage collection, which the
+/// device's memory does not trigger.
 #[derive(Debug)]
 pub(crate) enum Texels {
     Texture(wgpu::TextureView),
@@ -258,10 +258,10 @@ pub(crate) enum Texels {
 }
 
 impl Texels {
-    /// Whether so many texels, to be read this way, can be written to it.
+    /// Returns whether this many texels fit into it, read this way.
     pub(crate) fn has_room(&self, count: usize, fetch: Fetch) -> bool {
         match (self, fetch) {
-            // One narrower than others has a single row.
+            // A texture narrower than the others has a single row.
             (Self::Texture(view), Fetch::Texture) => {
                 view.texture().width() as usize * view.texture().height() as usize >= count
             }

@@ -1,4 +1,4 @@
-//! Waiting for the device: this is the only place that does.
+//! Waiting for the device. Nothing else waits for it.
 
 use std::{
     future::Future,
@@ -12,7 +12,7 @@ use super::{Gpu, lock};
 use crate::Error;
 
 impl Gpu {
-    /// Returns when a submission is done, and all that came before it.
+    /// Waits until a submission, and all before it, are done.
     ///
     /// # Errors
     /// [`Error::DeviceLost`].
@@ -29,16 +29,16 @@ impl Gpu {
 mod target {
     use super::Gpu;
 
-    /// Commands that the device has been handed.
+    /// Commands that were submitted to the device.
     pub(crate) struct Submission(wgpu::SubmissionIndex);
 
     impl Gpu {
-        /// Hands commands to the device.
+        /// Submits commands to the device.
         pub(crate) fn submit(&self, commands: impl IntoIterator<Item = wgpu::CommandBuffer>) -> Submission {
             Submission(self.queue.submit(commands))
         }
 
-        /// Nobody else drives the device, so this does, and blocks the thread meanwhile.
+        /// Waits by polling the device, which nothing else does here. Blocks the thread.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
             let wait = wgpu::PollType::Wait { submission_index: Some(submission.0), timeout: None };
             self.device.poll(wait).map(drop).map_err(|error| error.to_string())
@@ -50,11 +50,11 @@ mod target {
 mod target {
     use super::{Gpu, Receiver, oneshot};
 
-    /// Commands that the device has been handed.
+    /// Commands that were submitted to the device.
     pub(crate) struct Submission(Receiver<()>);
 
     impl Gpu {
-        /// Hands commands to the device.
+        /// Submits commands to the device.
         pub(crate) fn submit(&self, commands: impl IntoIterator<Item = wgpu::CommandBuffer>) -> Submission {
             self.queue.submit(commands);
             let (sender, done) = oneshot();
@@ -62,7 +62,7 @@ mod target {
             Submission(done)
         }
 
-        /// The browser drives the device, once nothing here runs.
+        /// Waits without polling: the browser drives the device when this code is not running.
         pub(super) async fn wait(&self, submission: Submission) -> Result<(), String> {
             submission.0.await;
             Ok(())
@@ -70,7 +70,7 @@ mod target {
     }
 }
 
-/// One value that a callback hands to a future.
+/// One value passed from a callback to a future.
 #[derive(Debug)]
 struct Slot<T> {
     value: Option<T>,

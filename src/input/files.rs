@@ -1,4 +1,4 @@
-//! Where a scene's files come from: the disk or memory.
+//! Sources of a scene's files: the disk or memory.
 
 use std::{
     borrow::Cow,
@@ -13,7 +13,7 @@ use super::{check_size, open};
 use crate::error::located;
 use crate::{Error, Limits};
 
-/// Where a scene file is read from, and what it names.
+/// The source of a scene file and of the files that it names.
 #[derive(Clone, Copy)]
 pub(crate) enum Files<'a> {
     #[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
@@ -21,42 +21,42 @@ pub(crate) enum Files<'a> {
     Memory(&'a Given<'a>),
 }
 
-/// The folder of a scene file on the disk, which the names in that file may not leave.
+/// Folder of a scene file on the disk. By default, names in the file must not lead out of it.
 #[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
 pub(crate) struct SceneFolder {
-    /// The scene file as it was given.
+    /// Path of the scene file, as given.
     scene: PathBuf,
-    /// Its folder without links; `None` where the system can't tell.
+    /// Canonical path of its folder; `None` if the system can't determine it.
     real: Option<PathBuf>,
-    /// What a message says that opens the way out; `None` where it is open.
+    /// Option that allows files outside, for messages; `None` if they are allowed.
     opened_by: Option<&'static str>,
-    /// A path of another machine has been warned of.
+    /// Whether a path from another machine has been warned of.
     is_warned: Cell<bool>,
 }
 
 impl SceneFolder {
-    /// The folder that `scene` stands in. Where the file itself is a link, that is the link's folder.
+    /// Returns the folder of `scene`. If the file is a link, it is the link's folder.
     pub(crate) fn of(scene: &Path, opened_by: Option<&'static str>) -> Self {
         let real = parent(scene).canonicalize().ok();
         Self { scene: scene.into(), real, opened_by, is_warned: Cell::new(false) }
     }
 }
 
-/// The folder of a file; of a name alone the current one.
+/// Returns the folder of a file, or the current one for a bare name.
 fn parent(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Files in memory, by their paths as [`normalised`] makes them.
+/// Files in memory, by their paths as [`normalised`] returns them.
 pub(crate) struct Given<'a> {
     content: HashMap<String, &'a [u8]>,
-    /// The path to a file by its last component in lower case; `None` where several end in it.
+    /// Paths of files by their last component in lower case; `None` if several share it.
     #[cfg_attr(not(any(feature = "obj", feature = "gltf")), allow(dead_code, reason = "PLY files name no others"))]
     paths: HashMap<String, Option<String>>,
 }
 
 impl<'a> Given<'a> {
-    /// Of two names that mean the same path the first one counts.
+    /// Indexes the files. If two names mean the same path, the first one counts.
     pub(crate) fn new(files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Self {
         let mut given = Self { content: HashMap::new(), paths: HashMap::new() };
         for (name, bytes) in files {
@@ -77,10 +77,10 @@ impl<'a> Given<'a> {
 }
 
 impl<'a> Files<'a> {
-    /// A file's bytes.
+    /// Returns a file's bytes.
     ///
     /// # Errors
-    /// Those of [`open`]; [`Error::Io`] for what is not in memory.
+    /// Those of [`open`]; [`Error::Io`] for a file that is not in memory.
     pub(crate) fn read_bytes(self, path: &Path, limit: u64, raised_by: &str) -> Result<Cow<'a, [u8]>, Error> {
         match self.given(path)? {
             Some(bytes) => {
@@ -91,7 +91,7 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// A text's bytes. UTF-16 is an error.
+    /// Returns a text file's bytes. UTF-16 is an error.
     #[cfg(feature = "obj")]
     pub(crate) fn read(self, path: &Path, limit: u64, raised_by: &str) -> Result<Cow<'a, [u8]>, Error> {
         let content = self.read_bytes(path, limit, raised_by)?;
@@ -99,7 +99,7 @@ impl<'a> Files<'a> {
         Ok(content)
     }
 
-    /// The first bytes of a file that is within the limits, at most so many.
+    /// Returns up to `count` bytes from the start of a file that is within the limits.
     pub(crate) fn start(self, path: &Path, count: u64, limits: &Limits) -> Result<Vec<u8>, Error> {
         let (limit, raised_by) = (limits.file_bytes, limits.option_names[0]);
         let mut start = Vec::new();
@@ -111,7 +111,7 @@ impl<'a> Files<'a> {
         Ok(start)
     }
 
-    /// The bytes of a file in memory, however many; `None` where files lie on the disk.
+    /// Returns the bytes of a file in memory, without a limit; `None` if files are on the disk.
     pub(crate) fn given(self, path: &Path) -> Result<Option<&'a [u8]>, Error> {
         let Self::Memory(given) = self else { return Ok(None) };
         let missing = || Error::io(path, io::Error::new(ErrorKind::NotFound, "no such file among those in memory"));
@@ -121,9 +121,13 @@ impl<'a> Files<'a> {
 
 #[cfg(any(feature = "obj", feature = "gltf"))]
 impl Files<'_> {
-    /// Where a file lies that another one in `folder` names. In memory, which may be without folders, one that is not at its path is found by its
-    /// last component, if no other has the same but for upper and lower case. On the disk an absolute path may be one of another machine: where
-    /// nothing is there that may be read, a file of its last component is taken, from `folder` or from the scene's.
+    /// Returns the path of a file that another one in `folder` names.
+    ///
+    /// In memory, where folders may be missing, a file that is not at its path is found by its last component. Upper
+    /// and lower case count as equal, and no other file may match.
+    ///
+    /// On the disk, an absolute path may come from another machine. If no readable file is there, a file with its last
+    /// component is taken, from `folder` or from the scene's folder.
     ///
     /// # Errors
     /// [`Error::Io`] for a file on the disk outside the scene's folder, unless the options allow it.
@@ -148,7 +152,7 @@ impl Files<'_> {
         }
     }
 
-    /// The path that a name means. Some names come with the separators of another system.
+    /// Returns the path that a name means. Names may use another system's separators.
     pub(crate) fn join(self, folder: &Path, name: &str) -> PathBuf {
         let path = folder.join(name);
         match self {
@@ -164,7 +168,7 @@ impl Files<'_> {
         }
     }
 
-    /// One path for all that lead to a file.
+    /// Returns one path for all paths that lead to a file.
     pub(crate) fn real(self, path: &Path) -> PathBuf {
         match self {
             Self::Disk(_) => path.canonicalize().unwrap_or_else(|_| path.into()),
@@ -175,7 +179,7 @@ impl Files<'_> {
 
 #[cfg(any(feature = "obj", feature = "gltf"))]
 impl SceneFolder {
-    /// Refuses a file outside the folder, also one that a link leads to. What is no file is for [`open`] to refuse.
+    /// Refuses a file outside the folder, also if a link leads to it. If it is no file, [`open`] refuses it later.
     fn check(&self, path: &Path) -> Result<(), Error> {
         let Some(option) = self.opened_by.filter(|_| path.is_file()) else { return Ok(()) };
         let real = path.canonicalize().map_err(|source| Error::io(path, source))?;
@@ -187,7 +191,7 @@ impl SceneFolder {
         Err(Error::io(path, io::Error::new(ErrorKind::PermissionDenied, reason)))
     }
 
-    /// The file that an absolute path of another machine means. The first one is warned of.
+    /// Returns the file that an absolute path of another machine means. Only the first one gives a warning.
     fn beside(&self, folder: &Path, name: &str) -> Option<PathBuf> {
         let last = last_of_absolute(name)?;
         let places = [folder, parent(&self.scene)].map(|folder| folder.join(last));
@@ -203,7 +207,7 @@ impl SceneFolder {
     }
 }
 
-/// The last component of an absolute path, be it of this system or of another; `None` for other paths.
+/// Returns the last component of an absolute path, of this system or another; `None` for other paths.
 #[cfg(any(feature = "obj", feature = "gltf"))]
 fn last_of_absolute(name: &str) -> Option<&str> {
     let behind_drive = match name.as_bytes() {
@@ -214,8 +218,8 @@ fn last_of_absolute(name: &str) -> Option<&str> {
     path.rsplit(['/', '\\']).next().filter(|last| !last.is_empty())
 }
 
-/// A path with `/` alone, without `.` and without folders that `..` leaves. What begins with a separator, as paths of a drop in a browser do, is the
-/// same without it.
+/// Returns a path with `/` as the only separator, without `.` and without folders that `..` leaves. A leading
+/// separator, as in paths dropped into a browser, is removed.
 fn normalised(path: &str) -> String {
     let mut components: Vec<&str> = Vec::new();
     for component in path.split(['/', '\\']) {
@@ -228,7 +232,7 @@ fn normalised(path: &str) -> String {
     components.join("/")
 }
 
-/// What stands behind a path's last separator, in lower case.
+/// Returns a path's last component, in lower case.
 fn last_component(path: &str) -> String {
     path.rsplit('/').next().unwrap_or(path).to_lowercase()
 }
@@ -254,7 +258,7 @@ mod tests {
         }
     }
 
-    /// The bytes of each file are its key.
+    /// Locates a file among these keys; the bytes of each file are its key.
     fn find(keys: &[&str], folder: &str, name: &str) -> Option<String> {
         let given = Given::new(keys.iter().map(|key| (*key, key.as_bytes())));
         let files = Files::Memory(&given);
@@ -274,14 +278,14 @@ mod tests {
             ("house/tex", "..\\old\\wood.png", Some("/house/old/wood.png")),
             ("house", "./tex/../old//wood.png", Some("/house/old/wood.png")),
             ("", "/house/old/wood.png", Some("/house/old/wood.png")),
-            // Two have the name.
+            // Two files have this name.
             ("house", "wood.png", None),
             ("house", "tex/wood.png", None),
             ("house", "maps/\u{e9}mail.PNG", Some("/house/tex/\u{c9}mail.png")),
             ("house", "C:\\house\\Roof.png", Some("roof.png")),
             ("house", "../../../roof.png", Some("roof.png")),
             ("house", "tiles/roof.jpg", None),
-            // Folders are no files.
+            // Folders are not files.
             ("house", "tex", None),
             ("house", "", None),
             ("", "..", None),
@@ -289,7 +293,7 @@ mod tests {
             assert_eq!(find(&drop, folder, name).as_deref(), expected, "{folder} {name}");
         }
         assert_eq!(find(&[], "", "a.png"), None);
-        // One path twice is one file, the first.
+        // If a path is given twice, the first file counts.
         assert_eq!(find(&["./a.png", "a.png"], "sub", "a.png").as_deref(), Some("./a.png"));
     }
 

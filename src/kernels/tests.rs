@@ -1,4 +1,4 @@
-//! Every kernel in every variant against naga, the adapter, the table and the host's structs.
+//! Checks every kernel in every variant against naga, the adapter, the table and the host's structs.
 
 mod layouts;
 mod variants;
@@ -16,7 +16,7 @@ use crate::{
 
 use variants::{ALL, variants_of};
 
-/// The file and line below `shaders/` of a place in a kernel's text.
+/// Returns the file and line below `shaders/` of a location in a kernel's text.
 fn place(text: &str, location: Option<naga::SourceLocation>) -> String {
     location.and_then(|location| wgsl::origin(text, location.line_number as usize)).unwrap_or_else(|| "?".into())
 }
@@ -28,7 +28,7 @@ fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
     })
 }
 
-/// Every distinct text, with its kernel and a variant that gives it.
+/// Returns every distinct text, with its kernel and a variant that gives it.
 fn modules() -> Vec<(&'static Kernel, Variant, String)> {
     let mut seen = BTreeSet::new();
     let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
@@ -57,7 +57,7 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
     }
 }
 
-/// For `scripts/check_wgsl.sh`, which shows them to a stricter front end than naga.
+/// Writes modules for `scripts/check_wgsl.sh`, which checks them with a stricter front end than naga.
 #[test]
 fn every_distinct_module_is_written_to_target_wgsl() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/wgsl");
@@ -74,7 +74,8 @@ fn every_distinct_module_is_written_to_target_wgsl() {
 fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     let mut needed = wgpu::Limits::downlevel_webgl2_defaults();
     let asked = limits_over(needed.clone());
-    needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension; // a launch's, not a kernel's
+    // This limit belongs to a dispatch, not to a kernel.
+    needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension;
     needed.max_bind_groups = 0;
     needed.max_bindings_per_bind_group = 0;
     needed.max_uniform_buffers_per_shader_stage = 0;
@@ -120,8 +121,9 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
     assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
 }
 
-/// Of each kernel every ninth variant, of those that draw on tables every 27th, others from kernel to kernel; in the long form
-/// (`STEREOTRACE_TESTS=long`) a third and a ninth. Drivers take their time, and naga and Tint read all of them.
+/// Builds every ninth variant of each kernel, and every 27th of kernels that draw on tables, with offsets that differ
+/// between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth. Drivers are slow; naga
+/// and Tint read all variants.
 #[test]
 fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
@@ -143,7 +145,7 @@ fn specialised_kernels_make_pipelines() {
     pollster::block_on(gpu.checked(make)).unwrap();
 }
 
-/// Beside the scene's nodes and primitives, which count once: six storage buffers and three storage textures in all.
+/// Besides the scene's nodes and primitives, which count once: six storage buffers and three storage textures in all.
 #[test]
 fn no_layout_has_more_than_five_storage_buffers_or_two_storage_textures_beside_the_scene_s() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
@@ -190,8 +192,8 @@ fn bindings_of_group_1_are_as_the_table_says() {
     }
 }
 
-/// An independent compiler's word that only what is used is there. (naga follows calls; of what a constant `if` leaves out
-/// it knows nothing.)
+/// Verifies by an independent compiler that texts hold used definitions only. (naga follows calls, but does not know
+/// what a constant `if` leaves out.)
 #[test]
 fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
     for (kernel, with, text) in modules() {
@@ -200,7 +202,7 @@ fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
         naga::compact::compact(&mut used, naga::compact::KeepUnused::No);
         let names = |module: &naga::Module| -> BTreeSet<String> {
             let functions = module.functions.iter().filter_map(|(_, function)| function.name.clone());
-            // A binding is stated for the reader, whether or not some variant needs it.
+            // A binding is declared for the reader, whether or not some variant needs it.
             let variables = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_none());
             functions.chain(variables.filter_map(|(_, variable)| variable.name.clone())).collect()
         };
@@ -228,7 +230,7 @@ fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
     assert!(unused.is_empty(), "{unused:#?}");
 }
 
-/// What a frame does not ask for costs it nothing: it is not in the text that the driver gets.
+/// A feature that a frame does not use costs nothing: it is not in the text for the driver.
 #[test]
 fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
     let mut with_tables = 0;

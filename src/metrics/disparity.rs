@@ -1,34 +1,38 @@
-//! How far disparities are from the true ones: the figures of the Middlebury and KITTI benchmarks.
+//! Differences of disparities from the true ones: the figures of the Middlebury and KITTI benchmarks.
 
 use crate::{Error, message::counted};
 
-/// The errors, in pixels, from which on a disparity is bad.
+/// Error thresholds of bad disparities, in pixels.
 pub const BAD_PX: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-/// KITTI's outliers are off by more than both of these: pixels, and a share of the true disparity.
+/// KITTI's outlier thresholds, both of which must be exceeded: pixels, and a share of the true disparity.
 const OUTLIER: (f64, f64) = (3.0, 0.05);
 
-/// How far disparities are from the true ones.
+/// Difference of disparities from the true ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DisparityError {
-    /// Pixels that count: those of the mask whose true disparity is known.
+    /// Number of counted pixels: those in the mask with a known true disparity.
     pub pixels: usize,
-    /// Of these, those for which a disparity was found, percent.
+    /// Percentage of counted pixels for which a disparity was found.
     pub found_percent: f64,
-    /// Of all that count, those that are off by more than [`BAD_PX`], or not found, percent (Middlebury's bad 0.5, 1, 2 and 4).
+    /// Percentage of counted pixels that are off by more than [`BAD_PX`], or not found (Middlebury's bad 0.5, 1, 2 and
+    /// 4).
     pub bad_percent: [f64; 4],
-    /// Of all that count, those that are off by over 3 px and over 5% of the true disparity, or not found, percent (KITTI's D1).
+    /// Percentage of counted pixels that are off by over 3 px and over 5% of the true disparity, or not found (KITTI's
+    /// D1).
     pub d1_percent: f64,
-    /// Mean error of those found, pixels; 0 if there are none.
+    /// Mean error of the found disparities in pixels; 0 if there are none.
     pub mean_px: f64,
-    /// Root of their mean squared error, pixels; 0 if there are none.
+    /// Root mean square error of the found disparities in pixels; 0 if there are none.
     pub rms_px: f64,
 }
 
-/// Compares disparities to the true ones where `mask` says yes ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
-/// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). What is infinite or no number is not known: true ones that are not known
-/// don't count, and what was not found is bad by every measure. D1 is relative to the true disparity and means that of parallel cameras:
-/// of an off-axis pair add [`Pose::interaxial_px`](crate::Pose::interaxial_px) to both.
+/// Compares disparities with the true ones in the pixels of `mask` ([`EyeTruth::surfaces`](crate::EyeTruth::surfaces),
+/// [`EyeTruth::surfaces_of_both`](crate::EyeTruth::surfaces_of_both)). Infinite and NaN values are unknown. Pixels with
+/// unknown true disparities do not count. Disparities that were not found are bad by every measure.
+///
+/// D1 is relative to the true disparity of parallel cameras: for an off-axis pair, add
+/// [`Pose::interaxial_px`](crate::Pose::interaxial_px) to both lists.
 ///
 /// ```
 /// use stereotrace::metrics::compare_disparity;
@@ -39,7 +43,7 @@ pub struct DisparityError {
 /// ```
 ///
 /// # Errors
-/// [`Error::Sizes`] if the lists are not equally long, or nothing counts.
+/// [`Error::Sizes`] if the lists differ in length, or no pixel counts.
 pub fn compare_disparity(found: &[f32], truth: &[f32], mask: &[bool]) -> Result<DisparityError, Error> {
     let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
     if found.len() != truth.len() || found.len() != mask.len() {
@@ -82,7 +86,8 @@ mod tests {
 
     #[test]
     fn each_measure_counts_as_worked_out_by_hand() {
-        // Errors: 0, 0.5 (no more than that), 0.75, 1.5, 3.5 (of 10: 35%), 3.5 (of 100: 3.5%), 6 (of 100: 6%), not found, no number.
+        // Errors: 0, 0.5 (not above the threshold), 0.75, 1.5, 3.5 (35% of 10), 3.5 (3.5% of 100), 6 (6% of 100), not
+        // found, NaN.
         let truth = [10.0, 10.0, 10.0, 10.0, 10.0, 100.0, 100.0, 8.0, 8.0];
         let found = [10.0, 10.5, 9.25, 11.5, 13.5, 96.5, 106.0, f32::INFINITY, f32::NAN];
         let error = compare_disparity(&found, &truth, &[true; 9]).unwrap();
@@ -111,7 +116,7 @@ mod tests {
             let message = compare_disparity(found, truth, mask).unwrap_err().to_string();
             assert!(message.starts_with("sizes that don't fit: "), "{message}");
         }
-        // Nothing found is an answer, and a bad one.
+        // Disparities without any found are a valid, bad result.
         let none = compare_disparity(&[f32::INFINITY], &[1.0], &[true]).unwrap();
         assert_eq!((none.bad_percent, none.d1_percent, none.mean_px, none.rms_px), ([100.0; 4], 100.0, 0.0, 0.0));
     }

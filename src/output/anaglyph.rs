@@ -1,4 +1,4 @@
-//! Anaglyphs: both eyes in one picture, told apart by coloured glasses.
+//! Anaglyphs: both eyes in one picture, separated by coloured glasses.
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,7 +19,7 @@ const LUMA_LINEAR: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// Luma of encoded values (ITU-R BT.601).
 const LUMA_ENCODED: [f32; 3] = [0.299, 0.587, 0.114];
 
-/// How the eyes' colours are mixed, and for which glasses.
+/// Anaglyph methods and their glasses.
 ///
 /// ```
 /// use stereotrace::output::Anaglyph;
@@ -38,9 +38,9 @@ pub enum Anaglyph {
     DuboisLcd,
     /// Red/cyan without colour: the luma of each eye.
     Grey,
-    /// Red/cyan, each channel as it is: the most colour, and rivalry between the eyes where it is saturated.
+    /// Red/cyan with unchanged channels: the most colour, but retinal rivalry in saturated colours.
     Colour,
-    /// Red/cyan, green and blue as they are and the left eye's luma for red: less rivalry.
+    /// Red/cyan with unchanged green and blue, and the left eye's luma as red: less rivalry.
     HalfColour,
     /// Green/magenta by Dubois 2009.
     GreenMagenta,
@@ -60,7 +60,7 @@ impl Anaglyph {
         Self::AmberBlue,
     ];
 
-    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Dubois => "dubois",
@@ -73,7 +73,7 @@ impl Anaglyph {
         }
     }
 
-    /// The glasses it is made for, as `red (left), cyan (right)`.
+    /// Returns the glasses of the method, as `red (left), cyan (right)`.
     pub fn glasses(self) -> &'static str {
         match self {
             Self::GreenMagenta => "green (left), magenta (right)",
@@ -82,13 +82,13 @@ impl Anaglyph {
         }
     }
 
-    /// `(M_L, M_R)` of `out = M_L left + M_R right` on linear RGB; rows are the output's R, G, B. Each row of both
-    /// together sums to 1 within 0.002, so white stays white.
+    /// Returns `(M_L, M_R)` of `out = M_L left + M_R right` on linear RGB; rows are the output's R, G, B. Each row of
+    /// both matrices together sums to 1 within 0.002, so white stays white.
     pub fn matrices(self) -> (Matrix, Matrix) {
         self.matrices_with_luma(LUMA_LINEAR)
     }
 
-    /// The same for encoded values: `Grey` and `HalfColour` weigh luma by 0.299, 0.587, 0.114 there.
+    /// Returns the matrices for encoded values: `Grey` and `HalfColour` use luma weights of 0.299, 0.587, 0.114 there.
     pub fn matrices_encoded(self) -> (Matrix, Matrix) {
         self.matrices_with_luma(LUMA_ENCODED)
     }
@@ -135,7 +135,7 @@ impl fmt::Display for Anaglyph {
 impl FromStr for Anaglyph {
     type Err = Error;
 
-    /// Reads a [`name`](Self::name), `color` and `gray` too.
+    /// Parses a [`name`](Self::name); also accepts `color` and `gray`.
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let british = name.replace("color", "colour").replace("gray", "grey");
         let found = Self::ALL.iter().copied().find(|kind| kind.name() == british);
@@ -143,22 +143,22 @@ impl FromStr for Anaglyph {
     }
 }
 
-/// Mixes two views into one picture in linear light, for which Dubois derived his matrices, clips and encodes it.
-/// Views of different sizes are mixed where both have pixels, from the top left corner.
+/// Mixes two views in linear light, for which Dubois derived his matrices, then clamps and encodes the result. Views of
+/// different sizes are mixed where both have pixels, from the top left corner.
 pub fn anaglyph(left: &View, right: &View, kind: Anaglyph) -> Picture {
     let matrices = kind.matrices();
     mix([left, right], [&left.light(), &right.light()], |l, r| product(&matrices, rgb(l), rgb(r)).map(encode))
 }
 
-/// Mixes the sRGB-encoded values instead, which is no mixture of light but what the `stereo3d` filter of `FFmpeg` and
-/// others do. Their coefficients and rounding are coarser: bytes differ by 1 at times.
+/// Mixes the sRGB-encoded values, as `FFmpeg`'s filter `stereo3d` and other programs do, instead of light. Their
+/// coefficients and rounding are coarser, so some bytes differ by 1.
 pub fn anaglyph_encoded(left: &View, right: &View, kind: Anaglyph) -> Picture {
     let matrices = kind.matrices_encoded();
     let value = |pixel: &[u8; 4]| rgb(pixel).map(|byte| f32::from(byte) / 255.0);
     mix([left, right], [&left.rgba8, &right.rgba8], |l, r| product(&matrices, value(l), value(r)).map(to_byte))
 }
 
-/// Pixel by pixel, the `channels` of both views through `mixed`.
+/// Applies `mixed` to the `channels` of both views, pixel by pixel.
 fn mix<T>([left, right]: [&View; 2], channels: [&[T]; 2], mixed: impl Fn(&T, &T) -> [u8; 3]) -> Picture {
     let (left_rows, right_rows) = (rows(channels[0], left.width), rows(channels[1], right.width));
     let pixels = left_rows.zip(right_rows).flat_map(|(l, r)| l.iter().zip(r));
@@ -170,7 +170,7 @@ fn rgb<T: Copy>(&[r, g, b, _]: &[T; 4]) -> [T; 3] {
     [r, g, b]
 }
 
-/// `M_L left + M_R right`.
+/// Returns `M_L left + M_R right`.
 fn product((of_left, of_right): &(Matrix, Matrix), left: [f32; 3], right: [f32; 3]) -> [f32; 3] {
     let dot = |row: [f32; 3], eye: [f32; 3]| row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2];
     std::array::from_fn(|channel| dot(of_left[channel], left) + dot(of_right[channel], right))
@@ -184,13 +184,13 @@ mod tests {
     const BLACK: [u8; 3] = [0; 3];
     const WHITE: [u8; 3] = [255; 3];
 
-    /// Both ways of mixing, one pixel each.
+    /// Mixes one pixel in both ways.
     fn mixed(left: [u8; 3], right: [u8; 3], kind: Anaglyph) -> [[u8; 3]; 2] {
         let pair = pair(view(1, &[left]), view(1, &[right]));
         [pair.anaglyph(kind), pair.anaglyph_encoded(kind)].map(|picture| rgb(&picture.rgba8[0]))
     }
 
-    /// The channels that the left glass lets through.
+    /// Channels that the left glass transmits.
     fn left_channels(kind: Anaglyph) -> &'static [usize] {
         match kind {
             Anaglyph::GreenMagenta => &[1],
@@ -251,7 +251,7 @@ mod tests {
     fn a_red_left_picture_ends_in_the_left_glass_s_channels() {
         let red = [255, 0, 0];
         for &kind in Anaglyph::ALL {
-            // Red is faint through a green glass, yet brightest there; a black right eye adds nothing.
+            // Red is faint through a green glass, but brightest there. A black right eye adds nothing.
             let [out, _] = mixed(red, BLACK, kind);
             let brightest = (0..3).max_by_key(|&channel| out[channel]).unwrap();
             assert_eq!(brightest, left_channels(kind)[0], "{kind} {out:?}");

@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all, one or several together.
+//! Files that are written completely or not at all, alone or together.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
@@ -8,28 +8,30 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::stale;
 use crate::Error;
 
-/// How long a pipe is waited for that nobody reads.
+/// Time to wait for a pipe's reader.
 #[cfg(unix)]
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
 
-/// As many links to links are followed, as Linux does.
+/// Maximum number of links to links that are followed, as in Linux.
 const MOST_LINKS: u32 = 40;
 
-/// Writes a file whole or not at all: under a temporary name in the same folder first, which then takes the place of
-/// `path`. An existing file keeps its permissions, one that is read-only stays as it is, a link still points to its file
-/// (which need not exist yet), and what is no file to replace (a pipe, a device) is written to directly. Temporary files
-/// that a killed process left in the folder are removed, at a process's first write there.
+/// Writes a file completely or not at all: under a temporary name in the same folder, which then replaces `path`.
+///
+/// An existing file keeps its permissions, and a read-only file is not replaced. A link keeps pointing to its file,
+/// which need not exist yet. Pipes and devices can't be replaced and are written to directly. The first write of a
+/// process to a folder removes temporary files that killed processes left there.
 ///
 /// # Errors
-/// [`Error::Io`], naming `path`, also for a named pipe that has no reader within five seconds; the file is as it was before, and the temporary one gone.
+/// [`Error::Io`], naming `path`, also for a named pipe without a reader for five seconds. The old file is unchanged,
+/// and the temporary one is removed.
 pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
     let mut batch = Batch::new();
     batch.add(path, bytes)?;
     batch.commit().map(drop)
 }
 
-/// Files that take their names together or not at all: each is written as [`write_whole`] does, but under its temporary
-/// name until [`Batch::commit`]. A batch that is dropped before leaves nothing.
+/// Files that appear together or not at all. Each is written as by [`write_whole`], but keeps its temporary name until
+/// [`Batch::commit`]. A batch that is dropped before leaves nothing.
 ///
 /// ```
 /// use stereotrace::output::Batch;
@@ -48,21 +50,21 @@ pub struct Batch {
 
 #[derive(Debug)]
 struct Staged {
-    /// As it was given.
+    /// Path as given by the caller.
     path: PathBuf,
     content: Content,
 }
 
 #[derive(Debug)]
 enum Content {
-    /// Written, to be renamed.
+    /// A written file, to be renamed.
     Temporary { temporary: PathBuf, target: PathBuf, replaces: bool },
-    /// For what can't be replaced.
+    /// Content for a target that can't be replaced.
     Direct(Vec<u8>),
 }
 
 impl Batch {
-    /// A batch without files.
+    /// Creates a batch without files.
     pub fn new() -> Self {
         Self::default()
     }
@@ -70,7 +72,7 @@ impl Batch {
     /// Writes a file under its temporary name.
     ///
     /// # Errors
-    /// [`Error::Io`], naming `path`: it can't be written, is read-only, or is a folder.
+    /// [`Error::Io`], naming `path`, if it can't be written, is read-only, or is a folder.
     pub fn add(&mut self, path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
         self.add_with(path.as_ref(), |file| file.write_all(bytes))
     }
@@ -85,11 +87,12 @@ impl Batch {
         Ok(())
     }
 
-    /// Gives all files their names and returns the paths, in the order in which they were added. What can fail has been
-    /// tried before: names are given one after the other, and only a process that ends in between leaves a part of them.
+    /// Renames all files to their final names and returns the paths in the order of addition. Everything that may fail
+    /// was tried before. Renames are done one after the other, so only a process that ends in between leaves a part of
+    /// the files.
     ///
     /// # Errors
-    /// [`Error::Io`], naming the file that could not take its name. Files that were new are gone again.
+    /// [`Error::Io`], naming the file that could not be renamed. Files that were new are removed again.
     pub fn commit(mut self) -> Result<Vec<PathBuf>, Error> {
         for Staged { path, content } in &self.staged {
             if let Content::Direct(bytes) = content {
@@ -103,7 +106,7 @@ impl Batch {
                 let error = Error::io(path, source);
                 for Staged { content, .. } in &self.staged[..index] {
                     if let Content::Temporary { target, replaces: false, .. } = content {
-                        let _ = fs::remove_file(target); // the first error is the one to tell
+                        let _ = fs::remove_file(target); // report the first error only
                     }
                 }
                 return Err(error);
@@ -117,13 +120,13 @@ impl Drop for Batch {
     fn drop(&mut self) {
         for Staged { content, .. } in &self.staged {
             if let Content::Temporary { temporary, .. } = content {
-                let _ = fs::remove_file(temporary); // gone already where it took its name
+                let _ = fs::remove_file(temporary); // fails if it was renamed
             }
         }
     }
 }
 
-/// Writes what `write` gives, beside its target where that is or becomes a file.
+/// Writes the output of `write` to a temporary file beside the target, or keeps it for a target that can't be replaced.
 fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>) -> io::Result<Content> {
     let old = fs::metadata(path).ok();
     if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
@@ -136,12 +139,12 @@ fn stage(path: &Path, write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<
     }
     let (temporary, file) = create_beside(&target)?;
     fill(file, write, old.as_ref().map(fs::Metadata::permissions)).inspect_err(|_| {
-        let _ = fs::remove_file(&temporary); // the first error is the one to tell
+        let _ = fs::remove_file(&temporary); // report the first error only
     })?;
     Ok(Content::Temporary { temporary, target, replaces: old.is_some() })
 }
 
-/// Opens what can't be replaced.
+/// Opens a target that can't be replaced.
 fn open_direct(path: &Path) -> io::Result<File> {
     #[cfg(unix)]
     if std::os::unix::fs::FileTypeExt::is_fifo(&fs::metadata(path)?.file_type()) {
@@ -150,7 +153,7 @@ fn open_direct(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).open(path)
 }
 
-/// Opens a named pipe as soon as it has a reader; without one, a usual open waits for ever.
+/// Opens a named pipe once it has a reader; without one, an ordinary open blocks for ever.
 #[cfg(unix)]
 fn open_pipe(path: &Path, patience: std::time::Duration) -> io::Result<File> {
     use std::{os::unix::fs::OpenOptionsExt, thread::sleep, time::Duration, time::Instant};
@@ -164,7 +167,7 @@ fn open_pipe(path: &Path, patience: std::time::Duration) -> io::Result<File> {
     loop {
         match OpenOptions::new().write(true).custom_flags(OFlags::NONBLOCK.bits() as i32).open(path) {
             Ok(file) => {
-                // Writing is to wait for the reader again.
+                // Writes must block again.
                 fcntl_setfl(&file, OFlags::empty())?;
                 return Ok(file);
             }
@@ -178,7 +181,7 @@ fn open_pipe(path: &Path, patience: std::time::Duration) -> io::Result<File> {
     }
 }
 
-/// Where a link leads in the end, be there a file or not.
+/// Returns the final target of a link, whether the file exists or not.
 fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -188,7 +191,8 @@ fn follow(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links lead from one to the next"))
 }
 
-/// A rename would replace a read-only file too, and so does an administrator's open.
+/// Returns an error for a folder or a read-only file. A rename would replace read-only files, and an administrator may
+/// open them.
 fn check_replaceable(target: &Path, old: &fs::Metadata) -> io::Result<()> {
     if old.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder"));
@@ -199,7 +203,7 @@ fn check_replaceable(target: &Path, old: &fs::Metadata) -> io::Result<()> {
     OpenOptions::new().write(true).open(target).map(drop)
 }
 
-/// A new file in the folder of `target`. Its name does not contain the target's, which may be as long as names get.
+/// Creates a file in the folder of `target`. Its name does not contain the target's, which may have the maximum length.
 fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let folder = target.parent().unwrap_or(Path::new(""));
@@ -207,14 +211,14 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     loop {
         let temporary = folder.join(stale::name(COUNT.fetch_add(1, Ordering::Relaxed)));
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            // Left by a process of the same id that was killed: take the next name.
+            // Left by a killed process of the same id: try the next name.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             created => return created.map(|file| (temporary, file)),
         }
     }
 }
 
-/// Writes, waits for the disk, and closes: Windows renames no open file.
+/// Writes the file, syncs it to disk and closes it, since Windows does not rename open files.
 fn fill(
     mut file: File,
     write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
@@ -297,7 +301,7 @@ mod tests {
         assert_eq!(folder.names(), ["a", "b", "folder"]);
         assert_eq!(fs::read(folder.file("b")).unwrap(), b"new b");
 
-        // What goes wrong at the last moment.
+        // Failure during commit.
         let mut batch = Batch::new();
         batch.add(folder.file("c"), b"c").unwrap();
         batch.add(folder.file("d"), b"d").unwrap();
@@ -341,7 +345,7 @@ mod tests {
         assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         let error = open_pipe(&pipe, Duration::from_millis(50)).unwrap_err();
         assert_eq!((error.kind(), error.to_string()), (ErrorKind::TimedOut, "the pipe had no reader for 50ms".into()));
-        // More than a pipe holds at once.
+        // More than a pipe buffers.
         let bytes = vec![7; 1 << 20];
         let reader = thread::spawn({
             let pipe = pipe.clone();

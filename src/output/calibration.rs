@@ -1,4 +1,4 @@
-//! Cameras as stereo vision has them: Middlebury's `calib.txt`, and a JSON file that has all of it.
+//! Cameras in the conventions of stereo vision: Middlebury's `calib.txt`, and a complete JSON file.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use super::Batch;
 use crate::Pose;
 use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
 
-/// The matrix, row by row, that takes points of the world to the frame of an eye, -1 left, +1 right: x right, y down, z along the view, in
-/// world units.
+/// Returns the matrix, row by row, from world coordinates to the frame of an eye (-1 left, +1 right): x right, y down,
+/// z along the view, in world units.
 #[cfg(any(test, feature = "exr", feature = "json"))]
 pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
     let eye = pose.eye_position(side as f32);
@@ -18,7 +18,7 @@ pub(super) fn world_to_camera(pose: &Pose, side: f64) -> [[f64; 4]; 4] {
     [row(right), row(-up), row(forward), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// Least and largest disparity of the surfaces of both views, of the sky where there are none.
+/// Returns the least and the largest disparity of all surfaces of both views, or the sky's if there are none.
 fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
     let of = |eye: &EyeTruth| eye.disparity.iter().copied().zip(eye.surfaces()).collect::<Vec<_>>();
     let surfaces = [of(&truth.left), of(&truth.right)].concat();
@@ -29,9 +29,10 @@ fn disparity_range(truth: &GroundTruth) -> [f64; 2] {
     }
 }
 
-/// The text of Middlebury's `calib.txt` (2014): the depth of what has disparity D is `baseline f / (D + doffs)`, the baseline in
-/// world units. Principal points are counted from the centre of the top left pixel, as `OpenCV` counts and we do not. The disparities
-/// are those of all surfaces of both views; `ndisp` is enough for a search from 0 on, so it says nothing of negative ones.
+/// Returns the text of Middlebury's `calib.txt` (2014). A disparity D has the depth `baseline f / (D + doffs)`, with
+/// the baseline in world units. Principal points are relative to the centre of the top left pixel, as in `OpenCV` and
+/// unlike elsewhere in this library. `vmin` and `vmax` are the disparity range of all surfaces of both views. `ndisp`
+/// suffices for a search from 0 on, so it ignores negative disparities.
 pub fn calib_txt(truth: &GroundTruth) -> String {
     let pose = &truth.pose;
     let intrinsics = pose.intrinsics();
@@ -52,7 +53,7 @@ pub fn calib_txt(truth: &GroundTruth) -> String {
 }
 
 impl Batch {
-    /// Adds the camera as Middlebury's `calib.txt` has it ([`calib_txt`]).
+    /// Adds the camera in the format of Middlebury's `calib.txt` ([`calib_txt`]).
     ///
     /// # Errors
     /// As [`Batch::add`].
@@ -78,7 +79,8 @@ mod tests {
         glam::{DVec3, Vec3},
     };
 
-    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. No number of it rounds.
+    /// f = 128 px, e = 0.25, `e_px` = 8: the screen, 4 units away and 8 wide, is 256 pixels wide. None of these numbers
+    /// rounds.
     pub(super) fn pose() -> Pose {
         let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(256, 128);
         camera.screen_width(8.0).interaxial(0.25).pose().unwrap()
@@ -103,11 +105,11 @@ mod tests {
 
     #[test]
     fn calib_txt_is_as_worked_out_by_hand() {
-        // Principal points: 128 -+ 4, counted from the first pixel's centre. Sky, of -8, is no surface.
+        // Principal points: 128 -+ 4, from the first pixel's centre. Sky has -8 and is no surface.
         let expected = "cam0=[128 0 123.5; 0 128 63.5; 0 0 1]\ncam1=[128 0 131.5; 0 128 63.5; 0 0 1]\ndoffs=8\nbaseline=0.25\n\
                         width=256\nheight=128\nndisp=13\nisint=0\nvmin=-2\nvmax=12\ndyavg=0\ndymax=0\n";
         assert_eq!(calib_txt(&truth([11.5, -1.25, -8.0], [0, 1, MISS])), expected);
-        // Sky alone; and what is in the plane of the eyes.
+        // Sky alone, and points in the plane of the eyes.
         assert!(calib_txt(&truth([-8.0; 3], [MISS; 3])).contains("ndisp=1\nisint=0\nvmin=-8\nvmax=-8\n"));
         assert!(calib_txt(&truth([f32::INFINITY, 1.0, 2.0], [0; 3])).contains("vmin=1\nvmax=2\n"));
     }

@@ -1,4 +1,4 @@
-//! `OpenEXR` files: both eyes in one, as parts that say which view they are.
+//! `OpenEXR` files of both eyes, as parts with a view name.
 
 use std::{io::Cursor, path::Path};
 
@@ -15,18 +15,18 @@ use half::f16;
 use super::{Batch, calibration::world_to_camera, file::check_count};
 use crate::{Error, EyeTruth, GroundTruth, MISS, Pose, StereoPair, View};
 
-/// How an `OpenEXR` file holds colours.
+/// Sample type of colours in an `OpenEXR` file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ExrColor {
-    /// 16-bit floats: 11 bits of precision, up to 65,504; what is brighter becomes that.
+    /// 16-bit floats: 11 bits of precision, clamped to 65,504.
     #[default]
     Half,
     /// 32-bit floats.
     Float,
 }
 
-/// Rec. 709's primaries and D65, those of sRGB.
+/// Primaries of Rec. 709 and D65, which sRGB uses.
 const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
     green: Vec2(0.30, 0.60),
@@ -35,20 +35,23 @@ const REC_709: Chromaticities = Chromaticities {
 };
 
 impl Batch {
-    /// Adds both views of a pair as an `OpenEXR` file of two parts, `left` and `right`, each with its attribute `view`; lossless
-    /// but for colours by [`ExrColor::Half`].
+    /// Adds both views of a pair as an `OpenEXR` file of two parts, `left` and `right`, each with its attribute `view`.
+    /// It is lossless, except for colours with [`ExrColor::Half`].
     ///
-    /// Channels: `R`, `G`, `B`, linear light with Rec. 709's primaries ([`View::linear`]); `Z`, depth along the view direction
-    /// in world units, infinite for sky; `id.primitive` and `id.object`, 32-bit whole numbers, 0 for sky, else the id + 1. With a
-    /// ground truth of the pair also `id.material`; `disparity`, pixels; `distance`, along the ray; `N.X`, `N.Y`, `N.Z`, the shading
-    /// normal, and `Ng.X`, `Ng.Y`, `Ng.Z`, the geometric one, in the world's frame.
+    /// Channels:
+    /// - `R`, `G`, `B`: linear light with Rec. 709's primaries ([`View::linear`]);
+    /// - `Z`: depth along the view direction in world units, infinite for sky;
+    /// - `id.primitive`, `id.object`: 32-bit whole numbers, 0 for sky, else the id + 1;
+    /// - with a ground truth of the pair, also `id.material`, `disparity` in pixels and `distance` along the ray;
+    /// - with a ground truth, the shading normal `N.X`, `N.Y`, `N.Z` and the geometric normal `Ng.X`, `Ng.Y`, `Ng.Z` in
+    ///   the world frame.
     ///
-    /// Attributes: `worldToCamera`, for row vectors, its frame the one that `OpenEXR` says (left-handed: x right, y up, z along the view);
-    /// `interaxial` and `screenDistance`, world units.
+    /// Attributes: `worldToCamera`, for row vectors, in `OpenEXR`'s frame (left-handed: x right, y up, z along the
+    /// view); `interaxial` and `screenDistance` in world units.
     ///
     /// # Errors
-    /// [`Error::Options`] for a pair without linear light ([`Options::linear`](crate::Options::linear)), depths or ids; [`Error::Sizes`] for
-    /// a ground truth of another size; [`Error::Io`] as [`Batch::add`].
+    /// [`Error::Options`] for a pair without linear light ([`Options::linear`](crate::Options::linear)), depths or ids;
+    /// [`Error::Sizes`] for a ground truth of another size; [`Error::Io`] as [`Batch::add`].
     pub fn add_exr(
         &mut self,
         path: impl AsRef<Path>,
@@ -77,7 +80,7 @@ impl Batch {
 }
 
 fn attributes(pose: &Pose, name: &str, side: f64) -> LayerAttributes {
-    // Row vectors want the transposed matrix; y is up here, and down in the frame of intrinsics.
+    // Row vectors need the transposed matrix. y points up here, and down in the frame of intrinsics.
     let rows = world_to_camera(pose, side);
     let turn = [1.0, -1.0, 1.0, 1.0];
     let matrix = std::array::from_fn(|index| (turn[index % 4] * rows[index % 4][index / 4]) as f32);
@@ -142,7 +145,7 @@ fn floats(name: &str, values: Vec<f32>) -> Channel {
     AnyChannel::new(name, FlatSamples::F32(values))
 }
 
-/// 0 for nothing, else the id + 1.
+/// Creates an id channel: 0 for [`MISS`], else the id + 1.
 fn ids(name: &str, ids: &[u32]) -> Channel {
     const { assert!(MISS == u32::MAX) };
     AnyChannel::new(name, FlatSamples::U32(ids.iter().map(|id| id.wrapping_add(1)).collect()))
@@ -178,12 +181,12 @@ mod tests {
                 assert_eq!(layer.attributes.view_name, Some(Text::from(name)));
                 let names: Vec<String> = layer.channel_data.list.iter().map(|one| one.name.to_string()).collect();
                 assert_eq!(names, ["B", "G", "R", "Z", "id.object", "id.primitive"]);
-                // A point a unit before the eye and a quarter up is at (0, 0.25, 1), by a row vector.
+                // A point one unit in front of the eye and a quarter up is at (0, 0.25, 1), as a row vector.
                 let pose = &both.pose;
                 let eye = pose.eye + pose.right.as_dvec3() * (0.5 * side * f64::from(pose.interaxial));
                 let point = (eye + pose.forward.as_dvec3() + 0.25 * pose.up.as_dvec3()).extend(1.0);
                 let rows = layer.attributes.world_to_camera.unwrap().map(f64::from);
-                // Columns of glam's matrix are the rows that were read: v M is its transposed times v.
+                // Columns of glam's matrix are the rows that were read: v M is the transposed matrix times v.
                 let seen: DVec4 = DMat4::from_cols_array(&rows) * point;
                 assert!(seen.truncate().distance(DVec3::new(0.0, 0.25, 1.0)) < 1e-6, "{seen}");
             }

@@ -1,4 +1,4 @@
-//! What pictures and maps are as files.
+//! File formats of pictures and maps.
 
 use std::path::Path;
 
@@ -7,11 +7,11 @@ use super::Picture;
 use super::{Batch, write_whole};
 use crate::{Error, MISS, View, message::counted};
 
-/// Whole numbers up to here are exact as f32.
+/// All whole numbers up to this one are exact in f32.
 const LARGEST_EXACT_ID: u32 = 1 << 24;
 
-/// Writes one number a pixel as a grey PFM picture: `values` are row-major, `[height][width]`, top row first; the file
-/// holds little-endian f32, bottom row first. Unknown values are `f32::INFINITY`.
+/// Writes one number per pixel as a grey PFM picture. `values` are row-major, `[height][width]`, top row first; the
+/// file holds little-endian f32, bottom row first. Unknown values are `f32::INFINITY`.
 ///
 /// # Errors
 /// [`Error::Io`] if there are not `width * height` values, or the file cannot be written.
@@ -20,22 +20,22 @@ pub fn save_pfm(path: impl AsRef<Path>, width: u32, height: u32, values: &[f32])
     write_whole(path, &pfm(path, width, height, values)?)
 }
 
-/// Writes one id a pixel as [`save_pfm`] does; [`MISS`] becomes -1.
+/// Writes one id per pixel, as [`save_pfm`] does; [`MISS`] becomes -1.
 ///
 /// # Errors
-/// Those of [`save_pfm`], and [`Error::Io`] naming an id over 2^24: from there on f32 skips whole numbers.
+/// Those of [`save_pfm`], and [`Error::Io`] naming an id over 2^24, above which f32 skips whole numbers.
 pub fn save_ids_pfm(path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
     let path = path.as_ref();
     save_pfm(path, width, height, &id_values(path, ids)?)
 }
 
-/// The bytes of a PFM picture; `path` is for errors.
+/// Returns the bytes of a PFM picture; `path` is for errors.
 fn pfm(path: &Path, width: u32, height: u32, values: &[f32]) -> Result<Vec<u8>, Error> {
     check_count(path, width, height, values.len())?;
     Ok(pfm_bytes("Pf", [width, height], values, 1))
 }
 
-/// Of so many values a pixel.
+/// Returns the bytes of a PFM picture with `of_pixel` values per pixel.
 fn pfm_bytes(kind: &str, [width, height]: [u32; 2], values: &[f32], of_pixel: usize) -> Vec<u8> {
     let mut bytes = format!("{kind}\n{width} {height}\n-1.0\n").into_bytes();
     bytes.reserve(4 * values.len());
@@ -45,7 +45,7 @@ fn pfm_bytes(kind: &str, [width, height]: [u32; 2], values: &[f32], of_pixel: us
     bytes
 }
 
-/// Ids as the values of a PFM picture.
+/// Converts ids to the values of a PFM picture.
 fn id_values(path: &Path, ids: &[u32]) -> Result<Vec<f32>, Error> {
     let number = |&id: &u32| match id {
         MISS => Ok(-1.0),
@@ -67,7 +67,7 @@ pub(super) fn check_count(path: &Path, width: u32, height: u32, count: usize) ->
 }
 
 impl View {
-    /// Writes [`View::primitive`] as a PFM picture, -1 where nothing was hit ([`save_ids_pfm`]).
+    /// Writes [`View::primitive`] as a PFM picture, with -1 for misses ([`save_ids_pfm`]).
     ///
     /// # Errors
     /// Those of [`save_ids_pfm`].
@@ -75,7 +75,7 @@ impl View {
         save_ids_pfm(path, self.width, self.height, &self.primitive)
     }
 
-    /// Writes [`View::object`] as a PFM picture, -1 where nothing was hit ([`save_ids_pfm`]).
+    /// Writes [`View::object`] as a PFM picture, with -1 for misses ([`save_ids_pfm`]).
     ///
     /// # Errors
     /// Those of [`save_ids_pfm`].
@@ -83,7 +83,7 @@ impl View {
         save_ids_pfm(path, self.width, self.height, &self.object)
     }
 
-    /// Writes [`View::depth`] in world units as a PFM picture, infinity where nothing was hit ([`save_pfm`]).
+    /// Writes [`View::depth`] in world units as a PFM picture, with infinity for misses ([`save_pfm`]).
     ///
     /// # Errors
     /// Those of [`save_pfm`].
@@ -94,7 +94,7 @@ impl View {
 
 #[cfg(feature = "png")]
 impl Picture {
-    /// Writes the picture as a PNG file with 8 bits a channel, which says that they are sRGB.
+    /// Writes the picture as a PNG file with 8 bits per channel, marked as sRGB.
     ///
     /// # Errors
     /// [`Error::Io`] if there are not `width * height` pixels or none at all, or the file cannot be written.
@@ -103,7 +103,7 @@ impl Picture {
         write_whole(path, &self.png(path)?)
     }
 
-    /// The bytes of a PNG file; `path` is for errors.
+    /// Returns the bytes of a PNG file; `path` is for errors.
     fn png(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let kind = PngKind { color: png::ColorType::Rgba, depth: png::BitDepth::Eight, is_srgb: true };
         check_count(path, self.width, self.height, self.rgba8.len())?;
@@ -111,12 +111,12 @@ impl Picture {
     }
 }
 
-/// What the samples of a PNG file are.
+/// Sample format of a PNG file.
 #[cfg(feature = "png")]
 pub(super) struct PngKind {
     pub(super) color: png::ColorType,
     pub(super) depth: png::BitDepth,
-    /// They are light, encoded as sRGB, and the file says so; else they are numbers.
+    /// Whether the samples are sRGB-encoded light, and marked so; otherwise they are numbers.
     pub(super) is_srgb: bool,
 }
 
@@ -134,7 +134,7 @@ impl PngKind {
     }
 }
 
-/// The bytes of a PNG file of these samples, those of 16 bits with the upper byte first.
+/// Returns the bytes of a PNG file with these samples; 16-bit samples have the upper byte first.
 #[cfg(feature = "png")]
 pub(super) fn png_bytes(path: &Path, width: u32, height: u32, kind: PngKind, samples: &[u8]) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
@@ -147,7 +147,7 @@ pub(super) fn png_bytes(path: &Path, width: u32, height: u32, kind: PngKind, sam
 }
 
 impl Batch {
-    /// Adds a picture as [`Picture::save_png`] writes it.
+    /// Adds a picture in the format of [`Picture::save_png`].
     ///
     /// # Errors
     /// Those of [`Picture::save_png`].
@@ -157,7 +157,8 @@ impl Batch {
         self.add(path, &picture.png(path)?)
     }
 
-    /// Adds one number a pixel as [`save_pfm`] writes it: disparities, as Middlebury has them, depths, distances.
+    /// Adds one number per pixel in the format of [`save_pfm`], for example disparities as in Middlebury, depths or
+    /// distances.
     ///
     /// # Errors
     /// Those of [`save_pfm`].
@@ -166,11 +167,11 @@ impl Batch {
         self.add(path, &pfm(path, width, height, values)?)
     }
 
-    /// Adds ids as Scene Flow's indices: 0 where nothing is ([`MISS`]), else the id + 1.
+    /// Adds ids as Scene Flow's indices: 0 for [`MISS`], else the id + 1.
     ///
     /// # Errors
     /// Those of [`save_pfm`], and [`Error::Io`] naming an index over 2^24, which f32 does not hold exactly.
-    #[cfg(feature = "png")] // of data sets
+    #[cfg(feature = "png")] // for data sets
     pub(crate) fn add_indices_pfm(
         &mut self,
         path: impl AsRef<Path>,
@@ -183,7 +184,8 @@ impl Batch {
         self.add_pfm(path, width, height, &values)
     }
 
-    /// Adds three numbers a pixel, such as normals, as a PFM picture in colour (`PF`), else as [`save_pfm`] writes it.
+    /// Adds three numbers per pixel, such as normals, as a colour PFM picture (`PF`), otherwise in the format of
+    /// [`save_pfm`].
     ///
     /// # Errors
     /// Those of [`save_pfm`].
@@ -199,7 +201,7 @@ impl Batch {
         self.add(path, &pfm_bytes("PF", [width, height], values.as_flattened(), 3))
     }
 
-    /// Adds a view's depths as [`View::save_depth`] writes them.
+    /// Adds a view's depths in the format of [`View::save_depth`].
     ///
     /// # Errors
     /// Those of [`View::save_depth`].
@@ -208,7 +210,7 @@ impl Batch {
         self.add(path, &pfm(path, view.width, view.height, &view.depth)?)
     }
 
-    /// Adds a view's primitive ids as [`View::save_primitive_ids`] writes them.
+    /// Adds a view's primitive ids in the format of [`View::save_primitive_ids`].
     ///
     /// # Errors
     /// Those of [`View::save_primitive_ids`].
@@ -226,7 +228,7 @@ mod tests {
     use super::*;
     use crate::folder::Folder;
 
-    /// Reads a grey PFM as its definition says: size, and rows turned to top row first.
+    /// Reads a grey PFM file by its definition: size, and rows reordered to top row first.
     fn read_pfm(path: &Path) -> (usize, usize, Vec<f32>) {
         let bytes = fs::read(path).unwrap();
         let mut lines = bytes.splitn(4, |&byte| byte == b'\n');
@@ -251,7 +253,7 @@ mod tests {
         let path = folder.file("a.pfm");
         save_pfm(&path, 3, 2, &values).unwrap();
         assert_eq!(read_pfm(&path), (3, 2, values.to_vec()));
-        // Upside down would read back too if the reader were wrong as well: the bottom row comes first.
+        // A wrong row order would read back too if the reader had the same fault. The bottom row comes first.
         let mut expected = b"Pf\n3 2\n-1.0\n".to_vec();
         expected.extend([0.0_f32, 1e-30, 6.25, 1.5, -2.0, f32::INFINITY].iter().flat_map(|v| v.to_le_bytes()));
         assert_eq!(fs::read(&path).unwrap(), expected);
@@ -307,7 +309,7 @@ mod tests {
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!((read.width(), read.height()), (3, 2));
         assert_eq!(read.as_raw(), rgba8.as_flattened());
-        // The chunk of the standard, of one byte: relative colorimetric.
+        // The standard's chunk of one byte: relative colorimetric.
         assert!(fs::read(&path).unwrap().windows(9).any(|part| part == b"\0\0\0\x01sRGB\x01"));
         assert_eq!(folder.names(), ["a.png"]);
     }

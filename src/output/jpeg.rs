@@ -1,4 +1,4 @@
-//! JPEG files, and both eyes in one: JPS, which is one picture, and MPO, which is two.
+//! JPEG files, and files of both eyes: JPS, which is one picture, and MPO, which is two.
 
 use std::path::Path;
 
@@ -10,19 +10,20 @@ use crate::{Error, StereoPair};
 const APP2: u8 = 0xe2;
 const APP3: u8 = 0xe3;
 
-/// What a JPS file says of itself (`VRex`'s stereoscopic descriptor): the length of the descriptor, the descriptor, and an empty comment. The
-/// descriptor's bytes are the pixels between the views, flags of which none says that the left view is on the left, the layout (side by side), and the kind (stereo).
+/// Marker content of a JPS file (`VRex`'s stereoscopic descriptor): the descriptor's length, the descriptor, and an
+/// empty comment. The descriptor's bytes are the pixels between the views, flags, the layout (side by side), and the
+/// type (stereo). No flag says that the left view is on the left.
 const JPS_DESCRIPTOR: &[u8] = b"_JPSJPS_\0\x04\0\0\x02\x01\0\0";
 
-/// Attributes of an image in an MPO file: it is one of several views of one thing (CIPA DC-007, "Multi-Frame Image: Disparity").
+/// Attribute of an MPO image that is one of several views of a scene (CIPA DC-007, "Multi-Frame Image: Disparity").
 const DISPARITY: u32 = 0x0002_0002;
-/// The image that is shown where only one is.
+/// Attribute of the image that is shown if only one is.
 const REPRESENTATIVE: u32 = 0x2000_0000;
-/// A numerator and denominator that are not known.
+/// Unknown numerator and denominator.
 const UNKNOWN: [u32; 2] = [u32::MAX; 2];
 
 impl Picture {
-    /// The bytes of a JPEG file without subsampling of colours; `path` is for errors.
+    /// Returns the bytes of a JPEG file without chroma subsampling; `path` is for errors.
     fn jpeg(&self, path: &Path, quality: u8) -> Result<Vec<u8>, Error> {
         if !(1..=100).contains(&quality) {
             let reason = format!("JPEG has no quality {quality}; it is 1 to 100");
@@ -39,11 +40,11 @@ impl Picture {
 }
 
 impl Batch {
-    /// Adds a picture as a JPEG file, its colours at full resolution, of a quality of 1 to 100. Alpha is dropped.
+    /// Adds a picture as a JPEG file without chroma subsampling, of quality 1 to 100. Alpha is dropped.
     ///
     /// # Errors
-    /// [`Error::Options`] for another quality; [`Error::Io`] if there are not `width * height` pixels or none at all, or a
-    /// side is over 65,535 pixels, and as [`Batch::add`].
+    /// [`Error::Options`] for a quality out of range; [`Error::Io`] if there are not `width * height` pixels or none at
+    /// all, or a side is over 65,535 pixels, and as [`Batch::add`].
     pub fn add_jpeg(&mut self, path: impl AsRef<Path>, picture: &Picture, quality: u8) -> Result<(), Error> {
         let path = path.as_ref();
         self.add(path, &picture.jpeg(path, quality)?)
@@ -61,8 +62,8 @@ impl Batch {
         self.add(path, &with_segment(&jpeg, APP3, JPS_DESCRIPTOR))
     }
 
-    /// Adds a pair as an MPO file (CIPA DC-007), as stereo cameras and televisions have it: a JPEG file of the left view, with
-    /// one of the right view behind it.
+    /// Adds a pair as an MPO file (CIPA DC-007), the format of stereo cameras and televisions: a JPEG file of the left
+    /// view, followed by one of the right view.
     ///
     /// # Errors
     /// As [`Batch::add_jpeg`].
@@ -73,14 +74,14 @@ impl Batch {
     }
 }
 
-/// A JPEG file with a segment behind the JFIF one that it begins with.
+/// Inserts a segment into a JPEG file, behind the JFIF segment at its start.
 fn with_segment(jpeg: &[u8], marker: u8, content: &[u8]) -> Vec<u8> {
     let place = first_segment_end(jpeg);
     let length = (content.len() as u16 + 2).to_be_bytes();
     [&jpeg[..place], &[0xff, marker], &length, content, &jpeg[place..]].concat()
 }
 
-/// Where the JFIF segment ends: it follows the file's first marker.
+/// Returns the end of the JFIF segment, which follows the file's first marker.
 fn first_segment_end(jpeg: &[u8]) -> usize {
     4 + usize::from(u16::from_be_bytes([jpeg[4], jpeg[5]]))
 }
@@ -88,9 +89,9 @@ fn first_segment_end(jpeg: &[u8]) -> usize {
 fn mpo(path: &Path, left: &[u8], right: &[u8]) -> Result<Vec<u8>, Error> {
     let segment = |index| [b"MPF\0", mp_header(index).as_slice()].concat();
     let second = with_segment(right, APP2, &segment(Index::Second));
-    // Sizes don't change the segment's length, so the first file's is known before its content is.
+    // Sizes don't change the segment's length, so the first file's size is known in advance.
     let size = left.len() + 4 + segment(Index::First([0; 3])).len();
-    // Places are counted from the MP header, which follows the marker, its length and the name.
+    // Offsets are relative to the MP header, which follows the marker, its length and the name.
     let header = first_segment_end(left) + 8;
     let numbers = [size, second.len(), size - header].map(|number| u32::try_from(number).ok());
     let [Some(first_size), Some(second_size), Some(second_place)] = numbers else {
@@ -100,14 +101,15 @@ fn mpo(path: &Path, left: &[u8], right: &[u8]) -> Result<Vec<u8>, Error> {
     Ok([first, second].concat())
 }
 
-/// Which image of an MPO file: the first has the sizes of both, and where the second begins.
+/// Which image of an MPO file. The first one holds the sizes of both and the offset of the second.
 #[derive(Clone, Copy)]
 enum Index {
     First([u32; 3]),
     Second,
 }
 
-/// What stands behind `MPF`: lists of fields as TIFF has them, the upper byte first. An index in the first image alone, and attributes in both.
+/// Returns the content after `MPF`: lists of fields in TIFF format, upper byte first. Only the first image has an
+/// index; both have attributes.
 fn mp_header(index: Index) -> Vec<u8> {
     let mut header = Fields(b"MM\0\x2a\0\0\0\x08".to_vec());
     let number = match index {
@@ -132,7 +134,7 @@ fn mp_header(index: Index) -> Vec<u8> {
     header.count(5);
     header.version();
     header.long(0xb101, number);
-    header.long(0xb204, 1); // the viewpoint that the others are measured from
+    header.long(0xb204, 1); // the reference viewpoint
     header.field(0xb205, 10, 1, rationals); // angle of convergence
     header.field(0xb206, 5, 1, rationals + 8); // baseline in metres
     header.word(0);
@@ -140,11 +142,11 @@ fn mp_header(index: Index) -> Vec<u8> {
     header.0
 }
 
-/// A list of fields that grows.
+/// A growing list of fields.
 struct Fields(Vec<u8>);
 
 impl Fields {
-    /// Of a list of so many: their number, 12 each, and where the next list is.
+    /// Returns the bytes of a list of `count` fields: their number, 12 bytes each, and the offset of the next list.
     fn bytes(count: u32) -> u32 {
         2 + 12 * count + 4
     }
@@ -157,7 +159,7 @@ impl Fields {
         self.0.extend(word.to_be_bytes());
     }
 
-    /// A field of a kind, with so many values, which stand there or are this one.
+    /// Adds a field with `values` values; `value` is the value itself or their offset.
     fn field(&mut self, tag: u16, kind: u16, values: u32, value: u32) {
         self.0.extend(tag.to_be_bytes());
         self.0.extend(kind.to_be_bytes());
@@ -212,7 +214,7 @@ mod tests {
             (errors.max().unwrap(), bytes.len())
         };
         let ((fine, large), (coarse, small)) = (error_of(100), error_of(20));
-        // Measured 2 and 18.
+        // Measured: 2 and 18.
         assert!(fine <= 4 && coarse > 8 && large > small, "{fine} {coarse} {large} {small}");
         let one = written("jpeg1", |batch, path| batch.add_jpeg(path, &view(1, &[[7; 3]]).picture(), 90).unwrap());
         assert_eq!(decoded(&one).dimensions(), (1, 1));
@@ -240,7 +242,7 @@ mod tests {
         let read = decoded(&bytes);
         assert_eq!(read.dimensions(), (32, 8));
         assert!(read.get_pixel(3, 3)[0] > 200 && read.get_pixel(28, 3)[0] < 50);
-        // Behind SOI and the JFIF segment of 18 bytes: marker, length, and the descriptor.
+        // After SOI and the JFIF segment of 18 bytes: marker, length, and the descriptor.
         assert_eq!(bytes[20..24], [0xff, 0xe3, 0, 18]);
         assert_eq!(&bytes[24..40], JPS_DESCRIPTOR);
     }
@@ -251,7 +253,7 @@ mod tests {
         let word = |place: usize| u32::from_be_bytes(std::array::from_fn(|byte| bytes[place + byte])) as usize;
         assert_eq!(bytes[20..22], [0xff, 0xe2]);
         assert_eq!(&bytes[24..32], b"MPF\0MM\0\x2a");
-        // Entries begin behind the header's 8 bytes and a list of three fields.
+        // Entries begin after the header's 8 bytes and a list of three fields.
         let (header, entries) = (28, 28 + 8 + 42);
         assert_eq!([word(entries), word(entries + 16)], [0x2002_0002, 0x0002_0002]);
         let [first, second, place] = [word(entries + 4), word(entries + 20), word(entries + 24)];

@@ -1,7 +1,7 @@
-//! What to do with a pair: anaglyphs, packings of both eyes into one picture, and files.
+//! Outputs of a pair: anaglyphs, packings of both eyes into one picture, and files.
 //!
-//! [`anaglyph()`] and [`packed()`] take the two views by name, so exchanging the arguments exchanges the eyes;
-//! [`StereoPair`] has a method for each that passes its own eyes in their own order.
+//! [`anaglyph()`] and [`packed()`] take the two views by name, so exchanging the arguments exchanges the eyes.
+//! [`StereoPair`] has methods that pass its own eyes in order.
 
 mod anaglyph;
 mod batch;
@@ -42,27 +42,27 @@ pub struct Picture {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The pixels, sRGB-encoded; alpha is 255 in every picture this library makes.
+    /// Pixels, sRGB-encoded; alpha is 255 in every picture that this library makes.
     pub rgba8: Vec<[u8; 4]>,
 }
 
 impl Picture {
-    /// A picture of `width * height` pixels, row-major, top row first; writing it refuses another number.
+    /// Creates a picture of `width * height` pixels, row-major, top row first. Writing it fails for any other number.
     pub fn new(width: u32, height: u32, rgba8: Vec<[u8; 4]>) -> Self {
         Self { width, height, rgba8 }
     }
 }
 
 impl View {
-    /// The view as a picture.
+    /// Returns the view as a picture.
     pub fn picture(&self) -> Picture {
         Picture { width: self.width, height: self.height, rgba8: self.rgba8.clone() }
     }
 }
 
 impl View {
-    /// The time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests on. `None` if the
-    /// view was rendered without costs.
+    /// Returns the time view (thesis, figure 38): [`View::cost`] in grey, white from `white` nodes and primitive tests
+    /// on. `None` if the view was rendered without costs.
     pub fn cost_picture(&self, white: u32) -> Option<Picture> {
         let grey = |&cost: &u32| {
             let level = (255 * u64::from(cost.min(white)) / u64::from(white.max(1))) as u8;
@@ -77,12 +77,12 @@ impl View {
 }
 
 impl StereoPair {
-    /// [`StereoPair::retrace_map`] as a picture, the size of the right view.
+    /// Returns [`StereoPair::retrace_map`] as a picture of the right view's size.
     pub fn retrace_picture(&self) -> Picture {
         Picture { width: self.right.width, height: self.right.height, rgba8: self.retrace_map() }
     }
 
-    /// [`StereoPair::shadow_map`] as a picture, the size of the right view. `None` where there is no such map.
+    /// Returns [`StereoPair::shadow_map`] as a picture of the right view's size, or `None` if there is no such map.
     pub fn shadow_picture(&self) -> Option<Picture> {
         (!self.shadow_source.is_empty()).then(|| Picture {
             width: self.right.width,
@@ -91,35 +91,36 @@ impl StereoPair {
         })
     }
 
-    /// Both eyes in one picture for coloured glasses, mixed in linear light ([`anaglyph()`]).
+    /// Mixes both eyes in linear light into one picture for coloured glasses ([`anaglyph()`]).
     pub fn anaglyph(&self, kind: Anaglyph) -> Picture {
         anaglyph(&self.left, &self.right, kind)
     }
 
-    /// Both eyes in one picture for coloured glasses, mixed as other programs do ([`anaglyph_encoded()`]).
+    /// Mixes both eyes as encoded values, as other programs do, into one picture for coloured glasses
+    /// ([`anaglyph_encoded()`]).
     pub fn anaglyph_encoded(&self, kind: Anaglyph) -> Picture {
         anaglyph_encoded(&self.left, &self.right, kind)
     }
 
-    /// Both eyes beside or below each other in one picture ([`packed()`]).
+    /// Packs both eyes into one picture, beside, below or between each other ([`packed()`]).
     pub fn packed(&self, packing: Packing) -> Picture {
         packed(&self.left, &self.right, packing)
     }
 }
 
-/// The rows of a row-major list, top row first. A list with no columns has no rows.
+/// Returns the rows of a row-major list, top row first. A list without columns has no rows.
 fn rows<T>(pixels: &[T], width: u32) -> impl Iterator<Item = &[T]> {
     pixels.chunks_exact((width as usize).max(1))
 }
 
-/// A linear value, clipped to 0 to 1, as an sRGB byte (IEC 61966-2-1).
+/// Encodes a linear value, clamped to 0 to 1, as an sRGB byte (IEC 61966-2-1).
 pub(crate) fn encode(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     to_byte(encoded)
 }
 
-/// An encoded value, clipped to 0 to 1, as the nearest byte.
+/// Returns the nearest byte of an encoded value, clamped to 0 to 1.
 fn to_byte(encoded: f32) -> u8 {
     (encoded.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
@@ -129,13 +130,13 @@ mod tests {
     use super::*;
     use crate::{MISS, PixelSource, ShadowSource, Statistics, StereoCamera, glam::Vec3};
 
-    /// The inverse of [`encode`], in f64 and from the standard's own constants.
+    /// The inverse of [`encode`], in f64 and with the standard's own constants.
     pub(super) fn decode(byte: u8) -> f64 {
         let encoded = f64::from(byte) / 255.0;
         if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// A view that shows these bytes, `width` to a row; everything else about it is sky.
+    /// Creates a view with these colours, `width` per row; all else is sky.
     pub(super) fn view(width: u32, colors: &[[u8; 3]]) -> View {
         View {
             width,
@@ -160,7 +161,7 @@ mod tests {
 
     #[test]
     fn encoding_meets_reference_values_and_undoes_decoding() {
-        // By the standard's formula, worked out by hand; values outside 0 to 1 clip.
+        // Computed by hand from the standard's formula; values outside 0 to 1 are clamped.
         let references = [
             (-0.5, 0),
             (0.0, 0),

@@ -6,26 +6,26 @@ use std::str::FromStr;
 use super::{Picture, encode, rows};
 use crate::{Error, View};
 
-/// Where the eyes stand in one picture.
+/// Arrangement of the eyes in one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Packing {
     /// Left eye on the left, right eye on the right: twice as wide as a view. Parallel viewing.
     #[default]
     SideBySide,
-    /// The same, squeezed to the width of one view.
+    /// [`Packing::SideBySide`], squeezed to the width of one view.
     HalfSideBySide,
-    /// Right eye on the left, left eye on the right: twice as wide as a view. For crossed eyes.
+    /// Right eye on the left, left eye on the right: twice as wide as a view. Cross-eyed viewing.
     CrossEyed,
     /// Left eye above the right eye: twice as high as a view.
     TopBottom,
-    /// The same, squeezed to the height of one view.
+    /// [`Packing::TopBottom`], squeezed to the height of one view.
     HalfTopBottom,
-    /// Rows of the left and of the right eye by turns, the left eye's first: the size of a view. For polarised displays.
+    /// Alternating rows, the left eye's first: the size of a view. For polarised displays.
     RowInterlaced,
-    /// Columns by turns, the left eye's first: the size of a view.
+    /// Alternating columns, the left eye's first: the size of a view.
     ColumnInterlaced,
-    /// Pixels by turns, row by row and column by column, the left eye's first: the size of a view.
+    /// Alternating pixels along rows and columns, the left eye's first: the size of a view.
     Checkerboard,
 }
 
@@ -42,7 +42,7 @@ impl Packing {
         Self::Checkerboard,
     ];
 
-    /// The name that [`FromStr`] reads and [`Display`](fmt::Display) writes.
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
     pub fn name(self) -> &'static str {
         match self {
             Self::SideBySide => "side-by-side",
@@ -72,14 +72,17 @@ impl FromStr for Packing {
     }
 }
 
-/// Puts two views into one picture. The half packings average two pixels in linear light; where their number is odd,
-/// the last one stands alone, so that the picture is one pixel larger than a view. The interlaced ones take each pixel from
-/// its own place in one of the views, without averaging: means of two rows would stand half a row off in either eye, and
-/// so differ in height between them. For displays whose first row, column or pixel is the right eye's, exchange the views. Of
-/// views of different sizes, what both have is kept: the rows beside each other, the columns below each other.
+/// Packs two views into one picture. The half packings average two pixels in linear light. The last of an odd number
+/// stays alone, so that the picture is one pixel larger than a view.
 ///
-/// `FFmpeg`'s `stereo3d` calls them sbsl, sbs2l, sbsr, abl and ab2l; of pictures that are halved by leaving out every other row,
-/// column or pixel it makes the interlaced ones by irl, icl and chl, and with the right eye first by irr, icr and chr.
+/// The interlaced packings take each pixel from the same place in one of the views, without averaging. Means of two
+/// rows would be half a row off, in opposite directions for the two eyes. Exchange the views for displays whose first
+/// row, column or pixel is the right eye's. Views of different sizes are cut to the rows, or the columns, that both
+/// have.
+///
+/// `FFmpeg`'s `stereo3d` has these packings as sbsl, sbs2l, sbsr, abl and ab2l. It has the interlaced ones as irl, icl
+/// and chl, or irr, icr and chr with the right eye first. For these it needs pictures halved by dropping every other
+/// row, column or pixel.
 pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     match packing {
         Packing::SideBySide => beside(&left.picture(), &right.picture()),
@@ -93,7 +96,7 @@ pub fn packed(left: &View, right: &View, packing: Packing) -> Picture {
     }
 }
 
-/// Each pixel from its place in the left view where `is_left` says so of its column and row, else in the right one.
+/// Takes each pixel from the left view if `is_left` is true for its column and row, else from the right one.
 fn interlaced(left: &View, right: &View, is_left: impl Fn(usize, usize) -> bool) -> Picture {
     let both = rows(&left.rgba8, left.width).zip(rows(&right.rgba8, right.width));
     let rgba8 = both.enumerate().flat_map(|(row, (left, right))| {
@@ -140,7 +143,7 @@ fn half_width(view: &View) -> Picture {
 fn half_height(view: &View) -> Picture {
     let width = (view.width as usize).max(1);
     let halved = |two: &[[f32; 4]]| {
-        // Of a single last row, both are the same.
+        // If a single last row is left, both are that row.
         let (upper, lower) = (&two[..width.min(two.len())], &two[two.len().saturating_sub(width)..]);
         upper.iter().zip(lower).map(|(a, b)| average(a, b)).collect::<Vec<_>>()
     };
@@ -151,7 +154,7 @@ fn half_height(view: &View) -> Picture {
     }
 }
 
-/// The mean of two linear pixels, encoded.
+/// Returns the encoded mean of two linear pixels.
 fn average(a: &[f32; 4], b: &[f32; 4]) -> [u8; 4] {
     let [red, green, blue] = [0, 1, 2].map(|channel| encode(0.5 * (a[channel] + b[channel])));
     [red, green, blue, 255]
@@ -162,7 +165,7 @@ mod tests {
     use super::super::tests::{pair, view};
     use super::*;
 
-    /// Pictures of one grey value a pixel, row by row.
+    /// Creates a view of one grey value per pixel, row by row.
     fn grey(width: u32, values: &[u8]) -> View {
         view(width, &values.iter().map(|&value| [value; 3]).collect::<Vec<_>>())
     }
@@ -198,7 +201,7 @@ mod tests {
 
     #[test]
     fn half_packings_average_light_and_not_bytes() {
-        // Half the light of white is 188, not 128.
+        // Half the light of white encodes to 188, not 128.
         let left = grey(4, &[0, 255, 7, 7, 0, 255, 9, 9]);
         let right = grey(4, &[255, 255, 0, 0, 255, 255, 0, 0]);
         let pair = pair(left, right);

@@ -1,4 +1,4 @@
-//! PNG files whose rows come one after the other: for pictures that no memory holds whole.
+//! PNG files that are written row by row, for pictures too large for memory.
 
 use std::{
     io::{self, Write},
@@ -14,20 +14,20 @@ use crate::Error;
 /// Bytes of the file that are written at a time.
 const CHUNK: usize = 1 << 16;
 
-/// A PNG file at work.
+/// A PNG file that is being written.
 pub struct PngRows<'a> {
     stream: &'a mut (dyn Write + Send),
     path: &'a Path,
     size: [u32; 2],
-    /// Pixels that have been written.
+    /// Number of pixels written.
     written: usize,
 }
 
 impl PngRows<'_> {
-    /// Writes the next pixels, row-major from the top: whole rows or not. sRGB with alpha.
+    /// Writes the next pixels, row-major from the top, in whole rows or not. sRGB with alpha.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be written, or would have more pixels than it says.
+    /// [`Error::Io`] if the file can't be written, or would exceed its number of pixels.
     pub fn write(&mut self, rgba8: &[[u8; 4]]) -> Result<(), Error> {
         self.written += rgba8.len();
         if self.written as u64 > u64::from(self.size[0]) * u64::from(self.size[1]) {
@@ -37,18 +37,19 @@ impl PngRows<'_> {
     }
 
     /// # Errors
-    /// [`Error::Io`] unless all pixels have been written, and none besides.
+    /// [`Error::Io`] unless exactly all pixels have been written.
     fn check_whole(&self) -> Result<(), Error> {
         check_count(self.path, self.size[0], self.size[1], self.written)
     }
 }
 
 impl Batch {
-    /// Adds a PNG file of 8 bits a channel whose pixels `write` hands over as they come
-    /// ([`Renderer::render_rows_async`](crate::Renderer::render_rows_async)). Nothing is kept in memory but a few rows.
+    /// Adds a PNG file with 8 bits per channel whose pixels `write` provides as they arrive
+    /// ([`Renderer::render_rows_async`](crate::Renderer::render_rows_async)). Only a few rows are kept in memory.
     ///
     /// # Errors
-    /// What `write` returns; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the picture has.
+    /// Any error of `write`; [`Error::Io`], naming `path`, as [`Batch::add`], and if there were fewer pixels than the
+    /// picture has.
     pub fn add_png_rows(
         &mut self,
         path: impl AsRef<Path>,

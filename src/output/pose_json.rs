@@ -1,4 +1,4 @@
-//! A checked camera as a JSON file: for other programs, and to be read back to the bit.
+//! A checked camera as a JSON file: for other programs, and to be read back exactly.
 
 use std::{fmt::Display, path::Path};
 
@@ -13,9 +13,9 @@ use crate::{
 };
 
 impl Pose {
-    /// The camera as JSON text: `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and the matrices
-    /// `world_to_camera` and `camera_to_world`, row by row; `pose` has this struct's own fields, which [`Pose::from_json`] reads
-    /// back to the bit. `conventions` says what frames and units are.
+    /// Returns the camera as JSON text. `left` and `right` have the intrinsics `fx`, `fy`, `cx` and `cy` in pixels, and
+    /// the matrices `world_to_camera` and `camera_to_world`, row by row. `pose` has the fields of this struct, which
+    /// [`Pose::from_json`] reads back to the bit. `conventions` describes frames and units.
     pub fn to_json(&self) -> String {
         let vector = |v: Vec3| json!(v.to_array().map(f64::from));
         let intrinsics = self.intrinsics();
@@ -54,11 +54,11 @@ impl Pose {
         format!("{text:#}\n")
     }
 
-    /// Reads what [`Pose::to_json`] wrote: its entry `pose`, which is not checked against the others.
+    /// Reads a file written by [`Pose::to_json`]: its entry `pose`, which is not checked against the others.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is over 16 MiB; [`Error::Parse`],
-    /// naming the line or the field, if it is no JSON or no pose.
+    /// [`Error::Io`] if the file can't be read or is not a regular file; [`Error::TooLarge`] if it is over 16 MiB;
+    /// [`Error::Parse`], naming the line or the field, if it is not JSON or not a pose.
     pub fn from_json(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let limits = Limits::default();
@@ -74,15 +74,15 @@ impl Pose {
     }
 }
 
-/// JSON has no infinity, which is how far the screen of parallel cameras is.
+/// Writes a length; JSON has no infinity, the screen distance of parallel cameras.
 fn length(value: f32) -> Value {
     if value == f32::INFINITY { json!("inf") } else { json!(f64::from(value)) }
 }
 
 fn eye(pose: &Pose, &Intrinsics { fx, fy, cx0, cx1, cy }: &Intrinsics, side: f64) -> Value {
     let to_camera = world_to_camera(pose, side);
-    // The axes are at right angles and of unit length up to their rounding; the inverse is that of what is written. glam's columns are our
-    // rows, in and out.
+    // The axes are orthonormal only up to rounding, so the inverse is that of the written matrix. glam's columns are
+    // our rows, in and out.
     let to_world = DMat4::from_cols_array_2d(&to_camera).inverse();
     json!({
         "fx": fx,
@@ -128,12 +128,12 @@ fn field<'a>(pose: &'a Map<String, Value>, name: &str) -> Result<&'a Value, Stri
     pose.get(name).ok_or_else(|| format!("pose: {name} is missing"))
 }
 
-/// A number that f32 holds.
+/// Reads a number that fits f32.
 fn finite(value: &Value) -> Option<f32> {
     value.as_f64().map(|number| number as f32).filter(|number| number.is_finite())
 }
 
-/// The same, or infinity as [`length`] writes it.
+/// Reads a number that fits f32, or infinity as written by [`length`].
 fn extent(value: &Value) -> Option<f32> {
     if value.as_str() == Some("inf") { Some(f32::INFINITY) } else { finite(value) }
 }
@@ -201,7 +201,7 @@ mod tests {
                 batch.commit().unwrap();
                 let read = Pose::from_json(&path).unwrap();
                 assert_eq!(read, pose);
-                // Equal is not the same of zeros.
+                // Equality does not distinguish the signs of zeros.
                 assert_eq!(read.eye.to_array().map(f64::to_bits), pose.eye.to_array().map(f64::to_bits));
             }
         }

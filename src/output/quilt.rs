@@ -3,7 +3,7 @@
 use super::Picture;
 use crate::{Error, Views};
 
-/// All views in one picture, as light-field displays take them: left to right as the rig has them, the bottom row first.
+/// Arranges all views in one picture for light-field displays: in the rig's order from left to right, bottom row first.
 ///
 /// # Errors
 /// [`Error::Rig`] if `columns * rows` is not the number of views.
@@ -26,10 +26,11 @@ pub fn quilt(views: &Views, columns: u32, rows: u32) -> Result<Picture, Error> {
     Ok(Picture { width: across as u32, height: tall as u32, rgba8 })
 }
 
-/// The name by which players know how a quilt is divided: `NAME_qsCxRaA.png`, with A the width of a view over its height.
+/// Returns the file name that tells players a quilt's layout: `NAME_qsCxRaA.png`, where A is a view's width divided by
+/// its height.
 pub fn quilt_name(name: &str, views: &Views, columns: u32, rows: u32) -> String {
     let [width, height] = views.pose.size.map(f64::from);
-    // As few digits as say it: 1.5, 0.75, 1.7778.
+    // Uses as few digits as needed: 1.5, 0.75, 1.7778.
     let aspect = format!("{:.4}", width / height);
     format!("{name}_qs{columns}x{rows}a{}.png", aspect.trim_end_matches('0').trim_end_matches('.'))
 }

@@ -1,4 +1,4 @@
-//! Temporary files: their names, and what becomes of those that a killed process left.
+//! Temporary files: their names, and the removal of files that killed processes left.
 
 use std::collections::HashSet;
 use std::fs;
@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// So old is a temporary file that nobody can be writing it, wherever the process runs.
+/// Age from which no process can still be writing a temporary file, wherever it runs.
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
-/// The name of this process's temporary file of that number. It says where the process id holds, and the id.
+/// Returns the name of this process's temporary file number `count`. It contains the process id and where that is
+/// valid.
 pub(super) fn name(count: u32) -> String {
-    // wasm32 has no processes, and no files either: opening this one is the error to tell.
+    // wasm32 has neither processes nor files: opening this file gives the error to report.
     let process = if cfg!(target_arch = "wasm32") { 0 } else { std::process::id() };
     format!(".stereotrace-{}-{process}-{count}.tmp", place())
 }
 
-/// Removes temporary files of dead processes from a folder, the first time this process asks for that folder.
+/// Removes temporary files of dead processes from a folder, at this process's first call for that folder.
 pub(super) fn remove_once(folder: &Path) {
     static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -27,7 +28,7 @@ pub(super) fn remove_once(folder: &Path) {
 
 fn remove(folder: &Path) {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    // A folder that can't be listed may still be written to, and one's own files matter more.
+    // A folder that can't be listed may still be writable, so errors are ignored.
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_str().is_some_and(|name| is_stale(name, &entry)) {
             let _ = fs::remove_file(entry.path());
@@ -35,7 +36,7 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The file is a temporary one whose process has ended, as far as that can be known from here.
+/// Returns whether the file is a temporary one whose process has ended, as far as can be known from here.
 fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
     let Some(parts) = name.strip_prefix(".stereotrace-").and_then(|rest| rest.strip_suffix(".tmp")) else {
         return false;
@@ -44,7 +45,7 @@ fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
         [named, process, _] if named == place() => process.parse().ok(),
         _ => None,
     };
-    // The first process is there where any can be seen.
+    // If any process is visible, the first one is.
     if let Some(process) = process.filter(|_| Path::new("/proc/1").exists()) {
         return !Path::new(&format!("/proc/{process}")).exists();
     }
@@ -53,8 +54,8 @@ fn is_stale(name: &str, entry: &fs::DirEntry) -> bool {
     age.is_some_and(|age| age > OLD)
 }
 
-/// Among which processes an id is one process's alone: since which start of the system, and in which container. A
-/// folder may be shared beyond that. Empty where there is no telling.
+/// Identifies the processes among which an id is unique: those of one boot and one container. A folder may be shared
+/// beyond that. Empty if it is unknown.
 fn place() -> String {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     let container = fs::read_link("/proc/self/ns/pid").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Ground truth as PNG files of one channel: disparities as KITTI has them, ids, and masks.
+//! Ground truth as PNG files of one channel: disparities in KITTI's format, ids, and masks.
 
 use std::path::Path;
 
@@ -8,20 +8,21 @@ use super::{
 };
 use crate::{Error, EyeTruth, MISS, Occlusion};
 
-/// Disparities are written as so many parts of a pixel.
+/// Steps per pixel of disparity.
 const KITTI_STEPS: f64 = 256.0;
 
-/// The largest id that fits behind the 0 of nothing.
+/// The largest id that fits, as 0 means none.
 const LARGEST_ID: u32 = u16::MAX as u32 - 1;
 
 impl Batch {
-    /// Adds disparities as a grey PNG file of 16 bits, as KITTI has them: `round(256 d)`, and 0 where `is_valid` says
-    /// no. As by KITTI's own code, a disparity so small that it would round to 0 is 1. Of an eye's truth
-    /// `disp_occ` has [`EyeTruth::surfaces`] and `disp_noc` [`EyeTruth::surfaces_of_both`]; as in KITTI, sky is not valid.
+    /// Adds disparities as a 16-bit grey PNG file in KITTI's format: `round(256 d)`, and 0 where `is_valid` is false.
+    /// As in KITTI's own code, a positive disparity that would round to 0 becomes 1. Use [`EyeTruth::surfaces`] for
+    /// `disp_occ` and [`EyeTruth::surfaces_of_both`] for `disp_noc`. As in KITTI, sky is not valid.
     ///
     /// # Errors
-    /// [`Error::Io`], naming the pixel, for a valid disparity that this file can't hold: zero or negative, as off-axis cameras
-    /// have it on the screen and behind it, or 256 and more; for lists that are not `width * height` long; and as [`Batch::add`].
+    /// [`Error::Io`], naming the pixel, for a valid disparity that the format can't hold: 256 or more, or zero or
+    /// negative, as with off-axis cameras on the screen and behind it. [`Error::Io`] also for lists that are not
+    /// `width * height` long, and as [`Batch::add`].
     pub fn add_kitti_disparity(
         &mut self,
         path: impl AsRef<Path>,
@@ -44,11 +45,11 @@ impl Batch {
         self.add_grey16(path, width, height, &samples.collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// Adds ids as a grey PNG file of 16 bits: 0 where nothing is ([`MISS`]), else the id + 1.
+    /// Adds ids as a 16-bit grey PNG file: 0 for [`MISS`], else the id + 1.
     ///
     /// # Errors
-    /// [`Error::Io`], naming an id over 65,534, which does not fit; for a list that is not `width * height` long; and as
-    /// [`Batch::add`].
+    /// [`Error::Io`], naming an id over 65,534, which does not fit; for a list that is not `width * height` long; and
+    /// as [`Batch::add`].
     pub fn add_ids_png(&mut self, path: impl AsRef<Path>, width: u32, height: u32, ids: &[u32]) -> Result<(), Error> {
         let path = path.as_ref();
         check_count(path, width, height, ids.len())?;
@@ -66,8 +67,9 @@ impl Batch {
         self.add_grey16(path, width, height, &ids.iter().map(sample).collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// Adds who sees what an eye sees, as Middlebury's `mask0nocc.png` has it: 255 where the other eye sees the same point, 128
-    /// where it does not, be it hidden or out of its picture. 0, for unknown, is nowhere. Sky is a point like any other.
+    /// Adds a visibility mask like Middlebury's `mask0nocc.png`: 255 where the other eye sees the same point, 128 where
+    /// the point is hidden or outside the other picture. The value 0, for unknown, is not used. Sky is treated like any
+    /// point.
     ///
     /// # Errors
     /// [`Error::Io`] for a list that is not `width * height` long, and as [`Batch::add`].
@@ -76,8 +78,8 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
     }
 
-    /// Adds [`Batch::add_nocc_mask`]'s mask with 0, for unknown, where sky is: it stands beside disparities that leave
-    /// sky unknown.
+    /// Adds the mask of [`Batch::add_nocc_mask`] with 0, for unknown, at sky: it belongs to disparities that leave sky
+    /// unknown.
     pub(crate) fn add_known_nocc_mask(&mut self, path: impl AsRef<Path>, truth: &EyeTruth) -> Result<(), Error> {
         let pixels = truth.occlusion.iter().zip(truth.surfaces());
         let grey = pixels.map(|(found, is_surface)| match (is_surface, found) {
@@ -88,8 +90,8 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, grey.collect())
     }
 
-    /// Adds what the other eye does not see, and why: 0 where it sees the point, 255 where something hides it, 128 where it lies outside
-    /// the other picture.
+    /// Adds an occlusion mask: 0 where the other eye sees the point, 255 where a surface hides it, 128 where it lies
+    /// outside the other picture.
     ///
     /// # Errors
     /// As [`Batch::add_nocc_mask`].
@@ -102,7 +104,7 @@ impl Batch {
         self.add_grey8(path.as_ref(), truth, truth.occlusion.iter().map(grey).collect())
     }
 
-    /// Adds where an eye sees sky: 255 there, else 0.
+    /// Adds a sky mask: 255 at sky, else 0.
     ///
     /// # Errors
     /// As [`Batch::add_nocc_mask`].
@@ -117,7 +119,7 @@ impl Batch {
         self.add(path, &png_bytes(path, truth.width, truth.height, kind, &samples)?)
     }
 
-    /// Samples of the right number.
+    /// Adds a 16-bit grey PNG file; `samples` must have the right number.
     fn add_grey16(&mut self, path: &Path, width: u32, height: u32, samples: &[u16]) -> Result<(), Error> {
         let kind = PngKind { color: png::ColorType::Grayscale, depth: png::BitDepth::Sixteen, is_srgb: false };
         let bytes: Vec<u8> = samples.iter().flat_map(|sample| sample.to_be_bytes()).collect();
@@ -125,7 +127,7 @@ impl Batch {
     }
 }
 
-/// What KITTI's file has for a disparity, or why it can't have it.
+/// Returns KITTI's sample for a disparity, or the reason why there is none.
 fn kitti_sample(disparity: f32) -> Result<u16, &'static str> {
     let steps = (f64::from(disparity) * KITTI_STEPS).round();
     match disparity {
@@ -147,7 +149,7 @@ mod tests {
     use super::*;
     use crate::folder::Folder;
 
-    /// Width, height and samples, by another crate's reader.
+    /// Returns width, height and samples, as read by another crate.
     fn read(path: &Path) -> (u32, u32, Vec<u16>) {
         match image::open(path).unwrap() {
             image::DynamicImage::ImageLuma16(read) => (read.width(), read.height(), read.into_raw()),

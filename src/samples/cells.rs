@@ -1,40 +1,41 @@
-//! Adaptive samples of some rows of a view: which cells between samples are divided, and what colour pixels have (Whitted 1980; Adelson
-//! & Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
+//! Adaptive samples of some rows of a view: which cells are divided, and the colours of pixels (Whitted 1980; Adelson &
+//! Hodges 1993, "Reflection and Refraction with Multiple Rays Per Pixel").
 //!
-//! Samples of level l stand on a lattice: 2^l from pixel to pixel, the first one in the picture's top left corner, the last ones on its
-//! right and lower border. So a cell of level 0 is a pixel with a sample in each corner, and its neighbours share them. A cell whose
-//! corners differ is divided into four of the next level.
+//! Samples of level l stand on a lattice with spacing 2^-l pixels, from the picture's top left corner to its right and
+//! lower borders. A cell of level 0 is a pixel with a sample in each corner, shared with its neighbours. A cell whose
+//! corners differ is divided into four cells of the next level.
 
 use crate::{View, camera::Parallax, frame::wanted::Mask};
 
-/// Of one view, in some rows of pixels.
+/// The cells of one view, in some rows of pixels.
 pub(crate) struct Cells {
-    /// Pixels, and rows of them.
+    /// Columns and rows of pixels.
     size: [u32; 2],
     levels: Vec<Level>,
 }
 
-/// The samples of a level. What was not asked for is not told apart; who asks knows.
+/// The samples of a level. Samples that were not wanted are not marked; callers know them.
 #[derive(Default)]
 struct Level {
     linear: Vec<[f32; 3]>,
     shown: Vec<[u8; 4]>,
     depth: Vec<f32>,
     cost: Vec<u32>,
-    /// Of each of its cells: it is divided.
+    /// Whether each cell of the level is divided.
     divided: Vec<bool>,
 }
 
-/// A surface seen by both has the same depth in both, but between samples: so much of it less is another one, in front.
+/// A surface has nearly the same depth at neighbouring samples of both views. A depth below this share of it belongs to
+/// another surface in front.
 const HIDDEN: f32 = 0.98;
 
 impl Cells {
-    /// Of so many pixels and rows of them, without samples.
+    /// Creates cells of `levels` levels without samples, for a size in pixels.
     pub(crate) fn new(size: [u32; 2], levels: u32) -> Self {
         Self { size, levels: (0..levels).map(|_| Level::default()).collect() }
     }
 
-    /// Samples of a level in x and in y.
+    /// Returns the numbers of samples of a level in x and y.
     fn samples(&self, level: u32) -> [u32; 2] {
         self.size.map(|pixels| (pixels << level) + 1)
     }
@@ -52,7 +53,7 @@ impl Cells {
         level.cost.extend(rows.cost);
     }
 
-    /// A sample by the first level that has it, and its place there.
+    /// Returns the first level that has a sample, and the sample's index there.
     fn sample(&self, mut level: u32, mut at: [u32; 2]) -> (&Level, usize) {
         while level > 0 && at[0].is_multiple_of(2) && at[1].is_multiple_of(2) {
             at = at.map(|place| place / 2);
@@ -65,7 +66,7 @@ impl Cells {
         [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(|at| self.sample(level, at))
     }
 
-    /// Whether a cell is there: the one that it is a part of is divided.
+    /// Returns whether a cell exists, that is, whether its parent is divided.
     fn is_there(&self, level: u32, [x, y]: [u32; 2]) -> bool {
         level == 0 || self.is_divided(level - 1, [x / 2, y / 2])
     }
@@ -75,7 +76,7 @@ impl Cells {
         !divided.is_empty() && divided[(y * self.cells(level)[0] + x) as usize]
     }
 
-    /// Whether the corners of a cell differ by more than the tolerance, as shown, in some channel.
+    /// Returns whether the displayed corners of a cell differ by more than the tolerance in some channel.
     fn differs(&self, level: u32, at: [u32; 2], tolerance: f32) -> bool {
         let corners = self.corners(level, at).map(|(level, place)| level.shown[place]);
         (0..3).any(|channel| {
@@ -86,14 +87,15 @@ impl Cells {
         })
     }
 
-    /// The cells of a level whose corners differ, a bit each.
+    /// Returns, for each cell of a level, whether its corners differ.
     pub(crate) fn differing(&self, level: u32, tolerance: f32) -> Vec<bool> {
         let [across, down] = self.cells(level);
         let cells = (0..down).flat_map(|y| (0..across).map(move |x| [x, y]));
         cells.map(|at| self.is_there(level, at) && self.differs(level, at, tolerance)).collect()
     }
 
-    /// The cells of another view that show what differing ones of this show, and so may differ as well: added to what is divided there.
+    /// Marks the cells of another view that show the points of this view's differing cells, and so may differ too, as
+    /// divided.
     pub(crate) fn seen_by(
         &self,
         other: &Self,
@@ -110,7 +112,7 @@ impl Cells {
                 let depths = cells.corners(level, at).map(|(level, place)| level.depth[place]);
                 depths.into_iter().fold(f32::INFINITY, f32::min)
             };
-            // What is in front has its edge in both views.
+            // Edges of the nearer surface appear in both views.
             let depth = nearest(self, [x, y]);
             let landed = x as f32 + parallax.times(scale).px(depth);
             for column in [landed.floor(), landed.ceil()] {
@@ -134,8 +136,8 @@ impl Cells {
         self.levels[level as usize].divided = divided;
     }
 
-    /// The samples of a level that cells of the one before want, in rows of the picture from `first` on: where cells are divided, five
-    /// new ones each, or, with `again`, the four corners as well.
+    /// Returns the samples of a level that divided cells of the level before want, in picture rows from `first` on.
+    /// Each cell wants five new samples; with `again`, its four corners as well.
     pub(crate) fn wanted(&self, level: u32, first: u32, again: bool) -> Mask {
         let [samples_across, samples_down] = self.samples(level);
         let mut mask = Mask::new(samples_across, first..first + samples_down);
@@ -152,7 +154,7 @@ impl Cells {
         mask
     }
 
-    /// The linear colour of a cell: the mean of its corners, or of the four that it is divided into.
+    /// Returns the linear colour of a cell: the mean of its corners, or of the four cells that it is divided into.
     fn color(&self, level: u32, [x, y]: [u32; 2]) -> [f64; 3] {
         let four = if self.is_divided(level, [x, y]) {
             let [x, y] = [2 * x, 2 * y];
@@ -163,13 +165,13 @@ impl Cells {
         std::array::from_fn(|channel| 0.25 * four.iter().map(|color| color[channel]).sum::<f64>())
     }
 
-    /// The linear colours of a row of pixels.
+    /// Returns the linear colours of a row of pixels.
     pub(crate) fn row(&self, row: u32) -> impl Iterator<Item = [f32; 3]> + '_ {
         (0..self.size[0]).map(move |column| self.color(0, [column, row]).map(|value| value as f32))
     }
 
-    /// What the samples of each pixel cost, row by row; those on a border between two count for the one to the right and below. Without
-    /// costs there are none.
+    /// Returns the cost of each pixel's samples, row by row. Samples on a border count for the pixel right of and below
+    /// it. Empty if samples have no costs.
     pub(crate) fn costs(&self) -> Vec<u32> {
         let mut costs = Vec::new();
         for (level, samples) in (0..).zip(&self.levels) {
@@ -192,7 +194,7 @@ mod tests {
 
     const LEVELS: u32 = 4;
 
-    /// A function of the place in pixels, 0 to 1, as rows of samples of a level.
+    /// Samples a function of the position in pixels, with values 0 to 1, at all places of a level.
     fn level(size: [u32; 2], level: u32, color: impl Fn([f64; 2]) -> f64) -> View {
         let [width, height] = size.map(|pixels| (pixels << level) + 1);
         let scale = 1.0 / f64::from(1 << level);
@@ -222,7 +224,7 @@ mod tests {
         cells
     }
 
-    /// Whitted's recursion, which knows nothing of lattices.
+    /// Whitted's recursion, without lattices.
     fn by_recursion(color: &impl Fn([f64; 2]) -> f64, [x, y]: [f64; 2], side: f64, level: u32, tolerance: f64) -> f64 {
         let corners = [[x, y], [x + side, y], [x, y + side], [x + side, y + side]];
         let values = corners.map(|at| f64::from(color(at) as f32));
@@ -259,12 +261,12 @@ mod tests {
     fn what_is_wanted_is_what_divided_cells_lack() {
         let edge = |[x, _]: [f64; 2]| f64::from(u8::from(x > 2.4));
         let cells = divided([5, 3], edge, 0.0);
-        // A column of pixels is divided: three in a row of corners, two of them there before.
+        // One column of pixels is divided: each lattice row there has three samples, two of which may exist already.
         let first = cells.wanted(1, 10, false);
         assert_eq!(first.count(10..17), 4 + 3 * 3, "in rows of corners one between, in others three");
         assert!(first.wants(5, 10) && !first.wants(4, 10) && first.wants(4, 11));
         assert_eq!(cells.wanted(1, 10, true).count(10..17), 7 * 3);
-        // Its half with the edge is divided again: two cells of the next level a pixel.
+        // The half with the edge is divided again: two cells of the next level per pixel.
         assert_eq!(cells.wanted(2, 20, true).count(20..33), 13 * 3);
         let still = divided([5, 3], edge, 255.0);
         assert_eq!(still.wanted(1, 0, true).count(0..7), 0);
@@ -282,7 +284,7 @@ mod tests {
             found.iter().enumerate().filter(|(_, found)| **found).map(|(at, _)| at).collect::<Vec<_>>(),
             [5, 13]
         );
-        // Hidden by something nearer.
+        // Hidden by a nearer surface.
         right.levels[0].depth.iter_mut().for_each(|depth| *depth = 1.9);
         let mut hidden = vec![false; 16];
         left.seen_by(&right, 0, &left.differing(0, 0.0), between, &mut hidden);

@@ -1,4 +1,4 @@
-//! Rows of samples in, rows of pixels out.
+//! Filters rows of samples into rows of pixels.
 
 use std::collections::VecDeque;
 
@@ -8,44 +8,44 @@ use crate::{
     frame::{Rows, ViewRows},
 };
 
-/// Filters a picture's samples as they come, row after row: it holds no more of them than the rows of pixels that a row of samples is
-/// part of, three at most.
+/// Filters a picture's samples row by row as they arrive. It holds only the rows of pixels that a row of samples
+/// contributes to, at most three.
 pub(crate) struct Gather {
     side: u32,
-    /// Of the picture, in pixels.
+    /// Size of the picture in pixels.
     size: [u32; 2],
     filter: Filter,
-    /// Whether linear colour is wanted, too.
+    /// Whether linear colour is kept too.
     linear: bool,
-    /// What light is multiplied by where it is shown.
+    /// Factor of displayed light.
     exposure: f32,
     tone: Tone,
     jitter: Jitter,
-    /// Of the columns of pixels, for rows of samples of each stratum.
+    /// Windows of the columns of pixels, for rows of samples of each stratum.
     columns: Vec<Vec<Window>>,
     /// A row of samples, filtered along the row.
     across: Vec<[f64; 3]>,
-    /// From the first row that is not done to the last one that has a sample.
+    /// Unfinished rows of pixels that already have samples.
     begun: VecDeque<Begun>,
     centres: Centres,
-    /// Whether that is taken from the samples; else it was there before.
+    /// Whether `centres` is taken from the samples; otherwise it was given.
     from_samples: bool,
-    /// The first row that is not done.
+    /// The first unfinished row.
     first: u32,
 }
 
-/// What each view shows in the centres of pixels that are not handed on yet, from the first row on: all but colour.
+/// Data at pixel centres, without colour, of each view's rows that are not yet output.
 #[derive(Default)]
 pub(crate) struct Centres(VecDeque<Vec<ViewRows>>);
 
-/// A row of pixels at work.
+/// A row of pixels in progress.
 struct Begun {
     window: Window,
-    /// Of each view.
+    /// Sums of each view.
     views: Vec<Sums>,
 }
 
-/// What a row of a view has so far.
+/// Sums of a view's row of pixels so far.
 #[derive(Clone)]
 struct Sums {
     colors: Vec<[f64; 3]>,
@@ -53,8 +53,8 @@ struct Sums {
 }
 
 impl Gather {
-    /// Of a picture of this size in pixels. `centres` has what its views show in the pixels' centres, from the top down; without it the
-    /// samples do that stand there, or to the right of there and below.
+    /// Creates the filter of a picture of this size in pixels. `centres` holds the data at pixel centres from the top
+    /// down. Without it they are taken from the middle samples, or from those right of and below the middle.
     pub(crate) fn new(size: [u32; 2], side: u32, options: &Options, centres: Option<Centres>) -> Self {
         let jitter = Jitter::of(options);
         let columns_of = |stratum: u32| {
@@ -78,7 +78,7 @@ impl Gather {
         }
     }
 
-    /// Takes the next rows of samples; gives the rows of pixels that are done by them, if any are.
+    /// Adds the next rows of samples. Returns the rows of pixels that they complete, if any.
     pub(crate) fn add(&mut self, samples: &Rows) -> Option<Rows> {
         if self.from_samples {
             let picked = samples.views.iter().map(|view| self.picked(samples.first, view)).collect();
@@ -91,7 +91,7 @@ impl Gather {
             for (view, samples) in samples.views.iter().enumerate() {
                 self.add_row(sample, view, &samples.view, row);
             }
-            // One after the other; several at the picture's last row of samples.
+            // Usually one row is complete, but several at the picture's last row of samples.
             while self.begun.front().is_some_and(|begun| begun.window.end() == sample + 1) {
                 done.extend(self.begun.pop_front());
                 self.first += 1;
@@ -100,7 +100,7 @@ impl Gather {
         (!done.is_empty()).then(|| self.hand_on(done))
     }
 
-    /// Begins the rows of pixels whose first samples stand in this row.
+    /// Begins the rows of pixels whose first samples are in this row.
     fn begin(&mut self, sample: u32, views: usize) {
         let [width, height] = self.size;
         for row in self.first + self.begun.len() as u32..height {
@@ -113,7 +113,7 @@ impl Gather {
         }
     }
 
-    /// Adds a row of samples of a view to the rows of pixels that it is part of.
+    /// Adds a row of a view's samples to the rows of pixels that it contributes to.
     fn add_row(&mut self, sample: u32, view: usize, samples: &View, row: u32) {
         let width = samples.width as usize;
         let begin = row as usize * width;
@@ -126,7 +126,7 @@ impl Gather {
             }
         }
         for begun in &mut self.begun {
-            // All that are begun have this row: they go when their last one was added.
+            // All begun rows contain this one, since they leave when their last row was added.
             let weight = begun.window.weights[(sample - begun.window.first) as usize];
             for (color, sum) in begun.views[view].colors.iter_mut().zip(&self.across) {
                 (0..3).for_each(|channel| color[channel] += weight * sum[channel]);
@@ -140,7 +140,7 @@ impl Gather {
         }
     }
 
-    /// What samples in the centres of pixels show, or beside there, of all but colour and cost.
+    /// Returns the data of the samples at pixel centres, or next to them, without colour and cost.
     fn picked(&self, first: u32, samples: &ViewRows) -> ViewRows {
         let (side, middle) = (self.side, self.side / 2);
         let mut picked = ViewRows::new(self.size[0]);
@@ -186,7 +186,7 @@ impl Centres {
         self.0.push_back(rows);
     }
 
-    /// The next rows of so many views of that width.
+    /// Takes the next `rows` rows of `views` views of this width.
     pub(crate) fn take(&mut self, rows: u32, views: usize, width: u32) -> Vec<ViewRows> {
         let mut taken: Vec<_> = (0..views).map(|_| ViewRows::new(width)).collect();
         let mut missing = rows;
@@ -204,7 +204,7 @@ impl Centres {
     }
 }
 
-/// Those that stand at these places of a list, or none of an empty one.
+/// Returns the list's entries at these indices, or nothing if the list is empty.
 fn at<T: Copy>(places: &[usize], list: &[T]) -> Vec<T> {
     let places = if list.is_empty() { &[] } else { places };
     places.iter().map(|&place| list[place]).collect()

@@ -1,50 +1,52 @@
-//! Where jittered samples stand: beside the middles of their cells, each row by an offset of its own (docs/DESIGN.md, section 3; shaders/shared/jitter.wgsl).
+//! Offsets of jittered samples from their cells' centres, one per row of samples (docs/DESIGN.md, section 3;
+//! shaders/shared/jitter.wgsl).
 
 use super::side_of;
 use crate::{Options, layout, random::pcg};
 
-/// The offsets of the rows of samples of a picture, the same in all views.
+/// The offsets of a picture's rows of samples, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Jitter {
-    /// Of the grid of a pixel's samples; 1 for no jitter.
+    /// Side of a pixel's sample grid; 1 for no jitter.
     side: u32,
     seed: u32,
 }
 
 impl Jitter {
-    /// Of as many samples a side, by a seed.
+    /// Creates the jitter of `side` samples a side, with a seed.
     pub(crate) fn new(side: u32, seed: u32) -> Self {
         Self { side, seed }
     }
 
-    /// What is asked for; of a number of samples that is refused elsewhere, none.
+    /// Returns the jitter that the options ask for; none for invalid numbers of samples, which are refused elsewhere.
     pub(crate) fn of(options: &Options) -> Self {
         let side = if options.jitter { side_of(options.samples).unwrap_or(1) } else { 1 };
         Self::new(side, options.seed)
     }
 
-    /// The side of the grid where there is jitter, else 1.
+    /// Returns the side of the grid, or 1 without jitter.
     pub(crate) fn side(&self) -> u32 {
         self.side
     }
 
-    /// The same frame, of jittered samples: a tile is searched for their rays too, which stand beside the middles.
+    /// Returns the frame uniform for jittered samples. Tile searches are wider, to include their rays.
     pub(crate) fn beside(&self, frame: layout::Frame) -> layout::Frame {
         layout::Frame { jitter_seed: self.seed, wider: frame.wider + self.reach(), ..frame }
     }
 
-    /// How far a sample stands from its cell's middle at most, of the cell's width.
+    /// Returns the largest offset of a sample from its cell's centre, in cell widths.
     pub(crate) fn reach(&self) -> f32 {
         0.5 - 0.5 / self.side as f32
     }
 
-    /// Which of the strata of a cell's width the samples of a row stand in: the rank of the row's hash among those of its pixel's rows.
+    /// Returns the stratum of a row's samples within their cells' width: the rank of the row's hash among those of its
+    /// pixel's rows.
     pub(crate) fn stratum(&self, row: u32) -> u32 {
         let (first, own) = (row / self.side * self.side, (self.hash(row), row));
         (first..first + self.side).filter(|&other| (self.hash(other), other) < own).count() as u32
     }
 
-    /// How far to the right of their cells' middles the samples of a stratum stand, of a cell's width.
+    /// Returns the offset of a stratum's samples to the right of their cells' centres, in cell widths.
     pub(crate) fn aside(&self, stratum: u32) -> f32 {
         (stratum as f32 + 0.5) / self.side as f32 - 0.5
     }
@@ -70,7 +72,7 @@ mod tests {
                 assert_eq!(sorted, Vec::from_iter(0..side), "{side} {seed}");
                 orders.insert(strata);
             }
-            // Most of those there are, or nearly as many as pixels.
+            // Most of the possible orders occur, or nearly as many as there are pixels.
             assert!(orders.len() as u32 >= (3 * (1..=side).product::<u32>() / 4).min(60), "{side}: {}", orders.len());
         }
     }

@@ -1,4 +1,5 @@
-//! What some meshes have beside their triangles: lists as long as the scene's triangles, or empty where no mesh has any.
+//! Optional vertex attributes of triangles. Each list is as long as the scene's triangles, or empty if no mesh has the
+//! attribute.
 
 use std::ops::Range;
 
@@ -6,9 +7,9 @@ use glam::{Vec2, Vec3};
 
 use super::{Mesh, Scene, Texture, Triangle, mesh::Object};
 
-/// Texture coordinates of triangles that have none.
+/// Texture coordinates of triangles without any.
 const NO_UV: [Vec2; 3] = [Vec2::ZERO; 3];
-/// Colours of triangles that have none: the albedo stays as it is.
+/// Colours of triangles without any: the albedo is unchanged.
 const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 
 /// Texture coordinates and colours at the corners of triangles.
@@ -16,16 +17,17 @@ const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 pub(super) struct Beside {
     pub(super) uv: Vec<[Vec2; 3]>,
     pub(super) colors: Vec<[Vec3; 3]>,
-    /// How many objects have texture coordinates of their own, and how many have colours.
+    /// Number of objects that have texture coordinates, and number that have colours.
     with_uv: usize,
     with_colors: usize,
 }
 
 impl Beside {
-    /// Puts a mesh's lists in the place of those of the object `replaced`, if there is one. `triangles` is how many the scene had before.
+    /// Replaces the attributes of the object `replaced` by a mesh's, or inserts them. `triangles` is the scene's
+    /// previous number of triangles.
     pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
         let count = mesh.triangles.len();
-        // Counted, since a look at all objects for each that is added would take the square of their number.
+        // Counting avoids a loop over all objects for each added one, which takes quadratic time.
         self.with_uv -= usize::from(replaced.is_some_and(|object| object.has_uv));
         self.with_uv += usize::from(!mesh.uv.is_empty());
         self.with_colors -= usize::from(replaced.is_some_and(|object| object.has_colors));
@@ -35,7 +37,8 @@ impl Beside {
     }
 }
 
-/// Of a list that is wanted, the mesh's own part, or `none` where it has no part; what was there of others stays.
+/// Replaces a range of a list by the mesh's part, or by `none` if the mesh has no such attribute. An unwanted list
+/// becomes empty.
 fn replace<T: Copy>(
     list: &mut Vec<T>,
     range: Range<usize>,
@@ -57,29 +60,30 @@ fn replace<T: Copy>(
 }
 
 impl Scene {
-    /// Texture coordinates at the corners of each triangle, zero for triangles without; empty where no mesh has any.
+    /// Returns texture coordinates at the corners of each triangle, zero for triangles without. The list is empty if no
+    /// mesh has any.
     pub fn uv(&self) -> &[[Vec2; 3]] {
         &self.beside.uv
     }
 
-    /// Whether its surfaces have colours that change from place to place.
+    /// Returns whether some surface has a texture or vertex colours.
     pub(crate) fn is_textured(&self) -> bool {
         !self.colors().is_empty() || self.materials().iter().any(|material| material.texture.is_some())
     }
 
-    /// Whether some material has a cut-out.
+    /// Returns whether some material has a cut-out.
     pub(crate) fn is_cut_out(&self) -> bool {
         self.materials().iter().any(|material| material.cutout.is_some())
     }
 
-    /// The texture by which a triangle is cut out, if it is.
+    /// Returns the cut-out texture of a triangle, if it has one.
     pub(crate) fn cutout_of(&self, triangle: &Triangle) -> Option<&Texture> {
         let cutout = self.materials()[triangle.material.0 as usize].cutout?;
         self.textures().get(cutout.0 as usize)
     }
 
-    /// Colours at the corners of each triangle, which its albedo is multiplied by, linear RGB, white for triangles without; empty
-    /// where no mesh has any.
+    /// Returns colours at the corners of each triangle that multiply its albedo, linear RGB, white for triangles
+    /// without. The list is empty if no mesh has any.
     pub fn colors(&self) -> &[[Vec3; 3]] {
         &self.beside.colors
     }
@@ -91,7 +95,7 @@ mod tests {
 
     use super::*;
 
-    /// Triangles in a row, each with its number as texture coordinates and as colours, where they are asked for.
+    /// Makes triangles whose numbers are their texture coordinates and colours, if requested.
     fn strip(numbers: &[f32], uv: bool, colors: bool) -> Mesh {
         let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let mut mesh = Mesh::new(corners, vec![[0, 1, 2]; numbers.len()]);
@@ -116,7 +120,7 @@ mod tests {
         scene.add_mesh(&strip(&[1.0, 2.0, 3.0], true, false)).unwrap();
         scene.add_mesh(&strip(&[4.0], false, true)).unwrap();
         assert_eq!(numbers(&scene), (vec![0., 0., 1., 2., 3., 0.], vec![1., 1., 1., 1., 1., 4.]));
-        // Moved, they stay; another mesh brings its own, as many as it has triangles.
+        // A transform keeps the attributes; another mesh brings its own.
         scene.transform_object(1, &Affine3A::from_translation(Vec3::Z)).unwrap();
         assert_eq!(numbers(&scene).0, [0., 0., 1., 2., 3., 0.]);
         scene.set_mesh(0, &strip(&[5.0], true, true)).unwrap();

@@ -1,5 +1,5 @@
-//! Built-in scenes, so that nothing has to be downloaded: two to look at, four that are hard on stereo methods, five of ellipsoids, and three
-//! spheres on an infinite ground.
+//! Built-in scenes that need no download. Two are for viewing, four are hard for stereo methods, five consist of
+//! ellipsoids, and three show spheres on an infinite ground.
 
 mod hall;
 mod marble;
@@ -25,13 +25,13 @@ use self::{
 use super::{Light, Material, MaterialId, Scene};
 use crate::{Error, StereoCamera};
 
-/// Distance between the eyes as a share of the picture's width: the thesis's 15 pixels of 600.
+/// Interaxial as a share of the picture's width: the thesis's 15 pixels of 600.
 pub(super) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
 
-/// Where the numbers of the random scenes begin.
+/// Seed of the random scenes.
 const SEED: u32 = 1993;
 
-/// A scene that comes with the library, with lights, sky and a camera.
+/// A built-in scene with lights, sky and a camera.
 ///
 /// ```
 /// use stereotrace::scene::builtin::Builtin;
@@ -43,40 +43,43 @@ const SEED: u32 = 1993;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Builtin {
-    /// A thousand coloured spheres under a sky, none of them nearer than half the screen's distance.
+    /// A thousand coloured spheres under a sky, none nearer than half the screen's distance.
     Spheres,
-    /// A vaulted hall of columns with arches, banners and a tiled floor.
+    /// A vaulted hall with columns, arches, banners and a tiled floor.
     Hall,
-    /// The same with a floor of polished marble, shining metal, balls of glass and chrome, and lamps that throw soft shadows.
+    /// The hall with a floor of polished marble, shining metal, spheres of glass and chrome, and lamps with soft
+    /// shadows.
     HallFinished,
-    /// A picket fence before a wall: every slat uncovers a strip of wall.
+    /// A picket fence in front of a wall: every slat uncovers a strip of wall.
     Fence,
-    /// A pillar that only the right eye sees; a board hides it from the left.
+    /// A pillar that only the right eye sees; a board hides it from the left eye.
     Hidden,
-    /// A ball at a seventh of the screen's distance, nearer than the thesis allows.
+    /// A sphere at a seventh of the screen's distance, nearer than the thesis allows.
     Near,
-    /// Sheets that point at the left eye: edges to the left eye, surfaces to the right one.
+    /// Sheets that point at the left eye. They are edges to the left eye and surfaces to the right one.
     Grazing,
-    /// Twelve ellipsoids and eight spheres at random over a checkerboard ([`RandomObjects`]), after Adelson and Hodges 1993.
+    /// Twelve ellipsoids and eight spheres at random positions over a checkerboard ([`RandomObjects`]), after Adelson
+    /// and Hodges 1993.
     Random20,
     /// A hundred ellipsoids over a checkerboard.
     Random100,
-    /// The same of 125.
+    /// 125 ellipsoids over a checkerboard.
     Random125,
-    /// The same, a tenth of them mirrors and a tenth of glass.
+    /// 125 ellipsoids over a checkerboard. A tenth of them are mirrors, a tenth glass.
     Random125Both,
-    /// The same of a thousand.
+    /// A thousand ellipsoids over a checkerboard.
     Random1000,
-    /// Three stacked spheres on an infinite plane under one lamp, after Raghuvanshi and Dhande: shadows and highlights.
+    /// Three stacked spheres on an infinite plane under one lamp, with shadows and highlights, after Raghuvanshi and
+    /// Dhande.
     ThreeSpheres,
-    /// The same with spheres that mirror one another.
+    /// The three spheres as mirrors.
     ThreeSpheresMirrors,
-    /// And with checkerboards on all.
+    /// The three mirror spheres with checkerboards on spheres and ground.
     ThreeSpheresTextured,
 }
 
 impl Builtin {
-    /// All of them.
+    /// All built-in scenes.
     pub const ALL: &'static [Self] = &[
         Self::Spheres,
         Self::Hall,
@@ -95,7 +98,7 @@ impl Builtin {
         Self::ThreeSpheresTextured,
     ];
 
-    /// The name it has on a command line.
+    /// Returns the name for the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Spheres => "spheres",
@@ -116,7 +119,7 @@ impl Builtin {
         }
     }
 
-    /// Builds the scene, the same one each time.
+    /// Builds the scene. It is the same each time.
     pub fn scene(self) -> Scene {
         match self {
             Self::Spheres => spheres(),
@@ -137,7 +140,8 @@ impl Builtin {
         }
     }
 
-    /// The camera that goes with it; the eyes are 15 pixels apart in a picture 600 pixels wide, and so in proportion.
+    /// Returns the scene's camera. The interaxial is 15 pixels in a picture 600 pixels wide, and in proportion
+    /// otherwise.
     pub fn camera(self, width: u32, height: u32) -> StereoCamera {
         let camera = match self {
             Self::Spheres => StereoCamera::look_at(Vec3::new(0.0, 0.0, CLOUD_SCREEN), Vec3::ZERO)
@@ -174,7 +178,7 @@ pub(super) fn add(scene: &mut Scene, shape: Shape) {
     scene.add_mesh(&shape.into_mesh()).expect("a shape's lists fit each other and its points are finite");
 }
 
-/// A colour as painters give it: sRGB, 0 to 255.
+/// Adds a material with a colour in approximate sRGB, 0 to 255.
 pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
     let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
     scene.add_material(Material::new(Vec3::from_array(linear)).name(name))

@@ -1,4 +1,4 @@
-//! What a scene may hold: coordinates, colours, lights and its extent in bounds.
+//! Checks of a scene's coordinates, colours, lights and extent.
 
 use std::ops::RangeInclusive;
 
@@ -10,15 +10,15 @@ use super::{
 };
 use crate::{Error, message::counted};
 
-/// The step of f32, as a share of a scene's longest side, above which pictures suffer: half a pixel where the side is 5000
-/// pixels long. DESIGN, section 2, has the measurements.
+/// Largest f32 step, as a share of a scene's longest side, without a warning: half a pixel if the side is 5000 pixels
+/// long. DESIGN, section 2, has the measurements.
 const COARSE_STEP: f32 = 1e-4;
 
-/// What a [`Material`] may have of each.
+/// Valid ranges of [`Material`] values.
 pub(super) const OPACITIES: RangeInclusive<f32> = 0.0..=1.0;
 pub(super) const EXPONENTS: RangeInclusive<f32> = 0.0..=10_000.0;
 pub(super) const INDICES: RangeInclusive<f32> = 0.1..=10.0;
-/// All the light, and what the rounding of two shares of it may add.
+/// Largest share of light that a material may return, with the rounding of two shares.
 const MOST_RETURNED: f32 = 1.0 + 1e-5;
 
 impl Scene {
@@ -41,7 +41,7 @@ impl Scene {
         check().map_err(|reason| Error::Scene { element: format!("sphere {index}"), reason })
     }
 
-    /// The public fields hold any value until a scene is uploaded; here they are checked.
+    /// Checks the scene before an upload, since its public fields accept any value.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let check =
             |element: String, check: Result<(), String>| check.map_err(|reason| Error::Scene { element, reason });
@@ -52,7 +52,7 @@ impl Scene {
                 check("sky".into(), check_color("nadir", *nadir))?;
                 check("sky".into(), check_color("zenith", *zenith))?;
             }
-            Sky::Map(_) => {} // checked when it was made
+            Sky::Map(_) => {} // its constructor checked it
         }
         for (index, material) in self.materials.iter().enumerate() {
             check(format!("material {index} '{}'", material.name), self.check_surface(material))?;
@@ -71,7 +71,7 @@ impl Scene {
         check("geometry".into(), self.check_extent())
     }
 
-    /// A material's values and textures.
+    /// Checks a material's values and textures.
     fn check_surface(&self, material: &Material) -> Result<(), String> {
         check_color("albedo", material.albedo)?;
         check_color("specular", material.specular)?;
@@ -97,7 +97,7 @@ impl Scene {
         ))
     }
 
-    /// Only triangles can be cut out.
+    /// Checks that only triangles have cut-outs.
     fn check_cut_out_others(&self) -> Result<(), Error> {
         if !self.is_cut_out() {
             return Ok(());
@@ -117,7 +117,7 @@ impl Scene {
         }
     }
 
-    /// What to say of a scene that is so far from the origin that its picture suffers.
+    /// Returns a warning if the scene is so far from the origin that rounding shows in its picture.
     pub(crate) fn rounding_warning(&self) -> Option<String> {
         let (low, high) = self.local_bounds()?;
         let rounded = rounding_text(low, high, COARSE_STEP)?;
@@ -128,7 +128,8 @@ impl Scene {
         ))
     }
 
-    /// Far from the origin a sphere or an ellipsoid can be less than a step of f32 across, and its box nothing.
+    /// Checks the longest side. Far from the origin, a sphere or an ellipsoid can be smaller than an f32 step, with an
+    /// empty box; its own size counts then.
     fn check_extent(&self) -> Result<(), String> {
         let Some((low, high)) = self.local_bounds() else { return Ok(()) };
         let across = self.spheres.iter().map(|sphere| 2.0 * sphere.radius);
@@ -143,7 +144,7 @@ impl Scene {
     }
 }
 
-/// What coordinates between two corners are rounded to, where that is more than a share of the longest side.
+/// Returns a message about the f32 step of coordinates in a box, if it is above a share of the longest side.
 pub(super) fn rounding_text(low: Vec3, high: Vec3, share: f32) -> Option<String> {
     let largest = low.abs().max(high.abs()).max_element();
     let step = largest.next_up() - largest;
@@ -158,7 +159,7 @@ pub(super) fn check_light_count(count: usize) -> Result<(), Error> {
     Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
 }
 
-/// Light and reflectance are finite and not negative.
+/// Checks that light or reflectance is finite and not negative.
 pub(super) fn check_color(what: &str, color: Vec3) -> Result<(), String> {
     match color.is_finite() && color.min_element() >= 0.0 {
         true => Ok(()),
@@ -191,7 +192,7 @@ mod tests {
         let plain = || Material::new(Vec3::splat(0.5)).name("jade");
         let glass = |index, transmission| plain().finish(Finish::Glass { index, transmission, fresnel: true });
         let mirror = Finish::Mirror { fresnel: false };
-        // Of one that reflects by its specular colour at any angle.
+        // This glass reflects its specular colour at any angle.
         let glass_of = |albedo, specular, transmission| {
             let finish = Finish::Glass { index: 1.5, transmission: Vec3::splat(transmission), fresnel: false };
             Material::new(Vec3::splat(albedo)).specular(Vec3::splat(specular)).finish(finish).name("jade")

@@ -1,4 +1,4 @@
-//! Which primitives hang together: shadow bits are taken over within a connected component only.
+//! Connected components of a scene's primitives. Visibility bits are reused within a component only.
 
 use std::collections::HashMap;
 
@@ -7,8 +7,9 @@ use glam::Vec3;
 
 use super::Scene;
 
-/// The connected component of each primitive, as the least primitive id in it. Triangles hang together where corners have equal
-/// positions (welded, whatever the file's own vertices and groups); every sphere, ellipsoid and plane is its own.
+/// Returns the connected component of each primitive, as its least primitive id. Triangles are connected if corners
+/// have equal positions, whatever the file's own vertices and groups. Every sphere, ellipsoid and plane is a component
+/// of its own.
 pub(crate) fn of(scene: &Scene) -> Vec<u32> {
     let triangles = scene.triangles();
     let mut above: Vec<u32> = (0..scene.primitive_count() as u32).collect();
@@ -28,12 +29,12 @@ pub(crate) fn of(scene: &Scene) -> Vec<u32> {
     above
 }
 
-/// A position as a key; 0 and -0 are one.
+/// Returns a position as a key; 0 and -0 are equal.
 fn welded(corner: Vec3) -> [u32; 3] {
     corner.to_array().map(|v| (v + 0.0).to_bits())
 }
 
-/// The least id above, with the path to it halved.
+/// Returns the root of a component, with path halving.
 fn root(above: &mut [u32], mut id: u32) -> u32 {
     while above[id as usize] != id {
         above[id as usize] = above[above[id as usize] as usize];
@@ -68,7 +69,7 @@ mod tests {
         assert_eq!(of(&scene), [0, 1, 1, 1, 1, 5, 6, 7]);
     }
 
-    /// Their low bits are all zeros, which a multiplication leaves at their place.
+    /// The low bits of these coordinates are zeros, also after a multiplication.
     #[test]
     fn coordinates_that_are_powers_of_two_take_no_square_of_time() {
         let power = |index: u32| f32::from_bits(index << 20);

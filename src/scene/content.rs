@@ -1,4 +1,4 @@
-//! What a scene shows, as bytes: for a hash that tells one scene from another.
+//! A scene's content as bytes, for hashes.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -7,9 +7,9 @@ use bytemuck::cast_slice;
 use super::{Beside, Scene, Sky, TextureKind, mesh::Object};
 
 impl Scene {
-    /// Hands everything that pictures depend on to `sink`, as bytes, piece by piece: equal scenes make equal bytes, whatever files they came from,
-    /// and scenes that differ make others. A hash of them says whether a picture, or a data set's item, is of the same scene. Another
-    /// version of the library may make others.
+    /// Passes everything that pictures depend on to `sink`, as bytes in pieces. Equal scenes produce equal bytes,
+    /// whatever files they came from. Different scenes produce different bytes. So a hash tells whether two pictures or
+    /// data set items show the same scene. The bytes may change between versions of the library.
     ///
     /// ```
     /// use std::hash::{DefaultHasher, Hasher};
@@ -26,7 +26,7 @@ impl Scene {
     /// assert_ne!(hash(&scene), hash(&lit));
     /// ```
     pub fn content(&self, mut sink: impl FnMut(&[u8])) {
-        // All fields by name: a new one must be thought of here. Those that are left out follow from others.
+        // All fields are named, so that a new field gives a compile error here. Omitted fields follow from others.
         let Self { lights, shadows, ambient, sky, origin, materials, textures, triangles, .. } = self;
         let Self {
             spheres,
@@ -41,7 +41,7 @@ impl Scene {
         } = self;
         let Self { triangles_stamp: _, spheres_stamp: _, .. } = self;
         let (names, objects) = named(mesh_objects);
-        // Numbers are written so that they can be read again without loss, so differing ones differ here.
+        // Debug formatting of numbers is lossless, so different numbers give different text.
         let small = format!(
             "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {}",
             triangles.len(),
@@ -68,15 +68,15 @@ impl Scene {
     }
 }
 
-/// What an object is written as: the number of its name, its first primitive, and whether it has texture coordinates and colours.
+/// Record of an object: the index of its name, its first primitive, and whether it has texture coordinates and colours.
 type Written = (usize, u32, bool, bool);
 
-/// The names that differ, and the objects by them: thousands of objects may share one long name.
+/// Returns the distinct names, and the objects by name index. Thousands of objects may share one long name.
 fn named(objects: &[Object]) -> (Vec<&str>, Vec<Written>) {
     let (mut names, mut by_place, mut by_text) = (Vec::new(), HashMap::new(), HashMap::new());
     let mut written = Vec::with_capacity(objects.len());
     for Object { name, first_primitive, has_uv, has_colors } in objects {
-        // A name that is shared is looked at once.
+        // The bytes of a shared name are hashed only once.
         let number = *by_place.entry(Arc::as_ptr(name)).or_insert_with(|| {
             *by_text.entry(&**name).or_insert_with(|| {
                 names.push(&**name);
@@ -106,7 +106,7 @@ mod tests {
         Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).uv(vec![[Vec2::ZERO, Vec2::X, Vec2::Y]])
     }
 
-    /// A change of each kind.
+    /// Tests one change of each kind.
     #[test]
     fn what_changes_a_picture_changes_the_bytes() {
         let base = || {
@@ -160,9 +160,9 @@ mod tests {
         };
         let long: std::sync::Arc<str> = "n".repeat(100_000).into();
         let shared = bytes(&with(&vec![long.clone(); 1000]));
-        // Without the name 291 bytes an object: its triangle and texture coordinates, and what is written of it.
+        // Without the name an object takes 291 bytes: triangle, texture coordinates and its record.
         assert!(shared.len() < 100_000 + 1000 * 320, "{}", shared.len());
-        // Equal names are equal, whether they are shared or not.
+        // Equal names are equal, shared or not.
         let apart = |last: &str| {
             let names: Vec<_> =
                 (0..1000).map(|index| if index < 999 { (&*long).into() } else { last.into() }).collect();

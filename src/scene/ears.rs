@@ -1,18 +1,20 @@
-//! Cuts ears off polygons in the plane.
+//! Ear clipping of plane polygons.
 
 use std::collections::VecDeque;
 
 use glam::DVec2;
 
-/// 100,000 spikes of random length take 340 steps a corner. What takes more has corners that meet by the thousand.
+/// Largest number of steps per corner. 100,000 spikes of random length take 340 steps a corner. Only polygons with
+/// thousands of coincident corners take more.
 const STEPS_PER_CORNER: usize = 500;
 
-/// Cuts off one ear after the other: a triangle of a corner and its neighbours into which nothing of the polygon reaches.
+/// Cuts off one ear after the other. An ear is the triangle of a corner and its neighbours if no other part of the
+/// polygon reaches into it. Returns `None` if it fails.
 pub(super) fn cut_ears(points: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     let mut ring = Ring::new(points);
     let mut ears = Vec::with_capacity(points.len() - 2);
-    // Ears that the polygon touches, or without area, only when there are no others: holes that are joined to the
-    // outline by an edge there and back leave such.
+    // Ears that the polygon touches, and those without area, are only cut if there are no others. They occur where an
+    // edge there and back joins a hole to the outline.
     for touched in [false, true] {
         let mut queue: VecDeque<usize> = (0..points.len()).filter(|&corner| !ring.is_cut[corner]).collect();
         while let Some(corner) = queue.pop_front() {
@@ -35,25 +37,25 @@ pub(super) fn cut_ears(points: &[DVec2]) -> Option<Vec<[usize; 3]>> {
     None
 }
 
-/// Twice the area of a triangle, positive where it turns to the left.
+/// Returns twice the signed area of a triangle, positive if it turns to the left.
 fn area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// The corners that are left, and a tree of those that ears must not hold.
+/// The remaining corners, and a tree of those that must not lie in an ear.
 struct Ring<'a> {
     points: &'a [DVec2],
-    /// The corners before and behind each.
+    /// The previous and the next corner of each corner.
     neighbours: Vec<[usize; 2]>,
     is_cut: Vec<bool>,
-    /// Boxes around the corners at which the polygon doesn't turn left; if anything reaches into an ear, one of them does.
-    /// The root is 1, 2n and 2n + 1 are below n, and the leaves stand from `points.len()` on, those close to each other
-    /// together.
+    /// Boxes around the corners at which the polygon doesn't turn left. If anything reaches into an ear, one of these
+    /// does. The root is 1, children are 2n and 2n + 1, and the leaves start at `points.len()`. Neighbouring leaves are
+    /// close to each other.
     boxes: Vec<[DVec2; 2]>,
     /// The corner of each leaf, and the leaf of each corner.
     corner_of: Vec<usize>,
     leaf_of: Vec<usize>,
-    /// Nodes looked at.
+    /// Number of visited nodes.
     steps: usize,
 }
 
@@ -129,7 +131,7 @@ impl<'a> Ring<'a> {
         true
     }
 
-    /// Whether the polygon goes on into the ear from a corner within the ear or on its rim.
+    /// Returns whether the polygon continues into the ear from a corner within the ear or on its rim.
     fn reaches_in(&self, corner: usize, ear: [DVec2; 3]) -> bool {
         let sides = [0, 1, 2].map(|side| [ear[side], ear[(side + 1) % 3]]);
         let inside = |neighbour: usize| {
@@ -140,7 +142,7 @@ impl<'a> Ring<'a> {
     }
 }
 
-/// The points along a curve that fills one square after the other (Morton's), and the place of each on it.
+/// Returns the points' order along Morton's curve, and the place of each in it.
 fn in_squares(points: &[DVec2]) -> (Vec<usize>, Vec<usize>) {
     let low = points.iter().copied().reduce(DVec2::min).unwrap_or_default();
     let size = points.iter().fold(0.0, |size: f64, &point| size.max((point - low).max_element()));
@@ -156,13 +158,13 @@ fn in_squares(points: &[DVec2]) -> (Vec<usize>, Vec<usize>) {
     (along, place)
 }
 
-/// Whether a box and a triangle that turns left have a point in common; a box of one point is the point.
+/// Returns whether a box and a triangle that turns left have a point in common. A box may be a single point.
 fn meets([low, high]: [DVec2; 2], triangle: [DVec2; 3]) -> bool {
     let [a, b, c] = triangle;
     if low.cmpgt(a.max(b).max(c)).any() || high.cmplt(a.min(b).min(c)).any() {
         return false;
     }
-    // The box's corner that is farthest on the inner side of each edge.
+    // For each edge, test the box's corner that is farthest on the inner side.
     [[a, b], [b, c], [c, a]].iter().all(|&[from, to]| {
         let along = to - from;
         let x = if along.y > 0.0 { low.x } else { high.x };

@@ -1,18 +1,18 @@
-//! Ellipsoids: spheres under an affine map.
+//! Ellipsoids: affine images of spheres.
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{MaterialId, Scene, Stamp, checks::check_coordinate};
 use crate::Error;
 
-/// The longest semi-axis of an ellipsoid may be so many times the shortest. Flatter ones are surfaces or lines to f32: DESIGN, section 2, has
-/// the measurements.
+/// Largest ratio of an ellipsoid's longest semi-axis to its shortest. Flatter ones degenerate in f32: DESIGN, section
+/// 2, has the measurements.
 pub const MAX_ASPECT: f32 = 1e4;
 
-/// The shortest semi-axis that an ellipsoid may have, in world units: the squares of less would vanish in f32.
+/// Shortest semi-axis of an ellipsoid, in world units. Squares of smaller ones vanish in f32.
 pub const MIN_SEMI_AXIS: f32 = 1e-15;
 
-/// A sphere under an affine map: all points `center + axes * v` of vectors `v` of length 1.
+/// An affine image of the unit sphere: all points `center + axes * v` with `v` of length 1.
 ///
 /// ```
 /// use stereotrace::{Ellipsoid, MaterialId, Scene, glam::{Affine3A, Mat3, Vec3}};
@@ -27,27 +27,27 @@ pub const MIN_SEMI_AXIS: f32 = 1e-15;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ellipsoid {
-    /// World position of its centre.
+    /// Position of the centre, relative to [`Scene::origin`].
     pub center: Vec3,
-    /// Where the map takes the axes of the unit sphere, a column each. Where they stand at right angles they are the ellipsoid's semi-axes.
+    /// Images of the unit sphere's axes, as columns. If they are perpendicular, they are the semi-axes.
     pub axes: Mat3,
     /// Its material.
     pub material: MaterialId,
 }
 
 impl Ellipsoid {
-    /// The unit sphere, taken by a matrix and then to a world position.
+    /// Makes an ellipsoid from its centre, relative to [`Scene::origin`], and the matrix that maps the unit sphere.
     pub fn new(center: Vec3, axes: Mat3, material: MaterialId) -> Self {
         Self { center, axes, material }
     }
 
-    /// One whose semi-axes lie along the world's axes and are so long.
+    /// Makes an ellipsoid whose semi-axes are parallel to the world's axes, with lengths `radii`.
     pub fn aligned(center: Vec3, radii: Vec3, material: MaterialId) -> Self {
         Self::new(center, Mat3::from_diagonal(radii), material)
     }
 
-    /// Its semi-axes, longest or not: the columns, turned among themselves until they stand at right angles, which changes no point of the surface
-    /// (one-sided Jacobi rotations, Hestenes 1958).
+    /// Returns the semi-axes in any order. One-sided Jacobi rotations (Hestenes 1958) make the columns perpendicular
+    /// without changing the surface.
     pub(crate) fn semi_axes(&self) -> [DVec3; 3] {
         let mut columns = [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis].map(Vec3::as_dvec3);
         for (i, j) in [(0, 1), (1, 2), (2, 0)].repeat(SWEEPS) {
@@ -65,7 +65,7 @@ impl Ellipsoid {
         columns
     }
 
-    /// The map that rays are taken by.
+    /// Returns the map from the ellipsoid to a sphere, for rays.
     pub(crate) fn to_sphere(self) -> ToSphere {
         let axes = self.semi_axes();
         let radius = axes.map(DVec3::length).into_iter().fold(0.0, f64::max) as f32;
@@ -73,18 +73,18 @@ impl Ellipsoid {
         ToSphere { rows: axes.map(row), radius }
     }
 
-    /// Half its extent along each of the world's axes, of the surface that rays meet.
+    /// Returns half the extent of the traced surface along each of the world's axes.
     pub(crate) fn half_extent(&self) -> DVec3 {
         self.to_sphere().half_extent()
     }
 
-    /// Corners of the box around it.
+    /// Returns the corners of the bounding box.
     pub(crate) fn corners(&self) -> [Vec3; 2] {
         let half = self.half_extent().as_vec3();
         [self.center - half, self.center + half]
     }
 
-    /// Whether a point is in it or on it.
+    /// Returns whether a point is inside or on the surface.
     pub(crate) fn holds(&self, point: Vec3) -> bool {
         let map = self.to_sphere();
         let offset = point.as_dvec3() - self.center.as_dvec3();
@@ -92,12 +92,12 @@ impl Ellipsoid {
     }
 }
 
-/// Rounds of rotations: they converge by their squares, so that few are needed.
+/// Number of rotation sweeps. Convergence is quadratic, so few are needed.
 const SWEEPS: usize = 10;
 
-/// What takes an offset from an ellipsoid's centre to the offset from a sphere's: a matrix of three rows, each along a semi-axis, and the sphere's
-/// radius, which is the longest semi-axis. Rows at right angles keep the rounding of one semi-axis from the others; a sphere's matrix is the
-/// identity, so that it is met as a sphere to the last bit.
+/// Map from an offset to an ellipsoid's centre to an offset to a sphere's centre. The matrix has three rows, each along
+/// a semi-axis, and the sphere's radius is the longest semi-axis. Perpendicular rows keep the rounding of one semi-axis
+/// from the others. A sphere's matrix is the identity, so it is intersected as a sphere to the last bit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToSphere {
     pub(crate) rows: [Vec3; 3],
@@ -105,7 +105,7 @@ pub(crate) struct ToSphere {
 }
 
 impl ToSphere {
-    /// Of a sphere.
+    /// Returns the map of a sphere.
     pub(crate) fn identity(radius: f32) -> Self {
         Self { rows: [Vec3::X, Vec3::Y, Vec3::Z], radius }
     }
@@ -121,8 +121,12 @@ impl Scene {
     /// Adds an ellipsoid as an object of its own.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a centre or axes that are not finite or too large, for semi-axes below [`MIN_SEMI_AXIS`] or of which the longest is over
-    /// [`MAX_ASPECT`] times the shortest, as where `axes` has no inverse, and for a material that is not there.
+    /// [`Error::Scene`] for:
+    ///
+    /// - a centre or axes that are not finite or too large,
+    /// - semi-axes below [`MIN_SEMI_AXIS`],
+    /// - a longest semi-axis over [`MAX_ASPECT`] times the shortest, also if `axes` has no inverse,
+    /// - an unknown material.
     pub fn add_ellipsoid(&mut self, ellipsoid: Ellipsoid) -> Result<(), Error> {
         self.check_ellipsoid(self.ellipsoids.len(), &ellipsoid)?;
         self.ellipsoids.push(ellipsoid);
@@ -130,7 +134,7 @@ impl Scene {
         Ok(())
     }
 
-    /// All ellipsoids; index + number of triangles and spheres = primitive id.
+    /// Returns all ellipsoids; the primitive id is the index plus the number of triangles and spheres.
     pub fn ellipsoids(&self) -> &[Ellipsoid] {
         &self.ellipsoids
     }
@@ -170,7 +174,7 @@ mod tests {
         Ellipsoid::new(random.point(1.0), turn * Mat3::from_diagonal(radii), MaterialId(0))
     }
 
-    /// Of ten thousand ellipsoids of any axes the surface as mapped is that of the columns, and the box holds it and no more.
+    /// Tests ten thousand ellipsoids with random axes. The mapped surface is that of the columns, and the box is tight.
     #[test]
     fn the_map_takes_the_surface_to_a_sphere_and_the_box_touches_it() {
         let mut random = Random::new(5);
@@ -192,7 +196,7 @@ mod tests {
                 worst[0] = worst[0].max((mapped.length() / f64::from(map.radius) - 1.0).abs());
                 assert!(point.abs().cmple(half * (1.0 + 1e-6)).all());
             }
-            // The box by the closed form: norms of the matrix's rows.
+            // The closed form of the box has the norms of the matrix's rows.
             let norms = DVec3::from_array([0, 1, 2].map(|axis| axes.as_dmat3().row(axis).length()));
             worst[1] = worst[1].max((half / norms - 1.0).abs().max_element());
             let [a, b, c] = map.rows.map(Vec3::as_dvec3);

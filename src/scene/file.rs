@@ -1,4 +1,4 @@
-//! One way to open a scene file, whatever its format.
+//! Opens scene files of any format.
 
 use std::{collections::BTreeMap, ffi::OsStr, path::Path, sync::Arc};
 
@@ -8,7 +8,7 @@ use crate::{
     input::{Files, Given},
 };
 
-/// A file's format, and the cargo feature that reads it.
+/// Format of a scene file.
 #[derive(Clone, Copy, PartialEq)]
 enum Format {
     Obj,
@@ -16,11 +16,12 @@ enum Format {
     Ply,
 }
 
-/// The endings of names that are known.
+/// Known file name extensions.
 const ENDINGS: [(&str, Format); 4] =
     [("obj", Format::Obj), ("gltf", Format::Gltf), ("glb", Format::Gltf), ("ply", Format::Ply)];
 
-/// What a scene file holds: OBJ, glTF 2.0 (.gltf and .glb) or PLY, as far as the cargo features `obj`, `gltf` and `ply` are there.
+/// Content of a scene file: OBJ, glTF 2.0 (.gltf and .glb) or PLY. The cargo features `obj`, `gltf` and `ply` enable
+/// the formats.
 ///
 /// ```no_run
 /// use stereotrace::{SceneFile, SceneOptions, StereoCamera};
@@ -39,31 +40,33 @@ const ENDINGS: [(&str, Format); 4] =
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SceneFile {
-    /// The scene, with the file's own lights: glTF may have some, and without any it has none.
+    /// The scene, with the file's own lights. Only glTF files may have lights.
     pub scene: Scene,
-    /// The file's cameras with their names, in the file's order: glTF's perspective ones. Their pictures are 480 pixels high, the screen stands at the depth of the middle of
-    /// the scene's bounds, at least a quarter of these bounds' diagonal off, and the eyes a thirtieth of that apart.
+    /// The file's cameras with their names, in the file's order: glTF's perspective cameras. Their pictures are 480
+    /// pixels high. The screen stands at the depth of the centre of the scene's bounds, but at least a quarter of these
+    /// bounds' diagonal away. The interaxial is a thirtieth of that distance.
     pub cameras: Vec<(Arc<str>, StereoCamera)>,
 }
 
 impl SceneFile {
-    /// Reads a scene file. Its content tells its format, and where that begins like none its name's ending does.
+    /// Reads a scene file. Its content determines the format, else its name's extension.
     ///
     /// # Errors
-    /// [`Error::UnknownName`] for a file of another format; those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and
-    /// [`Scene::from_ply_with`]; [`Error::Parse`] where the feature that reads the format is not there.
+    /// - [`Error::UnknownName`] for a file of another format.
+    /// - Those of [`Scene::from_obj_with`], [`Scene::from_gltf_with`] and [`Scene::from_ply_with`].
+    /// - [`Error::Parse`] if the feature for the format is disabled.
     pub fn open(path: impl AsRef<Path>, options: &SceneOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(Files::Disk(&options.folder_of(path)), path, options)
     }
 
-    /// Reads a scene file from memory, as [`SceneFile::open`] does from the disk: in a browser, which has no disk to read from, what a user drops on a
-    /// page. `files` has the bytes of the file `name` and of those that it names (MTL files, pictures, buffers). Its keys are paths, `name` among them,
-    /// all from one folder, with `/` or `\` between their parts; files without folders have their names alone.
+    /// Reads a scene file from memory, as [`SceneFile::open`] does from the disk, for example files dropped on a web
+    /// page. `files` has the bytes of the file `name` and of all files that it names (MTL files, pictures, buffers).
+    /// Its keys are paths from one folder, with `/` or `\` as separators. Files without folders have their names alone.
     ///
-    /// What a file names is looked for at its path from that file's own folder. Where nothing is there, the file is taken whose last
-    /// component is the same, whatever folders stand before it and whether letters are upper or lower case, if it is the only one: drops may
-    /// come without their folders.
+    /// Names in a file are relative to that file's folder. If no file is at that path, the file with the same last
+    /// component is taken, whatever its folders. Upper and lower case count as equal, and only one file may match. So
+    /// files may come without their folders.
     ///
     /// ```no_run
     /// use std::collections::BTreeMap;
@@ -82,11 +85,11 @@ impl SceneFile {
     /// ```
     ///
     /// # Errors
-    /// Those of [`SceneFile::open`]: [`Error::Io`] of the kind [`NotFound`](std::io::ErrorKind::NotFound) where `name` is not among the files, and
-    /// for a file that it names and that is missing what there would be on the disk.
+    /// Those of [`SceneFile::open`]. [`Error::Io`] of the kind [`NotFound`](std::io::ErrorKind::NotFound) if `name` is
+    /// not among the files. Missing files that it names give the same errors as on the disk.
     pub fn from_memory(name: &str, files: &BTreeMap<String, Vec<u8>>, options: &SceneOptions) -> Result<Self, Error> {
         let given = Given::new(files.iter().map(|(name, bytes)| (&**name, &**bytes)));
-        // For its folder, which other names go by: most systems know `/` alone.
+        // Other names are relative to this path's folder, and most systems only know `/`.
         Self::read(Files::Memory(&given), Path::new(&name.replace('\\', "/")), options)
     }
 

@@ -1,8 +1,8 @@
 //! Reads glTF 2.0 files, as text (.gltf) and binary (.glb).
 //!
-//! The crate `gltf-json` gives the JSON its types. Its parent `gltf` also walks through them, but takes indices, lengths and kinds of cameras on
-//! trust and panics where they are wrong, also in its own validation; so here each index goes through [`Document`] and each length through
-//! accessors.rs. Nodes are walked without recursion, and each may be reached once.
+//! The crate `gltf-json` gives the JSON its types. Its parent crate `gltf` trusts indices, lengths and camera types,
+//! and panics if they are wrong, even in its own validation. So here each index goes through [`Document`], and each
+//! length through accessors.rs. The walk over the nodes is iterative, and each node may be reached only once.
 
 mod accessors;
 mod cameras;
@@ -25,10 +25,10 @@ use super::{
 };
 use crate::{Error, input::Files, message::counted};
 
-/// Where something stands in the world.
+/// An item with its transform to world coordinates.
 type Placed<T> = (T, DAffine3);
 
-/// See [`Scene::from_gltf_with`].
+/// Reads a scene, see [`Scene::from_gltf_with`].
 pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<SceneFile, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
@@ -53,7 +53,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
         lights.extend(light.map(|light| ((index, light.light.value()), place)));
         Ok(())
     })?;
-    // Before the meshes, which are checked against them.
+    // Materials come first, since meshes are checked against them.
     surfaces.move_to(&mut scene);
     let origin = options.origin.choose(|| meshes.bounds(&shown));
     scene.set_origin(origin).map_err(|error| Error::parse_from(path, None, error.to_string(), error))?;
@@ -73,7 +73,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     Ok(SceneFile { scene, cameras })
 }
 
-/// Notes what no picture is made of.
+/// Counts unsupported items.
 fn note_left_out(document: &Document, warnings: &mut Warnings) {
     let root = &document.root;
     let lists = [

@@ -1,16 +1,16 @@
-//! What lights a scene.
+//! Lights.
 
 use glam::{DVec3, Vec3};
 
 use super::{Scene, checks::check_coordinate};
 
-/// Of lights that are not points a scene may have so many: what is known of their shadows is kept for each pixel.
+/// Maximum number of lights in a scene that are not points. Their shadows are stored for each pixel.
 pub const MAX_SOFT_LIGHTS: usize = 16;
 
-/// The largest [`LightShape::Directional`] radius: all of the sky but for a rim.
+/// Largest [`LightShape::Directional`] radius: nearly a hemisphere.
 const MOST_ANGLE: f32 = 1.5;
 
-/// A light without falloff: all of it that is seen from a place is as bright there as from any other (thesis, chapter 4).
+/// A light without falloff: a fully visible light is equally bright at any distance (thesis, chapter 4).
 ///
 /// ```
 /// use stereotrace::{Light, glam::Vec3};
@@ -24,74 +24,79 @@ const MOST_ANGLE: f32 = 1.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Light {
-    /// World position of its middle; of a directional light the direction that leads to it, of any length but 0.
+    /// World position of the centre. For a directional light it is the direction towards the light, of any length but
+    /// 0.
     pub position: DVec3,
-    /// Radiance that all of it together adds to a white surface that faces it, linear RGB.
+    /// Radiance that the whole light adds to a white surface facing it, linear RGB.
     pub intensity: Vec3,
-    /// What throws the light.
+    /// Shape of the light.
     pub shape: LightShape,
 }
 
-/// What throws light. Lights are not seen themselves. All but points light by as many rays as
-/// [`Options::shadow_rays`](crate::Options::shadow_rays) says, which end at places spread over them, so that shadows have a penumbra.
+/// Shape of a light. Lights are invisible themselves. All but points are sampled by
+/// [`Options::shadow_rays`](crate::Options::shadow_rays) rays to places spread over them, so their shadows have a
+/// penumbra.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum LightShape {
-    /// One point. Shadows are sharp.
+    /// A point. Shadows are sharp.
     #[default]
     Point,
-    /// A ball, as the disc that is seen of it.
+    /// A sphere, sampled as the disc that faces the surface.
     Sphere {
-        /// In world units, above 0.
+        /// Radius in world units, above 0.
         radius: f32,
     },
-    /// A rectangle or parallelogram that shines to both sides, from each of its points to everywhere alike.
+    /// A rectangle or parallelogram that emits on both sides, equally in all directions.
     Rectangle {
-        /// From its middle to the middle of a side, world units.
+        /// Vector from the centre to the middle of a side, world units.
         half_width: Vec3,
-        /// From its middle to the middle of the next side.
+        /// Vector from the centre to the middle of the next side, world units.
         half_height: Vec3,
     },
-    /// Infinitely far off: a sun.
+    /// A disc at infinity, such as the sun.
     Directional {
-        /// Angle from the middle of its disc to the rim, radians, 0 to 1.5; the sun's is 0.0047. 0: shadows are sharp.
+        /// Angle from the disc's centre to its rim in radians, 0 to 1.5; the sun's is 0.0047. With 0 shadows are sharp.
         radius: f32,
     },
 }
 
 impl Light {
-    /// A point at a world position: the radiance that it adds to a white surface that faces it, linear RGB.
+    /// Makes a point light from its world position and the radiance that it adds to a white surface facing it, linear
+    /// RGB.
     pub fn point(position: impl Into<DVec3>, intensity: Vec3) -> Self {
         Self { position: position.into(), intensity, shape: LightShape::Point }
     }
 
-    /// A ball about a world position; the radius is in world units, above 0.
+    /// Makes a spherical light from its centre in world coordinates and its radius in world units, above 0.
     pub fn sphere(position: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
         Self { position: position.into(), intensity, shape: LightShape::Sphere { radius } }
     }
 
-    /// A rectangle or parallelogram about a world position, by the ways from there to the middles of two sides.
+    /// Makes a rectangle or parallelogram from its centre in world coordinates and the vectors from there to the
+    /// middles of two sides.
     pub fn rectangle(position: impl Into<DVec3>, half_width: Vec3, half_height: Vec3, intensity: Vec3) -> Self {
         Self { position: position.into(), intensity, shape: LightShape::Rectangle { half_width, half_height } }
     }
 
-    /// Infinitely far off in a direction, of any length but 0; the disc's radius is an angle in radians, 0 for sharp shadows.
+    /// Makes a light at infinity from the direction towards it, of any length but 0. The radius is an angle in radians,
+    /// 0 for sharp shadows.
     pub fn directional(towards: impl Into<DVec3>, radius: f32, intensity: Vec3) -> Self {
         Self { position: towards.into(), intensity, shape: LightShape::Directional { radius } }
     }
 
-    /// Whether it is not a point.
+    /// Returns whether the light is not a point.
     pub(crate) fn is_soft(&self) -> bool {
         self.shape != LightShape::Point
     }
 
-    /// Whether it throws sharp shadows, so that a ray says all.
+    /// Returns whether its shadows are sharp, so that one ray suffices.
     pub(crate) fn is_sharp(&self) -> bool {
         matches!(self.shape, LightShape::Point | LightShape::Directional { radius: 0.0 })
     }
 
-    /// What is wrong with its place or shape, in a scene with this origin.
+    /// Checks position and shape, in a scene with this origin.
     pub(super) fn check(&self, origin: DVec3) -> Result<(), String> {
         let above_zero = |what: &str, length: f32| match length.is_finite() && length > 0.0 {
             true => Ok(()),
@@ -124,7 +129,7 @@ impl Light {
 }
 
 impl Scene {
-    /// A light's position relative to the origin; of a directional light the unit direction that leads to it.
+    /// Returns a light's position relative to the origin, or the unit direction towards a directional light.
     pub(crate) fn local_position(&self, light: &Light) -> Vec3 {
         match light.shape {
             LightShape::Directional { .. } => light.position.normalize_or_zero().as_vec3(),
@@ -132,7 +137,7 @@ impl Scene {
         }
     }
 
-    /// Lights that are not points.
+    /// Returns the lights that are not points, with their indices.
     pub(crate) fn soft_lights(&self) -> impl Iterator<Item = (usize, &Light)> {
         self.lights.iter().enumerate().filter(|(_, light)| light.is_soft())
     }

@@ -1,4 +1,4 @@
-//! Lights by rule.
+//! Automatic lights.
 
 use glam::Vec3;
 
@@ -6,23 +6,25 @@ use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
 use crate::{Error, StereoCamera, cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
-/// A scene whose longest side is more than this many screen distances goes on far beyond the eyes' surroundings: its
-/// bounding box says nothing of them.
+/// Largest longest side of a scene, in screen distances, for which the bounding box describes the eyes' surroundings.
 const FAR_REACHING: f32 = 50.0;
-/// How far a light stands on its way from the eye to what is in the way.
+/// Position of a light on the way from the eye to the first obstacle.
 const BEFORE_OBSTACLE: f32 = 0.9;
 
 impl Scene {
     /// Replaces `lights` by `count` lights, by one rule for every method and scene file (DESIGN, section 3). Light `k`
-    /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`, θ = k times the golden angle,
-    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`, `d` being the screen's distance or, where that is infinite, the target's;
-    /// where the eyes are inside the scene's bounding box, it is moved into that box shrunk by a tenth, so that it does
-    /// not end up behind a wall. `ambient` becomes 0.15 where it is `None`, and stays what it is where it was given. The
-    /// lights add up to 0.85, so that with an ambient light of 0.15 white stays short of burning out.
+    /// stands beside and above the eyes, at `eye + ρ (r cos θ + u |sin θ|)`. θ is k times the golden angle, and
+    /// `ρ = d (0.25 + 0.5 (k + 0.5) / count)`. `d` is the screen's distance, or the target's if the screen is at
+    /// infinity.
     ///
-    /// A box with a side over 50 `d` does not end at the walls around the eyes: a ground reaches as far. There, and where a
-    /// light would be inside a sphere or an ellipsoid that the eyes are not in, or behind a plane, it keeps its place beside the eyes, drawn
-    /// towards them to nine tenths of the way to the first thing between.
+    /// If the eyes are inside the scene's bounding box, the light is moved into that box shrunk by a tenth. So it does
+    /// not end up behind a wall. If `ambient` is `None` it becomes 0.15. The lights add up to 0.85, so with an ambient
+    /// light of 0.15 white does not saturate.
+    ///
+    /// A box with a side over 50 `d` does not describe the walls around the eyes, for example in a scene with a wide
+    /// ground. In such a box, a light keeps its place beside the eyes. So does a light inside a sphere or an ellipsoid
+    /// that the eyes are outside of, and a light behind a plane. If something stands between, the light moves to nine
+    /// tenths of the way to it.
     ///
     /// # Errors
     /// [`Error::Camera`] if the camera is invalid, [`Error::Scene`] for more than [`MAX_LIGHTS`](super::MAX_LIGHTS).
@@ -54,7 +56,7 @@ impl Scene {
         Ok(())
     }
 
-    /// A sphere or an ellipsoid has one of the points in it and not the other, or a plane stands between them.
+    /// Returns whether a sphere or an ellipsoid contains `point` but not `eye`, or a plane separates the two.
     fn enclosed(&self, point: Vec3, eye: Vec3) -> bool {
         let of_ellipsoids = || self.ellipsoids.iter().any(|one| one.holds(point) && !one.holds(eye));
         let of_spheres = || {
@@ -67,12 +69,12 @@ impl Scene {
         of_spheres() || of_ellipsoids() || of_planes()
     }
 
-    /// The primitives that may stand between the eyes and a light.
+    /// Returns a scene of the primitives that may stand between the eyes and a light.
     fn within_reach(&self, eye: Vec3, distance: f32) -> Self {
         let (low, high) = (eye - distance, eye + distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
-        // Holes don't count: what is cut out is as good as whole.
+        // Cut-outs are ignored: their holes count as surface.
         near.materials = self.materials.iter().map(|material| Material { cutout: None, ..material.clone() }).collect();
         near.triangles.extend(self.triangles.iter().filter(|triangle| {
             let [a, b, c] = triangle.corners;
@@ -90,13 +92,13 @@ impl Scene {
     }
 }
 
-/// What the scene's bounding box says of the eyes' surroundings.
+/// The eyes' surroundings, by the scene's bounding box.
 enum Walls {
-    /// The eyes look at the scene from outside.
+    /// The eyes are outside the box.
     None,
     /// Lights belong between these corners.
     Box(Vec3, Vec3),
-    /// The box is too large to tell.
+    /// The box is too large to describe the surroundings.
     BeyondSight,
 }
 

@@ -1,40 +1,40 @@
-//! What surfaces are made of.
+//! Surface materials.
 
 use glam::Vec3;
 
 use super::TextureId;
 
-/// Index of a [`Material`] in its [`Scene`](super::Scene); the default is the grey that every scene begins with.
+/// Index of a [`Material`] in its [`Scene`](super::Scene). The default is the grey material of every scene.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct MaterialId(pub u32);
 
-/// What a surface does with light beside scattering it.
+/// Reflection and refraction of a surface, besides diffuse reflection.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Finish {
-    /// Nothing but highlights of the lights, where [`Material::specular`] is not black. MTL: `illum` 0 to 2.
+    /// Highlights of the lights only, unless [`Material::specular`] is black. MTL: `illum` 0 to 2.
     #[default]
     Matte,
-    /// It mirrors its surroundings by the share of [`Material::specular`]. MTL: `illum` 3, 5 and 8.
+    /// A mirror that reflects the share [`Material::specular`]. MTL: `illum` 3, 5 and 8.
     Mirror {
-        /// The share grows towards white as the view grazes the surface (`illum` 5).
+        /// Whether the share grows towards white at grazing angles (`illum` 5).
         fresnel: bool,
     },
-    /// It refracts what is behind it. MTL: `illum` 4, 6, 7 and 9.
+    /// A refracting surface. MTL: `illum` 4, 6, 7 and 9.
     Glass {
-        /// Index of refraction over that of what surrounds it, 0.1 to 10; window glass has 1.5. MTL's `Ni`.
+        /// Index of refraction relative to the surroundings, 0.1 to 10; window glass has 1.5. MTL's `Ni`.
         index: f32,
-        /// Share of the light that comes through, linear RGB, 0 to 1. MTL's `Tf`.
+        /// Share of the light that is transmitted, linear RGB, 0 to 1. MTL's `Tf`.
         transmission: Vec3,
-        /// The angle of view says how much is reflected, by the share of [`Material::specular`], and what is left comes through
-        /// (`illum` 7). Else all of it comes through but for what is reflected totally.
+        /// Whether the view angle splits light into a reflected share, from [`Material::specular`], and a transmitted
+        /// rest (`illum` 7). Otherwise all light is transmitted, except in total reflection.
         fresnel: bool,
     },
 }
 
-/// A surface: what it scatters, shines, reflects, lets through and gives off.
+/// A surface material: diffuse reflection, highlights, mirror or glass, opacity and emission.
 ///
 /// ```
 /// use stereotrace::{Finish, Material, glam::Vec3};
@@ -47,35 +47,35 @@ pub enum Finish {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Material {
-    /// The material's name in its file, or empty.
+    /// Name in the file, or empty.
     pub name: String,
     /// Diffuse (Lambertian) reflectance, linear RGB, 0 to 1. MTL's `Kd`.
     pub albedo: Vec3,
-    /// The albedo is multiplied by this texture's colour; its alpha says nothing. MTL's `map_Kd`.
+    /// Texture whose colour multiplies the albedo; its alpha is ignored. MTL's `map_Kd`.
     pub texture: Option<TextureId>,
-    /// Where this texture's alpha is below a half there is no surface: no ray meets it there, and light passes. The texture's nearest pixel
-    /// says, without a filter. A checkerboard's alpha is its colours' brightness. Triangles only; those without texture coordinates
-    /// are in the lower left pixel. MTL's `map_d`.
+    /// Texture whose alpha cuts holes: where it is below a half, rays pass through. The nearest pixel counts, without a
+    /// filter. A checkerboard's alpha is its colours' brightness. Only triangles can be cut out; those without texture
+    /// coordinates use the lower left pixel. MTL's `map_d`.
     pub cutout: Option<TextureId>,
-    /// The share of what is behind the surface that it hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
+    /// Share of the background that the surface hides, 0 to 1. MTL's `d`, or 1 - `Tr`.
     pub opacity: f32,
-    /// Colour of highlights; of mirrors and glass the share that they reflect. Linear RGB, 0 to 1. MTL's `Ks`.
+    /// Colour of highlights, or the share that a mirror or glass reflects; linear RGB, 0 to 1. MTL's `Ks`.
     pub specular: Vec3,
-    /// Phong's exponent: the larger, the smaller a highlight; 0 to 10000. MTL's `Ns`.
+    /// Phong exponent, 0 to 10000; larger exponents give smaller highlights. MTL's `Ns`.
     pub exponent: f32,
-    /// Whether highlights are of as much light as [`Material::specular`] says, as [`Material::normalised`] has it. MTL's are not.
+    /// Whether highlights conserve energy, see [`Material::normalised`]. MTL's highlights don't.
     pub normalised: bool,
-    /// Radiance that it gives off by itself, linear RGB. It lights nothing else. MTL's `Ke`.
+    /// Emitted radiance, linear RGB. It lights nothing else. MTL's `Ke`.
     pub emission: Vec3,
-    /// What it does with light beside scattering it. MTL's `illum`.
+    /// Reflection and refraction. MTL's `illum`.
     pub finish: Finish,
 }
 
 impl Material {
-    /// Phong's exponent where nothing is said.
+    /// Default Phong exponent.
     pub(crate) const DEFAULT_EXPONENT: f32 = 30.0;
 
-    /// A diffuse, opaque material without a name: reflectance in linear RGB, 0 to 1.
+    /// Makes a diffuse, opaque material without a name. The albedo is linear RGB, 0 to 1.
     pub fn new(albedo: Vec3) -> Self {
         Self {
             name: String::new(),
@@ -91,100 +91,108 @@ impl Material {
         }
     }
 
-    /// Its name, for messages.
+    /// Sets the name, for messages.
     pub fn name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// What its albedo is multiplied by.
+    /// Sets the texture whose colour multiplies the albedo.
     pub fn texture(mut self, texture: TextureId) -> Self {
         self.texture = Some(texture);
         self
     }
 
-    /// Where there is no surface: where this texture's alpha is below a half.
+    /// Sets the texture that cuts holes where its alpha is below a half.
     pub fn cutout(mut self, cutout: TextureId) -> Self {
         self.cutout = Some(cutout);
         self
     }
 
-    /// The share of what is behind it that it hides, 0 to 1. 1 where nothing is said.
+    /// Sets the share of the background that the surface hides, 0 to 1. The default is 1.
     pub fn opacity(mut self, opacity: f32) -> Self {
         self.opacity = opacity;
         self
     }
 
-    /// Colour of its highlights, or what a mirror or glass reflects; linear RGB, 0 to 1. Black where nothing is said.
+    /// Sets the colour of highlights, or the share that a mirror or glass reflects; linear RGB, 0 to 1. The default is
+    /// black.
     pub fn specular(mut self, specular: Vec3) -> Self {
         self.specular = specular;
         self
     }
 
-    /// Phong's exponent, 0 to 10000. 30 where nothing is said.
+    /// Sets the Phong exponent, 0 to 10000. The default is 30.
     pub fn exponent(mut self, exponent: f32) -> Self {
         self.exponent = exponent;
         self
     }
 
-    /// Whether highlights conserve energy, so that [`Material::specular`] is the share of a light that they send on. A light of intensity I then adds
-    /// `I specular (n + 2)/2 max(0, r·v)ⁿ max(0, n·l)` for the exponent n (Lafortune & Willems 1994, "Using the Modified Phong Reflectance
-    /// Model": a reflectance of `specular (n + 2)/2π max(0, r·v)ⁿ`, alike in both directions), whose sum over all directions is `specular` where light comes
-    /// straight from above, and less the more of the lobe the surface cuts off. Albedo and specular may then be at most 1 together in each channel. By MTL's
-    /// Phong, where nothing is said, it is `I specular max(0, r·v)ⁿ`, of which straight above `2 specular / (n + 1)` of the light comes back: of small highlights hardly
-    /// any, of exponents below 1 more than `specular`. What mirrors and glass reflect of their surroundings stays what it is; lights' highlights on them change alike.
+    /// Sets whether highlights conserve energy; the default is false. Then [`Material::specular`] is the share of a
+    /// light that they reflect.
+    ///
+    /// A light of intensity I adds `I specular (n + 2)/2 max(0, r·v)ⁿ max(0, n·l)` for the exponent n. This is a
+    /// reciprocal reflectance of `specular (n + 2)/2π max(0, r·v)ⁿ` (Lafortune & Willems 1994, "Using the Modified
+    /// Phong Reflectance Model"). For light from straight above, its sum over all directions is `specular`. It is less
+    /// where the surface cuts off a part of the lobe. Albedo plus specular may then be at most 1 in each channel.
+    ///
+    /// By default, MTL's Phong adds `I specular max(0, r·v)ⁿ`. From straight above it returns the light's share
+    /// `2 specular / (n + 1)`: hardly any for small highlights, more than `specular` for exponents below 1.
+    ///
+    /// Reflections of the surroundings in mirrors and glass don't change, but lights' highlights on them do.
     pub fn normalised(mut self, normalised: bool) -> Self {
         self.normalised = normalised;
         self
     }
 
-    /// Radiance that it gives off, linear RGB. Black where nothing is said.
+    /// Sets the emitted radiance, linear RGB. The default is black.
     pub fn emission(mut self, emission: Vec3) -> Self {
         self.emission = emission;
         self
     }
 
-    /// Whether it mirrors or refracts. It does neither where nothing is said.
+    /// Sets reflection and refraction. The default is [`Finish::Matte`].
     pub fn finish(mut self, finish: Finish) -> Self {
         self.finish = finish;
         self
     }
 
-    /// Whether it has highlights or gives off light.
+    /// Returns whether the material has highlights or emits light.
     pub(crate) fn shines(&self) -> bool {
         self.emission != Vec3::ZERO || self.specular != Vec3::ZERO
     }
 
-    /// Whether it has highlights that conserve energy.
+    /// Returns whether it has highlights that conserve energy.
     pub(crate) fn shines_normalised(&self) -> bool {
         self.normalised && self.specular != Vec3::ZERO
     }
 
-    /// Whether rays go on from it: a mirror, glass, or a veil that hides only a share of what is behind it.
+    /// Returns whether rays continue at it: a mirror, glass, or a surface with an opacity below 1.
     pub(crate) fn sends_rays(&self) -> bool {
         self.finish != Finish::Matte || self.opacity < 1.0
     }
 
-    /// The most that it sends back of the light of each channel: what it scatters, and what it reflects and lets through. Highlights that don't conserve energy
-    /// are left out.
+    /// Returns the largest share of each channel's light that the material can return: diffuse, reflected and
+    /// transmitted. It ignores highlights that don't conserve energy.
     pub(super) fn most_returned(&self) -> Vec3 {
         let (albedo, reflected) = (self.albedo, self.specular);
         match self.finish {
             Finish::Matte if !self.normalised => albedo,
             Finish::Matte | Finish::Mirror { .. } => albedo + reflected,
-            // The angle says which share is whose.
+            // Light is either reflected or transmitted, depending on the angle.
             Finish::Glass { transmission, fresnel: true, .. } => albedo + reflected.max(transmission),
             Finish::Glass { transmission, .. } => albedo + reflected + (Vec3::ONE - reflected) * transmission,
         }
     }
 
-    /// Scales all of that down to what came, and says whether it was more.
+    /// Scales the shares so that the material returns at most 1. Returns whether it had returned more.
     #[cfg(any(feature = "obj", feature = "gltf", test))]
     pub(super) fn conserve(&mut self) -> bool {
         if self.most_returned().max_element() <= 1.0 {
             return false;
         }
-        // What is let through is a share of what is not reflected: with all of it k times as much, k (a + r + t) - k² r t is to be 1.
+        // The transmitted share is t of what is not reflected. Scaling everything by k gives k (a + r + t) - k² r t =
+        // 1.
         let passed = match self.finish {
             Finish::Glass { transmission, fresnel: false, .. } => transmission,
             _ => Vec3::ZERO,

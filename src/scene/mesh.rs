@@ -1,4 +1,4 @@
-//! Triangle meshes: what they are given as, what becomes of them in a scene, and what is wrong with them.
+//! Triangle meshes, their checks, and their triangles in a scene.
 
 use std::{ops::Range, sync::Arc};
 
@@ -14,7 +14,7 @@ use crate::{
     message::{counted, tidy},
 };
 
-/// Indexed triangles that make one object.
+/// Indexed triangles that form one object.
 ///
 /// ```
 /// use stereotrace::{Mesh, Scene, glam::Vec3};
@@ -26,55 +26,56 @@ use crate::{
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Mesh {
-    /// The object's name, or empty. Clones and the scene share it: a file may give one long name to thousands of objects.
+    /// Name of the object, or empty. Clones and the scene share it, since thousands of objects in a file may have the
+    /// same long name.
     pub name: Arc<str>,
-    /// World positions.
+    /// Positions of the vertices, relative to [`Scene::origin`].
     pub positions: Vec<Vec3>,
-    /// Corners of each triangle, indices into `positions`.
+    /// Corners of each triangle, as indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// One material a triangle, or a single one for all.
+    /// One material per triangle, or a single one for all.
     pub materials: Vec<MaterialId>,
-    /// Three unit normals a triangle for smooth shading, or empty: the triangles are flat.
-    /// A triangle with a zero among its normals is flat too.
+    /// Three unit normals per triangle for smooth shading, or empty for flat triangles. A triangle with a zero among
+    /// its normals is flat too.
     pub normals: Vec<[Vec3; 3]>,
-    /// Three texture coordinates a triangle, or empty: (0, 0) is a texture's lower left corner.
+    /// Three texture coordinates per triangle, or empty. (0, 0) is a texture's lower left corner.
     pub uv: Vec<[Vec2; 3]>,
-    /// Three colours a triangle, which its albedo is multiplied by, linear RGB, or empty.
+    /// Three colours per triangle that multiply the albedo, linear RGB, or empty.
     pub colors: Vec<[Vec3; 3]>,
 }
 
 impl Mesh {
-    /// Flat triangles of a scene's grey, without a name: world positions, and the corners of each triangle as indices into
-    /// them.
+    /// Makes flat triangles without a name, in the scene's grey. `positions` are relative to [`Scene::origin`];
+    /// `triangles` are indices into them.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, materials: vec![MaterialId::default()], ..Self::default() }
     }
 
-    /// The object's name.
+    /// Sets the object's name.
     pub fn name(mut self, name: impl Into<Arc<str>>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// One material a triangle, or a single one for all.
+    /// Sets one material per triangle, or a single one for all.
     pub fn materials(mut self, materials: Vec<MaterialId>) -> Self {
         self.materials = materials;
         self
     }
 
-    /// Three unit normals a triangle for smooth shading, or none.
+    /// Sets three unit normals per triangle for smooth shading, or none.
     pub fn normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
         self.normals = normals;
         self
     }
 
-    /// Three texture coordinates a triangle, or none.
+    /// Sets three texture coordinates per triangle, or none.
     pub fn uv(mut self, uv: Vec<[Vec2; 3]>) -> Self {
         self.uv = uv;
         self
     }
 
-    /// Three colours a triangle, or none.
+    /// Sets three linear RGB colours per triangle, or none.
     pub fn colors(mut self, colors: Vec<[Vec3; 3]>) -> Self {
         self.colors = colors;
         self
@@ -91,7 +92,7 @@ impl Mesh {
         }
     }
 
-    /// Lists that have as many entries as there are triangles, and texture coordinates and colours that are some.
+    /// Checks the lengths of the lists, and that texture coordinates and colours are valid.
     fn check_lists(&self) -> Result<(), (String, String)> {
         let count = self.triangles.len();
         let triangles = counted(count, "triangle", "triangles");
@@ -115,7 +116,7 @@ impl Mesh {
     }
 }
 
-/// A primitive's place in its scene: which object it belongs to, and where objects begin.
+/// A mesh object in a scene. Its primitives begin at `first_primitive`.
 #[derive(Clone, Debug)]
 pub(crate) struct Object {
     pub(crate) name: Arc<str>,
@@ -131,12 +132,12 @@ impl Object {
     }
 }
 
-/// A triangle with everything a renderer asks of it.
+/// A triangle with its shading normals and material.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Triangle {
-    /// Corners in world space.
+    /// Corners, relative to [`Scene::origin`].
     pub corners: [Vec3; 3],
     /// Shading normals at the corners; a zero among them makes the triangle flat.
     pub normals: [Vec3; 3],
@@ -145,12 +146,12 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// All three corners have normals.
+    /// Returns whether all three corners have normals.
     pub fn is_smooth(&self) -> bool {
         self.normals.iter().all(|normal| *normal != Vec3::ZERO)
     }
 
-    /// No area (exactly, in f64), or a corner that is no number: it can't be hit.
+    /// Returns whether the triangle has no area (exactly, in f64) or a corner that is not finite. Rays can't hit it.
     pub fn is_degenerate(&self) -> bool {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let normal: DVec3 = (b - a).cross(c - a);
@@ -159,12 +160,15 @@ impl Triangle {
 }
 
 impl Scene {
-    /// Adds a mesh as one object. That triangles without area are dropped is logged as a warning.
+    /// Adds a mesh as one object. Triangles without area are dropped, with a warning.
     ///
     /// # Errors
-    /// [`Error::Scene`], naming mesh and element, for an index out of range, a coordinate that is not finite or is
-    /// larger than [`MAX_COORDINATE`](super::MAX_COORDINATE), lists whose lengths don't fit, a normal, texture coordinate or
-    /// colour that is not finite, a colour that is negative, or a material that is not there.
+    /// [`Error::Scene`], naming mesh and element, for:
+    ///
+    /// - an index out of range, or an unknown material,
+    /// - a coordinate that is not finite or larger than [`MAX_COORDINATE`](super::MAX_COORDINATE),
+    /// - lists whose lengths don't match,
+    /// - a normal, texture coordinate or colour that is not finite, or a negative colour.
     pub fn add_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let (first, dropped) = (self.triangles.len(), self.dropped);
         self.push_mesh(mesh)?;
@@ -172,7 +176,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Says how many more of a mesh's triangles are dropped, of the first meshes that have such.
+    /// Logs how many triangles of a mesh were dropped. Only the first such meshes are logged.
     pub(super) fn warn_of_dropped(&mut self, name: &str, dropped: usize, of: Range<usize>) {
         if dropped == 0 {
             return;
@@ -188,7 +192,7 @@ impl Scene {
         log::warn!("{}", tidy(&format!("mesh '{name}': {text}")));
     }
 
-    /// [`Scene::add_mesh`] without a word about dropped triangles.
+    /// Adds a mesh as [`Scene::add_mesh`] does, without a warning about dropped triangles.
     pub(super) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let triangles = self.checked_triangles(mesh)?;
         let end = self.triangles.len();
@@ -198,7 +202,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts triangles in the place of others, and keeps count of what is dropped and smooth.
+    /// Replaces a range of triangles and updates the counts of dropped and smooth ones.
     pub(super) fn replace_triangles(&mut self, range: Range<usize>, by: Vec<Triangle>) {
         let counts = |triangles: &[Triangle]| {
             triangles.iter().fold((0, 0), |(dropped, smooth), triangle| match triangle.is_degenerate() {
@@ -209,7 +213,7 @@ impl Scene {
         let (before, after) = (counts(&self.triangles[range.clone()]), counts(&by));
         self.dropped = self.dropped + after.0 - before.0;
         self.smooth = self.smooth + after.1 - before.1;
-        // The first mesh of a large file is most of its memory: it is not copied.
+        // The first mesh often holds most of a large file's memory, so it is moved, not copied.
         match self.triangles.is_empty() {
             true => self.triangles = by,
             false => drop(self.triangles.splice(range, by)),
@@ -217,7 +221,7 @@ impl Scene {
         self.triangles_stamp = Stamp::new();
     }
 
-    /// A mesh's triangles, if the scene can take them.
+    /// Returns a mesh's triangles, after checking it against the scene.
     pub(super) fn checked_triangles(&self, mesh: &Mesh) -> Result<Vec<Triangle>, Error> {
         for (index, &position) in mesh.positions.iter().enumerate() {
             check_coordinate(position).map_err(|reason| mesh.fault(&format!("vertex {index}"), reason))?;
@@ -240,12 +244,12 @@ impl Scene {
     }
 }
 
-/// What to say of dropped triangles: how many of these, and whether they were lost to the rounding of coordinates.
+/// Returns a message about dropped triangles: how many there are, and whether the rounding of coordinates caused it.
 pub(super) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
     let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
-    // A mesh about the origin is a million steps across, ten times as many as this; fewer lose detail.
+    // A mesh at the origin is a million f32 steps across, ten times as many as this limit. Fewer steps lose detail.
     if let Some(rounded) = rounding_text(low, high, 1e-5) {
         text += &format!("; {rounded}: move it nearer to the origin");
     }

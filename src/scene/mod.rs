@@ -1,4 +1,4 @@
-//! What is rendered: triangle meshes, spheres, ellipsoids and planes, materials, lights, ambient light and a sky.
+//! Scenes: triangle meshes, spheres, ellipsoids, planes, materials, lights, ambient light and the sky.
 
 mod beside;
 pub mod builtin;
@@ -62,23 +62,24 @@ use crate::Limits;
 use crate::input::Files;
 use crate::{Error, camera::MAX_WORLD_COORDINATE};
 
-/// Coordinates relative to [`Scene::origin`] that are larger than this (in world units) are refused: past it the box tests of the traversal overflow f32.
+/// Largest coordinate relative to [`Scene::origin`], in world units. Larger ones are refused, since they overflow f32
+/// in the traversal's box tests.
 pub const MAX_COORDINATE: f32 = 1e8;
 
-/// The least length, in world units, of a scene's longest side: the products of an intersection would vanish in f32.
-/// What is smaller may stand in a larger scene.
+/// Least length of a scene's longest side, in world units. In smaller scenes the products of an intersection vanish in
+/// f32. Smaller objects may stand in a larger scene.
 pub const MIN_EXTENT: f32 = 1e-6;
 
-/// Lights that a scene may have at most.
+/// Maximum number of lights in a scene.
 pub const MAX_LIGHTS: usize = 1 << 20;
 
-/// The share of the light that every surface gets where there are lights and nothing else is said.
+/// Ambient light of a scene that has lights and sets no ambient light itself.
 const DEFAULT_AMBIENT: f32 = 0.15;
 
-/// Of like warnings so many are logged; the rest are counted.
+/// Number of warnings of one kind that are logged; further ones are only counted.
 const PRINTED_WARNINGS: usize = 5;
 
-/// What a ray sees that hits nothing, linear RGB.
+/// Light along rays that hit nothing, linear RGB.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -92,31 +93,31 @@ pub enum Sky {
         /// Colour straight up.
         zenith: Vec3,
     },
-    /// A picture.
+    /// An environment picture.
     Map(SkyMap),
 }
 
-/// A sphere, given by its equation.
+/// A sphere, intersected analytically.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Sphere {
-    /// Position of its centre, relative to [`Scene::origin`].
+    /// Position of the centre, relative to [`Scene::origin`].
     pub center: Vec3,
     /// Radius in world units, above 0.
     pub radius: f32,
-    /// Its material.
+    /// Material of the whole surface.
     pub material: MaterialId,
 }
 
 impl Sphere {
-    /// A sphere about a position relative to [`Scene::origin`]; the radius is in world units, above 0.
+    /// Makes a sphere from its centre, relative to [`Scene::origin`], and its radius in world units, above 0.
     pub fn new(center: Vec3, radius: f32, material: MaterialId) -> Self {
         Self { center, radius, material }
     }
 }
 
-/// What a primitive id names.
+/// The primitive that an id refers to.
 pub(crate) enum Primitive<'a> {
     Triangle(&'a Triangle),
     Sphere(&'a Sphere),
@@ -124,12 +125,12 @@ pub(crate) enum Primitive<'a> {
     Plane(&'a Plane),
 }
 
-/// A scene to render. Primitive ids are its own order: triangles in the order they were added (dropped ones keep
-/// their number), then spheres, then ellipsoids, then planes.
+/// A scene to render. Primitive ids follow the scene's order: triangles as they were added, then spheres, ellipsoids
+/// and planes. Degenerate triangles are not traced, but keep their ids.
 ///
-/// Positions of meshes, spheres, ellipsoids and planes are f32 numbers relative to [`Scene::origin`], which is 0 unless
-/// it was set. Lights, cameras, rays and bounds are in world coordinates, in f64. A scene far from the world's origin,
-/// such as a city in a national grid, so loses no precision.
+/// Positions of meshes, spheres, ellipsoids and planes are f32 numbers relative to [`Scene::origin`], which is 0 by
+/// default. Lights, cameras, rays and bounds are in world coordinates, in f64. So a scene far from the world's origin,
+/// such as a city in a national grid, loses no precision.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Sphere, glam::Vec3};
@@ -142,14 +143,15 @@ pub(crate) enum Primitive<'a> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Empty: only `ambient` lights the surfaces, see [`Scene::place_lights`].
+    /// Lights in world coordinates. If there are none, only `ambient` lights the surfaces. See also
+    /// [`Scene::place_lights`].
     pub lights: Vec<Light>,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// Light that reaches every surface from everywhere, linear RGB. `None`, as in a new scene, is light by rule: 1 without
-    /// lights, and 0.15 with them, or they would add to what is white already. See [`Scene::rendered_ambient`]. Frames lit by the sky have none.
+    /// Light that reaches every surface from everywhere, linear RGB. `None`, the default, stands for 1 without lights
+    /// and 0.15 with lights; see [`Scene::rendered_ambient`]. Frames lit by the sky have no ambient light.
     pub ambient: Option<Vec3>,
-    /// What a ray sees that hits nothing. It lights surfaces where [`Options::sky_rays`](crate::Options::sky_rays) asks it to.
+    /// Light along rays that hit nothing. It lights surfaces if [`Options::sky_rays`](crate::Options::sky_rays) is set.
     pub sky: Sky,
     origin: DVec3,
     materials: Vec<Material>,
@@ -160,13 +162,14 @@ pub struct Scene {
     planes: Vec<Plane>,
     mesh_objects: Vec<Object>,
     beside: Beside,
-    /// How many of the triangles that are traced are smooth.
+    /// Number of traced triangles with smooth shading.
     smooth: usize,
-    /// How many of the triangles are degenerate.
+    /// Number of degenerate triangles.
     dropped: usize,
-    /// How many meshes were warned of for it.
+    /// Number of meshes with a warning about degenerate triangles.
     dropping_meshes: usize,
-    /// Renewed when triangles change, or spheres, ellipsoids or planes: equal ones are of equal primitives.
+    /// Renewed whenever triangles change. Scenes with equal stamps have equal primitives. `spheres_stamp` does the same
+    /// for spheres, ellipsoids and planes.
     pub(crate) triangles_stamp: Stamp,
     pub(crate) spheres_stamp: Stamp,
 }
@@ -178,7 +181,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene: black sky, ambient light by rule, one grey material (id 0).
+    /// Makes an empty scene: black sky, default ambient light, one grey material (id 0).
     pub fn new() -> Self {
         Self {
             lights: Vec::new(),
@@ -211,8 +214,8 @@ impl Scene {
     /// Adds a sphere as an object of its own.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a centre or radius that is not finite or too large, a radius that is not above 0, or a
-    /// material that is not there.
+    /// [`Error::Scene`] for a centre or radius that is not finite or too large, a radius that is not above 0, or an
+    /// unknown material.
     pub fn add_sphere(&mut self, sphere: Sphere) -> Result<(), Error> {
         self.check_sphere(self.spheres.len(), &sphere)?;
         self.spheres.push(sphere);
@@ -220,24 +223,29 @@ impl Scene {
         Ok(())
     }
 
-    /// Reads a scene from an OBJ file and the MTL files it names. A face of n corners becomes n - 2 triangles: a fan from
-    /// its first corner, or ears cut off where it is concave; one that crosses itself or is far from flat is fanned and
-    /// logged. Missing normals make flat triangles, a missing MTL is logged and gives grey. Colours of vertices (`v x y z r g b`) are taken as
-    /// sRGB. Textures (`map_Kd`, `map_d`) are read with the feature `textures`, those of materials that are used. What pictures
-    /// don't show of a file is logged once a file: highlights, lines and points, and the like; a mirror or glass without a
-    /// diffuse colour takes its specular one. DESIGN, section 8, has all that is read of an MTL. The scene has no lights yet: see
-    /// [`Scene::place_lights`].
+    /// Reads a scene from an OBJ file and the MTL files that it names.
+    ///
+    /// - A face of n corners becomes n - 2 triangles. Convex faces become a fan from the first corner, concave ones are
+    ///   cut by ear clipping. Faces that cross themselves or are far from flat become fans, with a warning.
+    /// - Faces without normals are flat. A missing MTL is logged; its materials are grey.
+    /// - Vertex colours (`v x y z r g b`) are sRGB.
+    /// - Textures (`map_Kd`, `map_d`) of used materials are read with the feature `textures`.
+    /// - A mirror or glass without a diffuse colour takes its specular one.
+    /// - Unsupported features, such as highlights, lines and points, are logged once a file.
+    ///
+    /// DESIGN, section 8, lists the MTL fields. The scene has no lights: see [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming the line where it is known, if it is UTF-16 or its content is wrong: numbers that don't parse or are not
-    /// finite, indices out of range, no faces at all, textures that can't be read.
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`], with the line where it is known, if the file is UTF-16 or its content is wrong. Examples are
+    ///   numbers that don't parse or are not finite, indices out of range, no faces, and unreadable textures.
     #[cfg(feature = "obj")]
     pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_obj_with(path, &ObjOptions::default())
     }
 
-    /// [`Scene::from_obj`] with other limits than the usual ones.
+    /// Does the same as [`Scene::from_obj`], with the given limits.
     ///
     /// # Errors
     /// Those of [`Scene::from_obj`].
@@ -246,73 +254,81 @@ impl Scene {
         Self::from_obj_with(path, &ObjOptions::default().limits(*limits))
     }
 
-    /// [`Scene::from_obj`] with limits, missing textures and missing normals as `options` say.
+    /// Does the same as [`Scene::from_obj`]; `options` set limits, missing textures and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "obj")]
     pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
         obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
-    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights: the meshes of its default scene where its nodes show them, with base colours,
-    /// metal and roughness, emission, masks and transparency as our materials have them. `docs/FORMATS.md` has the rules; what pictures don't show is
-    /// logged once. [`SceneFile::open`] has its cameras too.
+    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights. It reads the meshes of the default scene's
+    /// nodes, with base colour, metal, roughness, emission, masks and transparency.
+    ///
+    /// `docs/FORMATS.md` has the rules. Unsupported features are logged once. [`SceneFile::open`] also reads the
+    /// cameras.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file or one that it names can't be read or is no regular one; [`Error::TooLarge`] if one is larger than [`Limits`] says, or
-    /// has more triangles; [`Error::Parse`], naming the item, if its content is wrong: JSON that is none, indices and lengths out of range, numbers that are not
-    /// finite, nodes with two parents, extensions that it requires and that are not known, no triangles at all, textures that can't be read.
+    /// - [`Error::Io`] if the file or one that it names can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if a file or the number of triangles exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`], naming the item, if the content is wrong. Examples are invalid JSON, indices out of range,
+    ///   infinite numbers, nodes with two parents, unknown required extensions, no triangles, and unreadable textures.
     #[cfg(feature = "gltf")]
     pub fn from_gltf(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_gltf_with(path, &SceneOptions::default())
     }
 
-    /// [`Scene::from_gltf`] with limits, missing textures and missing normals as `options` say.
+    /// Does the same as [`Scene::from_gltf`]; `options` set limits, missing textures and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "gltf")]
     pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         gltf::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options).map(|file| file.scene)
     }
 
-    /// Reads a mesh from a PLY file, text or binary of either byte order: positions, normals, colours (taken as sRGB) and texture
-    /// coordinates of vertices, and faces, which become triangles as those of an OBJ do. It is grey, where its vertices have no colours.
-    /// `docs/FORMATS.md` has all that is read; what is not is logged once. The scene has no lights yet: see [`Scene::place_lights`].
+    /// Reads a mesh from a PLY file, text or binary of either byte order. It reads positions, normals, sRGB colours and
+    /// texture coordinates of vertices, and faces. Faces become triangles as in [`Scene::from_obj`]. Without vertex
+    /// colours the mesh is grey.
+    ///
+    /// `docs/FORMATS.md` lists the properties; unsupported ones are logged once. The scene has no lights: see
+    /// [`Scene::place_lights`].
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one; [`Error::TooLarge`] if it is larger than [`Limits`] says;
-    /// [`Error::Parse`], naming element and line where they are known, if its content is wrong: a header that is none, numbers that are
-    /// missing or not finite, corners out of range, no faces at all, as in clouds of points.
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`], with element and line where they are known, if the content is wrong. Examples are an invalid
+    ///   header, numbers that are missing or not finite, corners out of range, and no faces, as in point clouds.
     #[cfg(feature = "ply")]
     pub fn from_ply(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::from_ply_with(path, &SceneOptions::default())
     }
 
-    /// [`Scene::from_ply`] with limits and missing normals as `options` say.
+    /// Does the same as [`Scene::from_ply`]; `options` set limits and missing normals.
     ///
     /// # Errors
-    /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle that is not within 0 to 180 degrees.
+    /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
     #[cfg(feature = "ply")]
     pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
         ply::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
-    /// The ambient light that is rendered: [`Scene::ambient`] where it is given, else 1 without lights and 0.15 with them.
+    /// Returns the ambient light that is rendered: [`Scene::ambient`] if it is set, else 1 without lights and 0.15 with
+    /// lights.
     pub fn rendered_ambient(&self) -> Vec3 {
         self.ambient.unwrap_or(if self.lights.is_empty() { Vec3::ONE } else { Vec3::splat(DEFAULT_AMBIENT) })
     }
 
-    /// World position that the positions of meshes, spheres, ellipsoids and planes are relative to.
+    /// Returns the world position that positions of meshes, spheres, ellipsoids and planes are relative to.
     ///
     /// Readers of scene files choose it by [`SceneOptions::origin`](crate::SceneOptions::origin); a new scene has 0.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Sets [`Scene::origin`]. What was added keeps its positions relative to the origin, so that it moves along. Lights
-    /// stay where they are in the world.
+    /// Sets [`Scene::origin`]. Primitives keep their positions relative to the origin, so they move with it. Lights
+    /// keep their world positions.
     ///
     /// # Errors
     /// [`Error::Scene`] for a coordinate that is not a number within ±1e13 ([`MAX_WORLD_COORDINATE`]).
@@ -328,18 +344,18 @@ impl Scene {
         Ok(())
     }
 
-    /// A world position relative to the origin.
+    /// Converts a world position to one relative to the origin.
     pub(crate) fn local(&self, point: DVec3) -> Vec3 {
         (point - self.origin).as_vec3()
     }
 
-    /// The axis-aligned box around all primitives that can be hit but planes, in world coordinates; `None` if there are
-    /// none.
+    /// Returns the axis-aligned box (low and high corner, world coordinates) around all traced primitives except
+    /// planes, or `None` if there are none.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.local_bounds().map(|(low, high)| (self.origin + low.as_dvec3(), self.origin + high.as_dvec3()))
     }
 
-    /// The same relative to the origin.
+    /// Does the same as [`Scene::bounds`], relative to the origin.
     pub(crate) fn local_bounds(&self) -> Option<(Vec3, Vec3)> {
         let triangles = self.triangles.iter().filter(|t| !t.is_degenerate()).flat_map(|t| t.corners);
         let spheres = self.spheres.iter().flat_map(|s| [s.center - s.radius, s.center + s.radius]);
@@ -350,13 +366,13 @@ impl Scene {
         })
     }
 
-    /// Number of primitive ids: triangles (dropped ones too), then spheres, ellipsoids and planes.
+    /// Returns the number of primitive ids. Degenerate triangles count.
     pub fn primitive_count(&self) -> usize {
         self.triangles.len() + self.ball_count() + self.planes.len()
     }
 
-    /// The memory that the scene takes, in bytes, about: its primitives, and the pixels of its textures and sky, which
-    /// clones share.
+    /// Returns about how many bytes the scene takes: its primitives, and the pixels of its textures and sky. Clones
+    /// share the pixels.
     pub fn memory(&self) -> usize {
         let lists = size_of_val(&*self.triangles)
             + size_of_val(&*self.beside.uv)
@@ -372,7 +388,7 @@ impl Scene {
         lists + pixels.sum::<usize>() + sky
     }
 
-    /// A primitive by its id, which must be there.
+    /// Returns a primitive by its id, which must be below [`Scene::primitive_count`].
     pub(crate) fn primitive(&self, id: u32) -> Primitive<'_> {
         let index = id as usize;
         let (triangles, spheres) = (self.triangles.len(), self.spheres.len());
@@ -386,43 +402,43 @@ impl Scene {
         }
     }
 
-    /// Number of spheres and ellipsoids.
+    /// Returns the number of spheres and ellipsoids.
     fn ball_count(&self) -> usize {
         self.spheres.len() + self.ellipsoids.len()
     }
 
-    /// Triangles without area, which are counted and not traced.
+    /// Returns the number of triangles without area. They are not traced.
     pub fn degenerate_count(&self) -> usize {
         self.dropped
     }
 
-    /// All triangles, degenerate ones too; index = primitive id.
+    /// Returns all triangles, degenerate ones too; the index is the primitive id.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
 
-    /// All spheres; index + number of triangles = primitive id.
+    /// Returns all spheres; the primitive id is the index plus the number of triangles.
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres
     }
 
-    /// All materials; index = [`MaterialId`].
+    /// Returns all materials; the index is the [`MaterialId`].
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// Some triangle that is traced has normals for smooth shading.
+    /// Returns whether some traced triangle has normals for smooth shading.
     pub fn has_normals(&self) -> bool {
         self.smooth > 0
     }
 
-    /// Number of objects: meshes, then spheres, ellipsoids and planes.
+    /// Returns the number of objects: meshes, spheres, ellipsoids and planes.
     pub fn object_count(&self) -> usize {
         self.mesh_objects.len() + self.ball_count() + self.planes.len()
     }
 
-    /// The object of a primitive: meshes count first, in the order they were added, then spheres, ellipsoids and planes.
-    /// [`MISS`](crate::MISS) for numbers out of range.
+    /// Returns the object of a primitive. Objects count meshes as they were added, then spheres, ellipsoids and planes.
+    /// Ids out of range give [`MISS`](crate::MISS).
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
         if primitive as usize >= self.primitive_count() {
@@ -434,13 +450,13 @@ impl Scene {
         self.mesh_objects.partition_point(|object| object.first_primitive <= primitive) as u32 - 1
     }
 
-    /// The name of an object: its mesh's, empty for spheres, ellipsoids, planes and for numbers out of range.
+    /// Returns the name of a mesh object. It is empty for other objects and for indices out of range.
     pub fn object_name(&self, object: u32) -> &str {
         self.mesh_objects.get(object as usize).map_or("", |object| &object.name)
     }
 }
 
-/// The light of an sRGB value (IEC 61966-2-1).
+/// Converts an sRGB value to linear light (IEC 61966-2-1).
 #[cfg(any(feature = "scene-files", feature = "sky"))]
 fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }

@@ -1,4 +1,4 @@
-//! Scenes that change from picture to picture: [`Renderer::update`](crate::Renderer::update) brings the change to the device.
+//! Changes to a scene. [`Renderer::update`](crate::Renderer::update) uploads them.
 
 use std::{
     ops::Range,
@@ -12,10 +12,10 @@ use super::{
 };
 use crate::{Error, message::counted};
 
-/// How far a transform's axes may be from equal length and right angles, as a share, to take spheres to spheres.
+/// Largest relative deviation of a transform's axes from equal length and right angles, for which spheres stay spheres.
 const ROUND: f64 = 1e-5;
 
-/// A number that nothing else in this process has.
+/// A number that is unique in this process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp(u64);
 
@@ -27,10 +27,12 @@ impl Stamp {
 }
 
 impl Scene {
-    /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from where it is now. What is applied again and again adds up
-    /// its rounding: for long films keep the first state of the object and use [`Scene::set_mesh`], [`Scene::set_sphere`],
-    /// [`Scene::set_ellipsoid`] or [`Scene::set_plane`]. Triangles that it
-    /// leaves without area are dropped, and logged as [`Scene::add_mesh`] does. A plane's texture is turned and scaled as its u axis is, and not sheared.
+    /// Moves, turns, scales or shears an object ([`Scene::object_of`]) from its current place. Triangles that lose
+    /// their area are dropped, and logged as in [`Scene::add_mesh`]. A plane's texture is turned and scaled with its u
+    /// axis, but not sheared.
+    ///
+    /// Repeated transforms accumulate rounding. For long films keep the object's first state and use
+    /// [`Scene::set_mesh`], [`Scene::set_sphere`], [`Scene::set_ellipsoid`] or [`Scene::set_plane`].
     ///
     /// ```
     /// use stereotrace::{MaterialId, Scene, Sphere, glam::{Affine3A, Vec3}};
@@ -43,10 +45,10 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Scene`] for an object that is not there, where a coordinate becomes infinite, no number or larger than
-    /// [`MAX_COORDINATE`](super::MAX_COORDINATE), and for a sphere that would be none: scaled to nothing, by a factor that is not the same
-    /// in all directions, or sheared: what may become an ellipsoid is to be added as one. Of an ellipsoid's map the errors are those of
-    /// [`Scene::add_ellipsoid`], of a plane those of [`Scene::add_plane`]. The scene then stays as it was.
+    /// [`Error::Scene`] for an unknown object, and if a coordinate becomes infinite, not a number or larger than
+    /// [`MAX_COORDINATE`](super::MAX_COORDINATE). Spheres must not be scaled to nothing, scaled unequally or sheared;
+    /// add an ellipsoid for that. Ellipsoids have the errors of [`Scene::add_ellipsoid`], planes those of
+    /// [`Scene::add_plane`]. The scene is unchanged then.
     pub fn transform_object(&mut self, object: u32, transform: &Affine3A) -> Result<(), Error> {
         match self.place_of(object)? {
             Place::Sphere(index) => {
@@ -80,12 +82,12 @@ impl Scene {
         }
     }
 
-    /// Puts another mesh in the place of a mesh, as the same object. Where the number of triangles changes, so do the ids of all
-    /// primitives behind them, and the scene must be updated by [`Update::Rebuild`](crate::Update).
+    /// Replaces a mesh, as the same object. If the number of triangles changes, so do the ids of all later primitives.
+    /// The scene must then be updated by [`Update::Rebuild`](crate::Update).
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_mesh`], and for an object that is not there or is no mesh. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_mesh`], and if the object is unknown or not a mesh. The scene is unchanged
+    /// then.
     pub fn set_mesh(&mut self, object: u32, mesh: &Mesh) -> Result<(), Error> {
         let range = match self.place_of(object)? {
             Place::Triangles(range) => range,
@@ -102,11 +104,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another sphere in the place of a sphere, as the same object: spheres count behind the meshes, ellipsoids behind those.
+    /// Replaces a sphere, as the same object. Object indices count meshes, then spheres, then ellipsoids.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_sphere`], and for an object that is not there or is no sphere. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_sphere`], and if the object is unknown or not a sphere. The scene is unchanged
+    /// then.
     pub fn set_sphere(&mut self, object: u32, sphere: Sphere) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Sphere(index) => index,
@@ -118,11 +120,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another ellipsoid in the place of an ellipsoid, as the same object.
+    /// Replaces an ellipsoid, as the same object.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and for an object that is not there or is no ellipsoid. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_ellipsoid`], and if the object is unknown or not an ellipsoid. The scene is
+    /// unchanged then.
     pub fn set_ellipsoid(&mut self, object: u32, ellipsoid: Ellipsoid) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Ellipsoid(index) => index,
@@ -134,11 +136,11 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another plane in the place of a plane, as the same object: planes count behind all others.
+    /// Replaces a plane, as the same object. Planes have the last object indices.
     ///
     /// # Errors
-    /// [`Error::Scene`] as [`Scene::add_plane`], and for an object that is not there or is no plane. The scene then stays as it
-    /// was.
+    /// [`Error::Scene`] as [`Scene::add_plane`], and if the object is unknown or not a plane. The scene is unchanged
+    /// then.
     pub fn set_plane(&mut self, object: u32, plane: Plane) -> Result<(), Error> {
         let index = match self.place_of(object)? {
             Place::Plane(index) => index,
@@ -150,10 +152,10 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts another material in the place of one.
+    /// Replaces a material.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a material that is not there.
+    /// [`Error::Scene`] for an unknown material.
     pub fn set_material(&mut self, id: MaterialId, material: Material) -> Result<(), Error> {
         let check = self.check_material(id);
         check.map_err(|reason| Error::Scene { element: format!("material '{}'", material.name), reason })?;
@@ -190,7 +192,7 @@ impl Scene {
     }
 }
 
-/// Where an object's primitives stand among triangles, spheres, ellipsoids or planes.
+/// Kind of an object, and the indices of its primitives in their list.
 enum Place {
     Triangles(Range<usize>),
     Sphere(usize),
@@ -199,7 +201,7 @@ enum Place {
 }
 
 impl Place {
-    /// What is said where an object is to become what it is not.
+    /// Returns the error for an object of another kind than expected.
     fn refuses(&self, object: u32) -> Error {
         let reason = match self {
             Self::Triangles(_) => "it is a mesh: use set_mesh",
@@ -215,7 +217,7 @@ fn axes(transform: &Affine3A) -> [DVec3; 3] {
     [transform.x_axis, transform.y_axis, transform.z_axis].map(|axis| Vec3::from(axis).as_dvec3())
 }
 
-/// By how much a transform scales spheres.
+/// Returns the factor by which a transform scales spheres.
 fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     let [x, y, z] = axes(transform);
     let lengths = [x, y, z].map(DVec3::length);
@@ -223,14 +225,15 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     let is_equal = lengths.iter().all(|length| (length - scale).abs() <= ROUND * scale);
     let is_square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|dot| dot.abs() <= ROUND * scale * scale);
     if !scale.is_finite() || (is_equal && is_square) {
-        return Ok(scale); // what is not finite is refused with the coordinates
+        return Ok(scale); // the check of coordinates refuses non-finite values
     }
     let [x, y, z] = lengths;
     let shear = if is_square { "" } else { ", and sheared" };
     Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; only by one factor does it stay a sphere"))
 }
 
-/// Normals go by the cofactors: by the inverse transposed, but for a factor, and they are there where the inverse is not.
+/// Transforms a normal by the cofactors, which are the transposed inverse up to a factor. They also exist if the
+/// inverse does not.
 fn transformed_normal(normal: Vec3, transform: &Affine3A) -> Vec3 {
     let [x, y, z] = axes(transform);
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
@@ -247,7 +250,7 @@ fn transformed(triangle: &Triangle, transform: &Affine3A) -> Triangle {
     }
 }
 
-/// A tile grows as what of the u axis lies in the plane does.
+/// Transforms a plane. The tile scales with the part of the u axis in the plane.
 fn transformed_plane(plane: &Plane, transform: &Affine3A) -> Plane {
     let u_axis = transform.transform_vector3(plane.u_per_unit());
     Plane {

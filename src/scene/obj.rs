@@ -1,9 +1,8 @@
 //! Reads OBJ and MTL files.
 //!
-//! tobj parses the numbers. It names no line in its errors, panics on some files,
-//! takes `l` lines of three points for faces and doesn't tell `o` from `g`, so [`prepare`] goes over the text first:
-//! it checks every index and leaves only lines that tobj reads as they are meant. It can only fan faces, so they are
-//! split into triangles here (../polygon.rs).
+//! tobj parses the numbers. Its errors name no line, and it panics on some files. It reads `l` lines of three points as
+//! faces and doesn't distinguish `o` from `g`. So [`prepare`] processes the text first. It checks every index and keeps
+//! only lines that tobj reads correctly. tobj can only split faces into fans, so they are split here (../polygon.rs).
 
 mod checks;
 mod models;
@@ -28,68 +27,70 @@ use crate::{Error, Limits, input::Files, message::counted};
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);
 
-/// The colour of a vertex without one, behind its coordinates.
+/// Colour of a vertex without one, appended to its coordinates.
 const WHITE: &str = " 1 1 1";
 
-/// What is wrong, and on which line, counted from 1.
+/// Line, counted from 1, and description of an error.
 type Fault = (usize, String);
 
-/// A run of faces that belong together: it ends at each `o` and `g`, at each `s` where normals are made, and where faces with and
-/// without normals or texture coordinates meet.
+/// A run of faces with common properties. It ends at each `o` and `g`, and at each `s` if normals are made. It also
+/// ends between faces with and without normals or texture coordinates.
 #[derive(Clone, Copy)]
 struct Section {
-    /// How many `o` lines came before.
+    /// Number of `o` lines before it.
     object: usize,
-    /// The object's name as an index into [`Prepared::names`]: a name may be long, and sections as many as faces.
+    /// Name of the object, as an index into [`Prepared::names`]. A name may be long, and there may be as many sections
+    /// as faces.
     object_name: usize,
-    /// The group's.
+    /// Name of the group, as an index.
     group_name: usize,
-    /// The smoothing group.
+    /// Smoothing group.
     smoothing: u32,
 }
 
 impl Section {
-    /// The smoothing group of all faces before the first `s`.
+    /// Smoothing group of the faces before the first `s`.
     const UNGROUPED: u32 = u32::MAX;
 }
 
-/// An OBJ file in the form that tobj gets.
+/// An OBJ file in a form for tobj.
 struct Prepared {
-    /// What `mtllib` lines name, each once, with the first line that does.
+    /// Distinct names in `mtllib` lines, each with its first line.
     libraries: Vec<(usize, String)>,
-    /// All other lines that matter. Each section opens with `o` and its index, so tobj's models bear that name.
+    /// All other relevant lines. Each section begins with `o` and its index, so that tobj's models have this name.
     text: String,
     sections: Vec<Section>,
-    /// The names of objects and groups, an empty one first.
+    /// Names of objects and groups, after an empty one.
     names: Vec<Arc<str>>,
-    /// The names given to `usemtl`, each once, with the first line that does.
+    /// Distinct names in `usemtl` lines, each with its first line.
     used_materials: Vec<(usize, String)>,
-    /// Vertices, texture coordinates and normals so far.
+    /// Number of vertices, texture coordinates and normals so far.
     counts: Corners<usize>,
-    /// Whether a vertex so far has a colour, how many have none, and the line of the first with a weight.
+    /// Whether some vertex so far has a colour. Then the number of vertices without one, and the line of the first
+    /// vertex with a weight.
     has_colors: bool,
     colorless: usize,
     first_weight: Option<usize>,
-    /// The lines of the faces of more than three corners.
+    /// Lines of the faces with more than three corners.
     polygon_lines: Vec<usize>,
-    /// What all faces become.
+    /// Number of triangles of all faces.
     triangles: u64,
-    /// What a face belongs to here, and what the last one of it had.
+    /// Section of the next face, and the attributes of its last face.
     section: Section,
     section_has: Option<Corners<bool>>,
-    /// Whether smoothing groups matter, since normals are made.
+    /// Whether normals are made, so that smoothing groups matter.
     smooths: bool,
-    /// What vertices become relative to.
+    /// Origin that vertices become relative to.
     origin: DVec3,
 }
 
-/// See [`Scene::from_obj_with`].
+/// Reads a scene, see [`Scene::from_obj_with`].
 pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
     let (text, _) = read_text(files, path, &options.limits)?;
     let mut warnings = Warnings::new(path);
-    // Of a bad number and a bad index, the message names whichever comes first in the file.
+    // If both a number and an index are bad, the message names the one on the earlier line.
     let origin = options.origin.choose(|| bounds_of(vertices(&text)));
     let prepared = prepare(&text, options.crease_angle.is_some(), origin, &mut warnings).map_err(|bad_index| {
         let bad_number = find_bad_number(&text, origin).filter(|bad_number| bad_number.0 <= bad_index.0);
@@ -126,7 +127,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     Ok(scene)
 }
 
-/// Warns of faces that were split wrongly, of colours that are none, and of triangles without area.
+/// Logs warnings about faces without a correct split, clamped colours, and triangles without area.
 fn warn_of_triangles(scene: &Scene, fanned: &[usize], clamped_colors: usize, warnings: &Warnings) {
     if let Some(first) = fanned.first() {
         let text =
@@ -141,11 +142,12 @@ fn warn_of_triangles(scene: &Scene, fanned: &[usize], clamped_colors: usize, war
     warnings.warn_of_dropped(scene);
 }
 
-/// Lets tobj read numbers and gather what faces have.
+/// Parses the prepared text with tobj and checks its numbers.
 fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -> Result<Vec<tobj::Model>, Error> {
-    // One index for all that corners have: a model then has as many normals as positions, or too few to use, and so on.
+    // A single index for all attributes of a corner. A model then has either as many normals as positions, or too few
+    // to use. The same holds for the other attributes.
     let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
-    // The library is read already; its name goes first, so that a `usemtl` may stand before the file's own `mtllib`.
+    // The library is already read. Its line comes first, since a `usemtl` may precede the file's own `mtllib`.
     let mut reader = b"mtllib all\n".chain(prepared.text.as_bytes());
     let loaded = tobj::load_obj_buf(&mut reader, &options, |_| {
         let indices = library.index_of.iter().map(|(name, &index)| (key(name), index)).collect();
@@ -170,12 +172,12 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
     Err(Error::parse(path, line, reason))
 }
 
-/// The file as text, and its size. Names and comments in another encoding are no reason to refuse a file, so what is
-/// not UTF-8 becomes a replacement character; a byte order mark goes.
+/// Returns the file as text without a byte order mark, and its size. Names and comments may be in another encoding, so
+/// bytes that are not UTF-8 become replacement characters.
 fn read_text(files: Files, path: &Path, limits: &Limits) -> Result<(String, u64), Error> {
     let mut bytes = files.read(path, limits.file_bytes, limits.option_names[0])?.into_owned();
     let count = bytes.len() as u64;
-    // A carriage return alone ends a line, as it did on the Mac before its system X.
+    // A lone carriage return ends a line, as on the classic Mac OS.
     for at in 0..bytes.len() {
         if bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n') {
             bytes[at] = b'\n';
@@ -188,7 +190,7 @@ fn read_text(files: Files, path: &Path, limits: &Limits) -> Result<(String, u64)
     Ok((text, count))
 }
 
-/// The positions of `v` lines in world coordinates, as far as they are numbers.
+/// Returns the positions of `v` lines in world coordinates, skipping invalid ones.
 fn vertices(text: &str) -> impl Iterator<Item = DVec3> {
     lines(text).filter_map(|(_, line)| {
         let (keyword, rest) = split_keyword(&line);
@@ -196,7 +198,7 @@ fn vertices(text: &str) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// The position that a `v` line says: `x y z`, with a weight `x y z w`, or with a colour `x y z r g b`.
+/// Returns the position of a `v` line: `x y z`, `x y z w` with a weight, or `x y z r g b` with a colour.
 fn position(rest: &str) -> Option<DVec3> {
     let mut words = rest.split_whitespace();
     let mut number = || words.next()?.parse::<f64>().ok();
@@ -207,12 +209,12 @@ fn position(rest: &str) -> Option<DVec3> {
     }
 }
 
-/// Lines with their numbers from 1; a line that ends in a backslash goes on in the next.
+/// Returns lines with their numbers from 1. A line that ends in a backslash continues in the next.
 fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().zip(1..);
     std::iter::from_fn(move || {
         let (line, number) = lines.next()?;
-        // Not in comments, which may end in the name of a folder.
+        // Comments do not continue, since they may end in the name of a folder.
         let Some(start) = line.strip_suffix('\\').filter(|start| !start.contains('#')) else {
             return Some((number, Cow::Borrowed(line)));
         };
@@ -229,7 +231,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// A line's first word and the rest. Comments may follow numbers, but `#` is also part of names.
+/// Returns a line's first word and the rest. Comments may follow numbers, but `#` may be part of a name.
 fn split_keyword(line: &str) -> (&str, &str) {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
@@ -240,19 +242,19 @@ fn split_keyword(line: &str) -> (&str, &str) {
     (keyword, rest.trim())
 }
 
-/// Numbers without the comment behind them. `1.#INF` and `-1.#IND` are what some compilers print for numbers that are none,
-/// and no 1 with a comment.
+/// Removes the comment behind numbers. `1.#INF` and `-1.#IND`, as some compilers print non-finite numbers, have no
+/// comment.
 fn without_comment(numbers: &str) -> &str {
     let comment = numbers.match_indices('#').find(|(at, _)| !numbers[..*at].ends_with('.'));
     comment.map_or(numbers, |(at, _)| &numbers[..at])
 }
 
-/// The name under which tobj looks a material up. The sign lets a material have an empty name, which tobj refuses.
+/// Returns the name by which tobj finds a material. The sign makes empty names possible, which tobj refuses.
 fn key(material: &str) -> String {
     format!("={material}")
 }
 
-/// Checks every index and writes the lines that tobj is to read. Lines (`l`) are left out.
+/// Checks every index and writes the lines for tobj. Lines (`l`) are left out.
 fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) -> Result<Prepared, Fault> {
     let mut prepared = Prepared::new(smooths, origin);
     prepared.text.reserve(text.len() + 16);
@@ -296,7 +298,7 @@ fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) ->
         let vertices = counted(prepared.colorless, "vertex", "vertices");
         warnings.warn_once(format!("{vertices} without a colour, of {}; they are white", prepared.counts.vertex));
     }
-    // Beside normals, which say more, they go without saying.
+    // Normals supersede smoothing groups, so these are only logged without normals.
     if prepared.counts.normal == 0 {
         smoothing_groups.into_iter().for_each(|line| warnings.left_out("smoothing groups (s)", line));
     }
@@ -330,7 +332,8 @@ impl Prepared {
         }
     }
 
-    /// tobj counts colours on their own: of vertices with and without, it gives some another's. So where one has a colour, all others get white.
+    /// Adds a vertex. tobj counts colours separately and would mix up vertices with and without colours. So if one
+    /// vertex has a colour, all others become white.
     fn vertex(&mut self, rest: &str, line: usize) -> Result<(), Fault> {
         let numbers = rest.split_whitespace().count();
         if numbers == 6 && !self.has_colors {
@@ -345,7 +348,7 @@ impl Prepared {
         }
         match position(rest).filter(|_| self.origin != DVec3::ZERO) {
             None => self.keep("v", rest),
-            // tobj reads f32: the origin is taken off before.
+            // tobj reads f32, so the origin is subtracted before.
             Some(position) => {
                 let [x, y, z] = (position - self.origin).as_vec3().to_array();
                 let color = if numbers == 6 { rest.split_whitespace().skip(3).collect() } else { Vec::new() };
@@ -358,7 +361,7 @@ impl Prepared {
         Ok(())
     }
 
-    /// Gives all vertices so far a colour.
+    /// Gives all vertices so far the colour white.
     fn whiten(&mut self) {
         if self.colorless == 0 {
             return;
@@ -372,13 +375,13 @@ impl Prepared {
         self.text = text;
     }
 
-    /// Texture coordinates or a normal.
+    /// Adds texture coordinates or a normal.
     fn vector(&mut self, keyword: &str, rest: &str) {
         match keyword {
             "vn" => self.counts.normal += 1,
             _ => self.counts.texture += 1,
         }
-        // Of texture coordinates tobj wants two, but one alone has 0 beside it.
+        // tobj requires two texture coordinates; a missing second one is 0.
         let lacks_one = keyword == "vt" && rest.split_whitespace().count() == 1;
         self.keep(keyword, rest);
         if lacks_one {
@@ -404,7 +407,7 @@ impl Prepared {
         Ok(())
     }
 
-    /// Keeps a name, which begins a section, and returns its index.
+    /// Stores a name, ends the section and returns the name's index.
     fn name(&mut self, name: &str) -> usize {
         self.section_has = None;
         self.names.push(name.into());
@@ -412,7 +415,7 @@ impl Prepared {
     }
 }
 
-/// Notes a line that tobj is not to see.
+/// Counts a line that is not passed to tobj.
 fn note_left_out(keyword: &str, line: usize, warnings: &mut Warnings) {
     match keyword {
         "l" => warnings.left_out("lines (l)", line),

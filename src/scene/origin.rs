@@ -1,17 +1,17 @@
-//! Which world position the coordinates of a scene file become relative to.
+//! Origins of scenes from files.
 
 use glam::DVec3;
 
-/// Under [`Origin::Auto`] a file keeps the world's origin up to this distance, in multiples of its longest side. At 8
-/// sides f32 still resolves a millionth of a side, as it does for the farthest corner of a scene at the origin.
+/// Distance up to which [`Origin::Auto`] keeps the world's origin, in multiples of the file's longest side. At 8 sides
+/// f32 still resolves a millionth of a side, as for the farthest corner of a scene at the origin.
 const FARTHEST: f64 = 8.0;
 
-/// The origin that a reader gives a scene: see [`Scene::origin`](crate::Scene::origin).
+/// Origin that a reader gives a scene: see [`Scene::origin`](crate::Scene::origin).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Origin {
-    /// The world's origin, unless the file's coordinates lie more than 8 times their extent away from it. Then the
-    /// middle of their bounding box, rounded to a power of ten not above the extent.
+    /// The world's origin, unless the coordinates lie more than 8 times their extent away from it. Then it is the
+    /// centre of their bounding box, rounded to multiples of a power of ten of at most the extent.
     #[default]
     Auto,
     /// The world's origin.
@@ -21,7 +21,7 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// The origin for coordinates within these corners, in f64.
+    /// Returns the origin for coordinates within these bounds.
     pub(super) fn choose(self, bounds: impl FnOnce() -> Option<(DVec3, DVec3)>) -> DVec3 {
         match self {
             Self::World => DVec3::ZERO,
@@ -37,14 +37,14 @@ fn middle_of_far(low: DVec3, high: DVec3) -> DVec3 {
     if distance <= FARTHEST * extent {
         return DVec3::ZERO;
     }
-    // A point has no extent; a millionth of its distance serves.
+    // A point has no extent; a millionth of its distance is used instead.
     let step = extent.max(1e-6 * distance).log10().floor();
     let (scale, is_fraction) = (10.0_f64.powf(step.abs()), step < 0.0);
-    // Dividing by a whole number gives the double nearest to the decimal number; multiplying by a fraction would not.
+    // Division by a whole number gives the double nearest to the decimal number. Multiplication by a fraction does not.
     if is_fraction { (middle * scale).round() / scale } else { (middle / scale).round() * scale }
 }
 
-/// The box around points, of which those that are not finite are left out.
+/// Returns the bounding box of the finite points.
 pub(super) fn bounds_of(points: impl Iterator<Item = DVec3>) -> Option<(DVec3, DVec3)> {
     points.filter(|point| point.is_finite()).fold(None, |bounds: Option<(DVec3, DVec3)>, point| {
         let (low, high) = bounds.unwrap_or((point, point));

@@ -7,27 +7,27 @@ use glam::{DVec3, Vec3};
 use super::{MaterialId, Scene, Stamp, checks::check_coordinate};
 use crate::Error;
 
-/// A scene can have at most so many planes: every ray is tested against all of them.
+/// Maximum number of planes in a scene. Every ray tests all of them.
 pub const MAX_PLANES: usize = 8;
 
-/// How far from where a ray begins it meets a plane, in world units: what is farther is seen as sky. So a plane's points, seen from
-/// a scene's coordinates ([`MAX_COORDINATE`](super::MAX_COORDINATE)), are where eyes may be.
+/// Largest distance from a ray's origin at which it hits a plane, in world units; beyond it the sky is seen. So hits
+/// seen from within [`MAX_COORDINATE`](super::MAX_COORDINATE) lie where eyes may stand.
 pub const PLANE_REACH: f32 = 1e8;
 
-/// Sides of a plane's tile in world units.
+/// Range of a plane's tile sides, in world units.
 const TILES: RangeInclusive<f32> = 1e-6..=1e8;
-/// A plane whose normal is less upright than this is a wall.
+/// A plane whose unit normal has less than this height is a wall.
 const UPRIGHT: f64 = 0.5;
-/// A share of a vector's length that is taken for nothing: below it the rounding of its coordinates says what is left.
+/// Smallest share of a vector's length that is not considered rounding.
 const NOTHING: f64 = 1e-6;
 
-/// An infinite plane. It has two sides, as triangles have, and no extent: it counts for no scene's bounds. A plane of glass is the face of
-/// a half-space that is all glass, on the side that its normal points away from. A ray that begins exactly in the plane does not meet it, so that an
-/// eye there sees what is on both sides.
+/// An infinite plane. It has two sides, as triangles have, and does not count for a scene's bounds. A plane of glass
+/// bounds a half-space of glass, on the side opposite to its normal. A ray that begins exactly in the plane does not
+/// hit it, so an eye there sees both sides.
 ///
-/// A texture on it fills squares side by side. A point at `offset` from [`Plane::point`] has the texture coordinates
-/// `u = offset · û / tile` and `v = offset · (n × û) / tile`: n is the unit normal, û the unit vector along what lies in the plane of
-/// [`Plane::u_axis`].
+/// A texture fills adjacent squares. A point at `offset` from [`Plane::point`] has the texture coordinates
+/// `u = offset · û / tile` and `v = offset · (n × û) / tile`. Here n is the unit normal, and û the normalised part of
+/// [`Plane::u_axis`] in the plane.
 ///
 /// ```
 /// use stereotrace::{MaterialId, Plane, Scene, glam::Vec3};
@@ -41,23 +41,25 @@ const NOTHING: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Plane {
-    /// A world position on it: there texture coordinates are 0.
+    /// Point on the plane, relative to [`Scene::origin`]. Its texture coordinates are 0.
     pub point: Vec3,
-    /// Its normal, of any length but 0. What is traced is the plane of the unit normal's rounding to f32, which is off by up to 1e-7 of
-    /// the distance from `point`.
+    /// Normal, of any length but 0. Kernels use the unit normal rounded to f32, which displaces the plane by up to 1e-7
+    /// of the distance from `point`.
     pub normal: Vec3,
-    /// Where a texture's right is, of any length but 0. What of it does not lie in the plane does not count.
+    /// Direction of a texture's right, of any length but 0. Only its part in the plane counts.
     pub u_axis: Vec3,
-    /// The side in world units of the square that a texture fills once, 1e-6 to 1e8.
+    /// Side of the square that a texture fills, in world units, 1e-6 to 1e8.
     pub tile: f32,
     /// Its material.
     pub material: MaterialId,
 }
 
 impl Plane {
-    /// A plane through a world position, by its normal, of any length but 0. A texture on it fills squares of a unit's side. On grounds, up
-    /// to 60 degrees steep, its right is the world's +x, and on level ones that are seen from above its top is at -z; on walls, seen from
-    /// where the normal points, its right is right and its top is up.
+    /// Makes a plane through `point`, relative to [`Scene::origin`], with a normal of any length but 0. A texture fills
+    /// squares with sides of one unit.
+    ///
+    /// On grounds of up to 60 degrees the texture's right is +x. On level grounds seen from above its top is at -z. On
+    /// walls, seen from the side of the normal, its right and top are the viewer's.
     pub fn new(point: Vec3, normal: Vec3, material: MaterialId) -> Self {
         let unit = normal.as_dvec3().normalize_or_zero();
         let is_wall = unit.y.abs() <= UPRIGHT;
@@ -65,36 +67,36 @@ impl Plane {
         Self { point, normal, u_axis, tile: 1.0, material }
     }
 
-    /// Where a texture's right is, of any length but 0.
+    /// Sets the direction of a texture's right, of any length but 0.
     pub fn u_axis(mut self, axis: Vec3) -> Self {
         self.u_axis = axis;
         self
     }
 
-    /// The side in world units of the square that a texture fills once, 1e-6 to 1e8.
+    /// Sets the side of the square that a texture fills, in world units, 1e-6 to 1e8.
     pub fn tile(mut self, side: f32) -> Self {
         self.tile = side;
         self
     }
 
-    /// The unit normal that is traced.
+    /// Returns the unit normal that kernels use.
     pub(crate) fn unit_normal(&self) -> Vec3 {
         self.normal.as_dvec3().normalize_or_zero().as_vec3()
     }
 
-    /// By what texture coordinates u are products with offsets: along û, as long as a unit is of a tile.
+    /// Returns the vector whose dot product with an offset is the texture coordinate u.
     pub(crate) fn u_per_unit(&self) -> Vec3 {
         (self.in_plane().normalize_or_zero() / f64::from(self.tile)).as_vec3()
     }
 
-    /// What of `u_axis` lies in the plane, as a share of its length.
+    /// Returns the part of the unit `u_axis` that lies in the plane.
     fn in_plane(&self) -> DVec3 {
         let normal = self.normal.as_dvec3().normalize_or_zero();
         let axis = self.u_axis.as_dvec3().normalize_or_zero();
         axis - normal * axis.dot(normal)
     }
 
-    /// How high a point is over it, where its normal points.
+    /// Returns a point's signed distance from the plane, positive on the side of the normal.
     pub(crate) fn height_of(&self, point: Vec3) -> f64 {
         self.normal.as_dvec3().normalize_or_zero().dot(point.as_dvec3() - self.point.as_dvec3())
     }
@@ -121,8 +123,12 @@ impl Scene {
     /// Adds an infinite plane as an object of its own.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a point that is not finite or too large, a normal or u axis that is not finite or 0, a u axis along the
-    /// normal, a tile out of range, a material that is not there, and for more than [`MAX_PLANES`].
+    /// [`Error::Scene`] for:
+    ///
+    /// - a point that is not finite or too large,
+    /// - a normal or u axis that is not finite or 0, or a u axis along the normal,
+    /// - a tile out of range, or an unknown material,
+    /// - more than [`MAX_PLANES`] planes.
     pub fn add_plane(&mut self, plane: Plane) -> Result<(), Error> {
         self.check_plane(self.planes.len(), &plane)?;
         self.planes.push(plane);
@@ -130,12 +136,12 @@ impl Scene {
         Ok(())
     }
 
-    /// All planes; index + number of triangles, spheres and ellipsoids = primitive id.
+    /// Returns all planes; the primitive id is the index plus the number of triangles, spheres and ellipsoids.
     pub fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
-    /// Their primitive ids, the last ones.
+    /// Returns the planes' primitive ids, which are the last ones.
     pub(crate) fn plane_ids(&self) -> Range<u32> {
         let count = self.primitive_count();
         (count - self.planes.len()) as u32..count as u32
@@ -225,7 +231,7 @@ mod tests {
         let moved = scene.planes()[0];
         assert!(moved.unit_normal().distance(turn * Vec3::Y) < 1e-6 && moved.point == Vec3::Y);
         assert!((moved.tile - 6.0).abs() < 1e-5 && moved.u_per_unit().distance(Vec3::X / 6.0) < 1e-6);
-        // A shear along the plane leaves the plane where it is; a normal goes by the cofactors.
+        // A shear along the plane does not move it. Normals are transformed by the cofactors.
         scene.set_plane(1, ground()).unwrap();
         let shear = Affine3A::from_cols(
             Vec3::X.into(),

@@ -1,7 +1,7 @@
 //! Reads PLY files: text, and binary of either byte order.
 //!
-//! The header says what follows (header.rs); values.rs takes numbers off the body one by one, so that nothing is reserved for what a
-//! header promises and the file has not.
+//! header.rs reads the header. values.rs reads the body's numbers one by one. So a header with false counts reserves no
+//! memory.
 
 mod header;
 mod values;
@@ -23,10 +23,10 @@ use super::{
 };
 use crate::{Error, input::Files, message::counted};
 
-/// What is wrong, and on which line of a text where it is known.
+/// Line of a text file, if known, and description of an error.
 type Fault = (Option<usize>, String);
 
-/// What a property of a vertex is, in the order of [`Vertex`].
+/// Names of vertex properties, in the order of the values that `read_vertices` reads.
 const PLACES: [&[&str]; 11] = [
     &["x"],
     &["y"],
@@ -45,26 +45,26 @@ const NORMAL: usize = 3;
 const COLOR: usize = 6;
 const UV: usize = 9;
 
-/// All of a file, before it becomes a mesh.
+/// Content of a file, before it becomes a mesh.
 #[derive(Default)]
 struct Content {
-    /// World coordinates.
+    /// World positions.
     positions: Vec<DVec3>,
-    /// As long as the positions, or empty; so are the next two.
+    /// As long as `positions`, or empty; also `colors` and `uv`.
     normals: Vec<Vec3>,
     colors: Vec<Vec3>,
     uv: Vec<Vec2>,
     clamped_colors: usize,
-    /// The corners of all faces, one face after the other.
+    /// Corners of all faces, one face after the other.
     corners: Vec<u32>,
-    /// How many each face has.
+    /// Number of corners of each face.
     counts: Vec<u32>,
-    /// What all faces become. Reading ends where they are more than `most_triangles`.
+    /// Number of triangles of all faces. Reading stops when it exceeds `most_triangles`.
     triangles: u64,
     most_triangles: u64,
 }
 
-/// See [`Scene::from_ply_with`].
+/// Reads a scene, see [`Scene::from_ply_with`].
 pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<Scene, Error> {
     let crease = options.crease_angle.map_or(Ok(()), check_crease);
     crease.map_err(|reason| Error::Scene { element: "crease angle".into(), reason })?;
@@ -94,7 +94,7 @@ pub(super) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     Ok(scene)
 }
 
-/// Notes elements and properties that nothing is made of.
+/// Counts elements and properties that are not supported.
 fn note_left_out(header: &Header, warnings: &mut Warnings) {
     for element in &header.elements {
         match &*element.name {
@@ -127,7 +127,7 @@ fn note_left_out(header: &Header, warnings: &mut Warnings) {
     }
 }
 
-/// Where a property of a vertex goes.
+/// Returns the index of a vertex property in [`PLACES`].
 fn vertex_place(property: &header::Property) -> Option<usize> {
     let is_scalar = matches!(property.kind, Kind::Scalar(_));
     PLACES.iter().position(|names| is_scalar && names.contains(&&*property.name))
@@ -137,7 +137,7 @@ fn is_corners(property: &header::Property) -> bool {
     matches!(property.kind, Kind::List { .. }) && matches!(&*property.name, "vertex_indices" | "vertex_index")
 }
 
-/// Goes over an element that is not wanted. What has no properties has no bytes, whatever its count says.
+/// Skips an unwanted element. An element without properties has no bytes, whatever its count.
 fn skip(element: &Element, values: &mut impl Values) -> Result<(), (u64, String)> {
     let all = if element.properties.is_empty() { 0 } else { element.count };
     for index in 0..all {
@@ -202,7 +202,7 @@ impl Content {
                     match (property.kind, *place) {
                         (Kind::Scalar(scalar), Some(place)) => {
                             let value = values.number(scalar)?;
-                            // Colours in whole numbers are shares of the largest one.
+                            // Integer colours are shares of the largest integer.
                             let is_share = !scalar.is_float() && (COLOR..UV).contains(&place);
                             vertex[place] = if is_share { value / scalar.largest() } else { value };
                         }
@@ -228,7 +228,7 @@ impl Content {
             if has_colors {
                 let color = three(COLOR);
                 self.clamped_colors += usize::from(color.min_element() < 0.0 || color.max_element() > 1.0);
-                // Scanners and modellers write colours in sRGB, as they show them.
+                // Scanners and modellers write sRGB colours.
                 self.colors.push(color.clamp(Vec3::ZERO, Vec3::ONE).map(linear));
             }
             if has_uv {
@@ -278,7 +278,7 @@ impl Content {
         Ok(())
     }
 
-    /// Splits the faces. Positions become relative to the origin.
+    /// Splits the faces into triangles, with positions relative to the origin.
     fn into_mesh(self, origin: DVec3, warnings: &mut Warnings) -> Result<Mesh, Fault> {
         if self.counts.is_empty() {
             let points = counted(self.positions.len(), "vertex", "vertices");
@@ -318,7 +318,7 @@ impl Content {
         }
         mesh.materials = vec![MaterialId::default()];
         mesh.normals = spread(&self.normals, &mesh.triangles);
-        // A zero among them has no direction: the triangle is flat.
+        // A zero normal has no direction, so the triangle is flat.
         mesh.normals
             .iter_mut()
             .filter(|normals| normals.contains(&Vec3::ZERO))
@@ -330,7 +330,7 @@ impl Content {
     }
 }
 
-/// What corners have of a list with an entry a vertex.
+/// Spreads a list with an entry per vertex to the corners of triangles.
 fn spread<T: Copy>(of_vertices: &[T], triangles: &[[u32; 3]]) -> Vec<[T; 3]> {
     if of_vertices.is_empty() {
         return Vec::new();
@@ -338,7 +338,7 @@ fn spread<T: Copy>(of_vertices: &[T], triangles: &[[u32; 3]]) -> Vec<[T; 3]> {
     triangles.iter().map(|corners| corners.map(|corner| of_vertices[corner as usize])).collect()
 }
 
-/// A vertex's number, whatever type it is written in.
+/// Checks a vertex index, whatever type it is written in.
 fn corner(value: f64, vertices: u64) -> Result<u32, String> {
     let is_there = value >= 0.0 && value <= f64::from(u32::MAX) && (value as u64) < vertices;
     match is_there && value.fract() == 0.0 {

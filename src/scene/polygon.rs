@@ -1,39 +1,38 @@
 //! Splits the polygons of faces into triangles.
 //!
-//! Signs are what makes a split right: where every triangle turns the way the polygon does, triangles cover each point
-//! as many times as the polygon winds around it, which for one that does not cross itself is once inside and never
-//! outside. The fan from the first corner is taken where that holds for it, as for every convex polygon; else ears are
-//! cut off.
+//! A split is correct if every triangle turns the way the polygon does. Then the triangles cover each point as often as
+//! the polygon winds around it. In a simple polygon this is once inside and never outside. The fan from the first
+//! corner is used if it is correct, as for every convex polygon. Otherwise ears are clipped.
 
 use glam::{DVec2, DVec3, Vec3};
 
 use super::ears::cut_ears;
 
-/// What is narrower than this share of a face's size is rounding: a fan that covers so much wrongly is right.
+/// Widths below this share of a face's size count as rounding. A fan may cover so much wrongly.
 const ROUNDING: f64 = 1e-5;
-/// Thicker along its normal than this share of its size, a face is not flat, and no split is the meant one.
+/// Largest thickness of a flat face along its normal, as a share of its size. Thicker faces have no clear split.
 const FLAT: f64 = 0.2;
-/// Ears are cut off faces of at most so many corners, which takes seconds at worst: a file must not take hours.
+/// Largest number of corners for ear clipping, which then takes seconds at worst.
 const MOST_CORNERS: usize = 1 << 17;
 
-/// How to split a face into two triangles fewer than it has corners.
+/// A split of a face of n corners into n - 2 triangles.
 pub(super) enum Split {
-    /// By a fan from the first corner.
+    /// A fan from the first corner.
     Fan,
-    /// Into these triangles of its corners.
+    /// These triangles, as corner indices.
     Ears(Vec<[usize; 3]>),
-    /// No split was found: the face crosses itself, is far from flat, or too intricate.
+    /// No split was found: the face crosses itself, is far from flat, or is too complex.
     Unknown,
 }
 
-/// Finds the split of a face of three corners or more.
+/// Splits a face of at least three corners.
 pub(super) fn split(corners: &[Vec3]) -> Split {
     let Some((first, others)) = corners.split_first().filter(|(_, others)| others.len() > 2) else { return Split::Fan };
     let first = first.as_dvec3();
     let others = || others.iter().map(|corner| corner.as_dvec3() - first);
     let size = others().fold(0.0, |size: f64, corner| size.max(corner.abs().max_element()));
 
-    // Newell's normal is the sum of the fan's own.
+    // Newell's normal is the sum of the fan's normals.
     let (mut normal, mut areas) = (DVec3::ZERO, 0.0);
     for (b, c) in others().zip(others().skip(1)) {
         normal += b.cross(c);
@@ -49,7 +48,7 @@ pub(super) fn split(corners: &[Vec3]) -> Split {
     if heights[1] - heights[0] > FLAT * size {
         return Split::Unknown;
     }
-    // To leave out the normal's longest component keeps all signs, and coordinates exact.
+    // Dropping the normal's longest component keeps all signs, and keeps coordinates exact.
     let flat = |corner: DVec3| {
         let longest = normal.abs().max_position();
         let [u, v] = [1, 2].map(|step| corner[(longest + step) % 3]);
@@ -65,7 +64,7 @@ pub(super) fn split(corners: &[Vec3]) -> Split {
     cut_ears(&points).map_or(Split::Unknown, Split::Ears)
 }
 
-/// Whether corners go around the first one, at the origin, without turning back further than rounding does.
+/// Returns whether the corners go around the first one, at the origin, without turning back by more than rounding.
 fn is_fan(corners: impl Iterator<Item = DVec2>, rounding: f64) -> bool {
     let mut front = DVec2::ZERO;
     for corner in corners {

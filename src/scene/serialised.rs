@@ -1,4 +1,4 @@
-//! Scenes by serde: what they were given, which is checked again when it is read.
+//! Scenes in serde formats. Reading checks them as the setters do.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::Error;
 
-/// A scene as it is written.
+/// Serialised form of a scene.
 #[derive(Serialize, Deserialize)]
 struct GivenScene<'a> {
     lights: Cow<'a, [Light]>,
@@ -27,7 +27,7 @@ struct GivenScene<'a> {
     planes: Cow<'a, [Plane]>,
 }
 
-/// A mesh: its part of the scene's triangles and of what lies beside them.
+/// Serialised form of a mesh: its part of the scene's triangles and attributes.
 #[derive(Serialize, Deserialize)]
 struct GivenMesh<'a> {
     name: Cow<'a, str>,
@@ -38,7 +38,7 @@ struct GivenMesh<'a> {
 
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        // All fields by name: a new one must be thought of here. Those that are left out follow from others.
+        // All fields are named, so that a new field gives a compile error here. Omitted fields follow from others.
         let Self { lights, shadows, ambient, sky, origin, materials, textures, triangles, .. } = self;
         let Self { spheres, ellipsoids, planes, mesh_objects, beside: Beside { uv, colors, .. }, .. } = self;
         let Self { smooth: _, dropped: _, dropping_meshes: _, .. } = self;
@@ -77,7 +77,7 @@ impl<'de> Deserialize<'de> for Scene {
     }
 }
 
-/// The scene that its setters make.
+/// Builds the scene by its setters.
 fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
     let mut scene = Scene::new();
     scene.lights = given.lights.into_owned();
@@ -93,7 +93,7 @@ fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
         let materials = if materials.is_empty() { vec![MaterialId::default()] } else { materials };
         let normals = mesh.triangles.iter().map(|triangle| triangle.normals).collect();
         let added = Mesh::new(corners, triangles).name(mesh.name).materials(materials).normals(normals);
-        // What was dropped was said when it was added first.
+        // Dropped triangles were logged when the mesh was first added.
         scene.push_mesh(&added.uv(mesh.uv.into_owned()).colors(mesh.colors.into_owned()))?;
     }
     given.spheres.iter().try_for_each(|sphere| scene.add_sphere(*sphere))?;
@@ -102,7 +102,7 @@ fn scene(given: GivenScene<'_>) -> Result<Scene, Error> {
     Ok(scene)
 }
 
-/// A texture as it is read.
+/// Serialised form of a texture.
 #[derive(Deserialize)]
 pub(super) struct GivenTexture {
     kind: TextureKind,
@@ -125,7 +125,7 @@ impl TryFrom<GivenTexture> for Texture {
     }
 }
 
-/// A sky as it is read.
+/// Serialised form of a sky map.
 #[derive(Deserialize)]
 pub(super) struct GivenSkyMap {
     width: u32,

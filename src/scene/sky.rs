@@ -1,4 +1,4 @@
-//! Skies from pictures.
+//! Sky maps.
 
 #[cfg(feature = "sky")]
 mod picture;
@@ -11,8 +11,9 @@ use crate::{Error, message::counted};
 #[cfg(feature = "sky")]
 use crate::{Limits, input};
 
-/// An equirectangular picture of everything around: the top row is straight up, the middle column towards -z, and columns
-/// go round to the right. Linear RGB, sampled bilinearly, across the seam and the poles too. Cloning shares the pixels.
+/// An equirectangular picture of the surroundings, linear RGB. The top row is straight up, the middle column points to
+/// -z, and columns turn to the right. Sampling is bilinear, also across the seam and the poles. Clones share the
+/// pixels.
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -22,7 +23,7 @@ use crate::{Limits, input};
 pub struct SkyMap {
     width: u32,
     height: u32,
-    /// Not `Arc<[Vec3]>`: making one of a list copies it.
+    /// `Arc<[Vec3]>` would copy the list when it is made.
     pixels: Arc<Vec<Vec3>>,
 }
 
@@ -32,15 +33,15 @@ impl std::fmt::Debug for SkyMap {
     }
 }
 
-/// Widest sky that [`SkyMap::procedural`] makes: 1.6 GB.
+/// Largest width that [`SkyMap::procedural`] accepts: 1.6 GB.
 const MAX_PROCEDURAL_WIDTH: u32 = 16_384;
 
 impl SkyMap {
-    /// A picture of `width * height` colours, row-major, linear RGB.
+    /// Makes a sky from `width * height` colours, row-major, linear RGB.
     ///
     /// # Errors
-    /// [`Error::Scene`] if their number is another, the width is odd (a pole's opposite column is half a width away) or a
-    /// colour is negative or not finite.
+    /// [`Error::Scene`] if the number of colours is wrong, the width is odd, or a colour is negative or not finite. An
+    /// odd width has no opposite column half a width away, as the poles require.
     pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, Error> {
         let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
         if !is_map(width, height) || pixels.len() as u64 != u64::from(width) * u64::from(height) {
@@ -54,12 +55,12 @@ impl SkyMap {
         Ok(Self { width, height, pixels: Arc::new(pixels) })
     }
 
-    /// Whether two are one map, or clones of one.
+    /// Returns whether both are clones of one map.
     pub(crate) fn shares_pixels(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.pixels, &other.pixels) && (self.width, self.height) == (other.width, other.height)
     }
 
-    /// A sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
+    /// Makes a sky with a sun and streaks of cloud over a plain, `width` pixels wide and half as high.
     ///
     /// # Errors
     /// [`Error::Scene`] for a width that is odd, zero or over 16,384.
@@ -76,7 +77,7 @@ impl SkyMap {
                 return Vec3::new(0.16, 0.14, 0.11).lerp(Vec3::new(0.3, 0.3, 0.3), (1.0 + 6.0 * d.y).max(0.0));
             }
             let clear = Vec3::new(0.62, 0.72, 0.85).lerp(Vec3::new(0.12, 0.27, 0.6), d.y.sqrt());
-            // Where a ray through the layer of cloud meets it; far off the streaks fade into haze.
+            // The ray's hit on a cloud layer; distant streaks fade into haze.
             let (x, z) = (d.x / (d.y + 0.15), d.z / (d.y + 0.15));
             let streaks =
                 (2.1 * x + (1.3 * z).sin()).sin() * (1.7 * z + (0.9 * x).cos()).sin() + 0.4 * (5.3 * x - 4.1 * z).sin();
@@ -87,19 +88,20 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
-    /// Reads a picture: PNG or JPEG (taken as sRGB), or Radiance HDR (taken as linear). With the feature `exr` also `OpenEXR` (linear): one part
-    /// with channels R, G and B, where light below 0 becomes 0. Its size is checked before it is decoded; decoding takes 12 bytes a pixel,
-    /// beside what the format itself needs.
+    /// Reads a picture: PNG or JPEG (as sRGB), or Radiance HDR (linear). With the feature `exr` it also reads `OpenEXR`
+    /// (linear): one part with channels R, G and B, where negative light becomes 0. The size is checked before
+    /// decoding. Decoding takes 12 bytes a pixel, besides the format's own memory.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
-    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or no sky.
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file or its number of pixels exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`] if it is not such a picture or not a sky.
     #[cfg(feature = "sky")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
     }
 
-    /// [`SkyMap::open`] with other limits than the usual ones: [`Limits::gpu`] knows an adapter's.
+    /// Does the same as [`SkyMap::open`], with the given limits; [`Limits::gpu`] has those of an adapter.
     ///
     /// # Errors
     /// Those of [`SkyMap::open`].
@@ -110,10 +112,10 @@ impl SkyMap {
         Self::decode(path, std::io::BufReader::new(file), limits)
     }
 
-    /// Reads a picture from memory, as [`SkyMap::open`] does from the disk. Messages name it `name`.
+    /// Decodes a picture file in memory, as [`SkyMap::open`] does from the disk. Messages name it `name`.
     ///
     /// # Errors
-    /// Those of [`SkyMap::open`] but [`Error::Io`].
+    /// Those of [`SkyMap::open`] except [`Error::Io`].
     #[cfg(feature = "sky")]
     pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
         let path = name.as_ref();
@@ -131,7 +133,7 @@ impl SkyMap {
         Self::new(width, height, pixels).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
     }
@@ -141,12 +143,13 @@ impl SkyMap {
     }
 }
 
-/// Whether a picture of this size can be a map: its halves are equal, so that a column has an opposite one.
+/// Returns whether a picture of this size can be a map. Its width must be even, so that each column has an opposite
+/// one.
 fn is_map(width: u32, height: u32) -> bool {
     width > 0 && height > 0 && width.is_multiple_of(2)
 }
 
-/// The direction of a pixel's centre.
+/// Returns the direction of a pixel's centre.
 fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
     use std::f32::consts::{PI, TAU};
     let around = ((column as f32 + 0.5) / width as f32 - 0.5) * TAU;
@@ -159,7 +162,7 @@ mod tests {
     use super::*;
     use crate::{Fetch, Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, Traversal, UploadedScene, cpu};
 
-    /// A sky whose colour is its direction.
+    /// Makes a sky whose colour is its direction.
     fn compass(width: u32) -> SkyMap {
         let color = |index| 0.5 + 0.5 * direction(width, width / 2, index % width, index / width);
         SkyMap::new(width, width / 2, (0..width * width / 2).map(color).collect()).unwrap()
@@ -169,7 +172,7 @@ mod tests {
     fn every_direction_has_its_colour_poles_and_seam_included() {
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
         let gpu = Gpu::open(wanted).unwrap();
-        // The larger one is uploaded in pieces.
+        // The larger one is uploaded in several pieces.
         for (width, fetch) in [(256, Fetch::Texture), (2048, Fetch::Texture), (2048, Fetch::Buffer)] {
             let mut renderer = Renderer::with_traversal(gpu.clone(), Traversal::of(&gpu).fetch(fetch));
             let mut scene = Scene::new();
@@ -189,7 +192,8 @@ mod tests {
         for (index, color) in pair.left.linear.iter().enumerate() {
             let d = frame.direction(cpu::Eye::Left, index % 65, index / 65).normalize();
             let found = Vec3::new(color[0], color[1], color[2]);
-            // Between pixels 1.4 degrees apart a chord is 7.5e-5 short of its arc, in both directions; twice that.
+            // Pixels are 1.4 degrees apart, and a chord is 7.5e-5 short of its arc, in both directions. The limit is
+            // twice that.
             assert!((found - (0.5 + 0.5 * d)).abs().max_element() < 3e-4, "{target} {index}: {found} {d}");
         }
     }

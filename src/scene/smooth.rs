@@ -1,27 +1,28 @@
-//! Smooth normals for meshes whose files give none.
+//! Smooth normals for meshes whose files have none.
 //!
-//! Around each vertex the triangles fall into fans: neighbours across an edge whose normals are less than the crease angle
-//! apart belong to one. A fan has one normal at the vertex, the mean of its triangles' weighted by their angles there, so that it
-//! does not depend on how faces were split. Vertices are told apart by their positions alone: those that a file has twice, for
-//! texture coordinates, are one.
+//! Around each vertex the triangles are grouped into fans. Neighbours across an edge belong to one fan if their normals
+//! differ by less than the crease angle. A fan has one normal at the vertex. It is the mean of its triangles' normals,
+//! weighted by their angles at the vertex, so it does not depend on how faces were split. Vertices are identified by
+//! position alone: duplicates for texture coordinates are merged.
 
 use glam::{DVec3, Vec3};
 
 use super::Mesh;
 use crate::Error;
 
-/// At an edge that more triangles than this share no two of them belong together.
+/// Largest number of triangles at an edge that can be smooth across it.
 const MOST_AT_AN_EDGE: usize = 8;
-/// Normals nearer than this to their triangle's own leave it flat: a pixel's shading does not show it.
+/// A triangle stays flat if its vertex normals differ from its own by less than this. Shading does not show the
+/// difference.
 const FLAT: f32 = 1e-6;
 
 impl Mesh {
-    /// Gives it normals, in the place of those it has: edges across which the normals of triangles are less than
-    /// `crease_degrees` apart are smooth, the others stay sharp. Triangles whose corners all have their own normal stay flat,
-    /// and a mesh of nothing else gets none. Triangles must wind alike: an edge between two that don't is sharp.
+    /// Replaces the normals. Edges across which the normals of triangles differ by less than `crease_degrees` are
+    /// smooth, the others stay sharp. Triangles whose corners all have the triangle's normal stay flat; if all do, the
+    /// mesh has no normals. An edge between triangles of opposite winding is sharp.
     ///
     /// # Errors
-    /// [`Error::Scene`] for an angle that is not within 0 to 180, and for a corner that is out of range.
+    /// [`Error::Scene`] for an angle outside 0 to 180, and for a corner that is out of range.
     pub fn smooth(mut self, crease_degrees: f32) -> Result<Self, Error> {
         check_crease(crease_degrees).map_err(|reason| self.fault("crease angle", reason))?;
         for index in 0..self.triangles.len() {
@@ -39,14 +40,14 @@ pub(super) fn check_crease(degrees: f32) -> Result<(), String> {
     }
 }
 
-/// Zero has no direction and stays zero; f64, so that tiny and huge normals keep theirs.
+/// Normalises a vector; zero stays zero. f64 keeps the direction of tiny and huge normals.
 #[cfg(feature = "scene-files")]
 pub(super) fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or_zero().as_vec3()
 }
 
-/// Three normals a triangle, zeros for flat ones, or none where all are flat. Triangles of different `groups`, as far as these
-/// go, are never one fan, and those of group 0 are flat.
+/// Returns three normals per triangle, zeros for flat ones, or none if all are flat. `groups` has smoothing groups of
+/// the first triangles. Triangles of different groups never share a fan, and those of group 0 are flat.
 pub(super) fn smooth_normals(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -75,7 +76,7 @@ pub(super) fn smooth_normals(
             let face = faces[triangle as usize];
             let first = fans.first_of(place);
             let mean = fans.sums[first].normalize_or_zero().as_vec3();
-            // Where a fan turns by more than a right angle, a normal from behind would show the triangle unlit.
+            // In a fan that turns by more than a right angle, a mean normal on the triangle's back would show it unlit.
             normals[triangle as usize][corner as usize] = if mean.dot(face) > 0.0 { mean } else { face };
         }
     }
@@ -89,9 +90,9 @@ pub(super) fn smooth_normals(
     if is_smooth { normals } else { Vec::new() }
 }
 
-/// For each position a number that all positions equal to it have.
+/// Returns a vertex number for each position. Equal positions have the same number.
 fn weld(positions: &[Vec3]) -> Vec<u32> {
-    // Plus zero takes the sign from zero. Sorted, since the low bits of round numbers are zeros, which hash alike.
+    // Adding zero turns -0 into 0. Sorting avoids hashes, since round numbers share low zero bits, which hash alike.
     let bits = |at: u32| (positions[at as usize] + 0.0).to_array().map(f32::to_bits);
     let mut order: Vec<([u32; 3], u32)> = (0..positions.len() as u32).map(|at| (bits(at), at)).collect();
     order.sort_unstable();
@@ -106,14 +107,14 @@ fn weld(positions: &[Vec3]) -> Vec<u32> {
     vertices
 }
 
-/// Zero for triangles without area.
+/// Returns the unit normal, or zero for a triangle without area.
 fn face_normal(corners: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// The corners at each vertex, as triangle and corner of it, of the triangles that are wanted; and where those of each vertex
-/// begin.
+/// Returns the start of each vertex's corners in a list, and this list of corners (triangle, corner of it). Only
+/// triangles that `wanted` accepts are included.
 fn corners_around(
     vertices: &[u32],
     triangles: &[[u32; 3]],
@@ -140,14 +141,14 @@ fn corners_around(
     (starts, corners)
 }
 
-/// The fans around one vertex; kept from vertex to vertex for its memory.
+/// The fans around one vertex. It is reused for all vertices to save allocations.
 #[derive(Default)]
 struct Fans {
-    /// A corner of the same fan for each corner: following it leads to the fan's first, which has itself.
+    /// Union-find parents: another corner of the same fan. A fan's first corner is its own parent.
     parents: Vec<u32>,
-    /// The vertices at the other ends of the edges of each corner, with its place.
+    /// The vertices at the other ends of each corner's edges, with the corner's index.
     ends: Vec<(u32, u32)>,
-    /// The sum of a fan's normals, in its first corner's place.
+    /// Sum of each fan's weighted normals, at the index of its first corner.
     sums: Vec<DVec3>,
 }
 
@@ -184,7 +185,7 @@ impl Fans {
 
     fn first_of(&mut self, mut place: usize) -> usize {
         while self.parents[place] as usize != place {
-            // Each look halves the way, so that a fan of any size is not walked again and again.
+            // Path halving keeps long chains from being walked repeatedly.
             self.parents[place] = self.parents[self.parents[place] as usize];
             place = self.parents[place] as usize;
         }
@@ -213,7 +214,7 @@ mod tests {
 
     use super::*;
 
-    /// Corners of its own for each triangle, so that nothing but positions joins them.
+    /// Makes a mesh in which each triangle has its own vertices, so that only positions join them.
     fn soup(corners: Vec<[Vec3; 3]>) -> Mesh {
         let triangles = (0..corners.len() as u32).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
         Mesh::new(corners.concat(), triangles)
@@ -223,7 +224,7 @@ mod tests {
         [[a, b, c], [a, c, d]]
     }
 
-    /// A box whose sides wind outwards.
+    /// Makes a cube whose sides wind outwards.
     fn cube() -> Mesh {
         let sides = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].map(|normal| {
             let [u, v] = [normal.zxy(), normal.cross(normal.zxy())];
@@ -257,7 +258,7 @@ mod tests {
         let round = cube().smooth(90.1).unwrap();
         for (normals, corners) in round.normals.iter().zip(round.positions.as_chunks::<3>().0) {
             for (normal, corner) in normals.iter().zip(corners) {
-                // By angles and not by triangles: however a side is split, its corners point along the diagonals.
+                // Weights are angles, so corners point along the diagonals, however a side is split.
                 assert!((*normal - corner.normalize()).length() < 1e-6, "{normal} {corner}");
             }
         }
@@ -331,12 +332,12 @@ mod tests {
             assert!((both.normals[4 + index][0].z) < -0.9, "{:?}", both.normals[4 + index]);
             assert_eq!(both.normals[2 + index], [Vec3::ZERO; 3]);
         }
-        // Turned around, one of two makes the edge between them sharp.
+        // If one of two triangles is turned over, their edge is sharp.
         assert!(soup(vec![[a, b, c], [d, c, a]]).smooth(60.0).unwrap().normals.is_empty());
         assert!(Mesh::default().smooth(30.0).unwrap().normals.is_empty());
     }
 
-    /// Cones, whose tips all their triangles meet in, and a sheaf of triangles at one edge.
+    /// Tests cones, whose triangles all share their tip, and many triangles at one edge.
     #[test]
     fn a_vertex_of_100_000_triangles_takes_no_square_of_time() {
         let at = |index: u32| {

@@ -1,4 +1,4 @@
-//! Scenes that are hard on methods which reuse one eye's picture for the other: each is a [`Trial`].
+//! A suite of scenes that are hard for methods which reuse one eye's samples for the other: see [`Trial`].
 
 mod scales;
 mod space;
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{Error, StereoCamera};
 
-/// A scene that is hard on methods which reuse one eye's picture for the other.
+/// A scene that is hard for methods which reuse one eye's samples for the other.
 ///
 /// ```
 /// use stereotrace::scene::suite::Trial;
@@ -28,73 +28,74 @@ use crate::{Error, StereoCamera};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Trial {
-    /// [`Builtin::Fence`]: every slat uncovers a strip of wall, so that many short gaps must be found and traced.
+    /// [`Builtin::Fence`]: every slat uncovers a strip of wall. Many short gaps must be found and traced.
     Fence,
-    /// [`Builtin::Hidden`]: a pillar that only the right eye sees. No left sample knows of it, and a method that
-    /// trusts what lands in its place shows the wall through it.
+    /// [`Builtin::Hidden`]: a pillar that only the right eye sees. It has no left sample, and a method that trusts all
+    /// landed samples shows the wall through it.
     Hidden,
-    /// [`Builtin::Near`]: a ball so near that its parallax is six times the distance between the eyes, beyond the
-    /// buffers that are made for half the screen's distance.
+    /// [`Builtin::Near`]: a sphere so near that its parallax is six times the interaxial. This exceeds buffers made for
+    /// half the screen's distance.
     Near,
-    /// [`Builtin::Grazing`]: sheets that are edges to the left eye. What the right eye sees on them lies between two
-    /// left samples.
+    /// [`Builtin::Grazing`]: sheets that are edges to the left eye. Their points that the right eye sees lie between
+    /// two left samples.
     Grazing,
-    /// Ribbons, slivers and chains of spheres 0.2 to 0.9 pixels wide (of 600) before a wall. One eye's samples meet a
-    /// wire where the other's pass it by, and the sample on the wall beside it passes every check.
+    /// Ribbons, slivers and chains of spheres 0.2 to 0.9 pixels wide (of 600) in front of a wall. One eye's samples hit
+    /// a wire that the other eye's samples miss. The sample on the wall beside it passes every check.
     Wires,
-    /// Thousands of curved strands, 0.1 to 0.5 pixels wide, on a ball: nearly every pixel is an edge, and the two
-    /// eyes' samples seldom meet the same strand.
+    /// Thousands of curved strands, 0.1 to 0.5 pixels wide, on a sphere. Nearly every pixel is an edge, and the two
+    /// eyes' samples seldom hit the same strand.
     Hair,
-    /// Crowns of squares that masks cut leaves out of: their shadows are dapples, many of them narrower than the distance between
-    /// the left eye's samples.
+    /// Tree crowns of squares with leaf-shaped cut-outs. Many spots of light in their shadows are narrower than the
+    /// distance between left samples.
     Foliage,
-    /// Cables over a street, far from what they throw their shadows on.
+    /// Cables over a street, far from the surfaces that receive their shadows.
     Cables,
-    /// A plate with fins and bars that are narrower than a pixel or little wider, close to what they throw their shadows on.
+    /// A plate with fins and bars about a pixel wide or narrower, close to the surfaces that receive their shadows.
     Strips,
-    /// A thin wall between the eyes, from their plane into the depth. Each eye sees one side of it and one half of
-    /// the scene, so that the left view holds next to nothing of the right one.
+    /// A thin wall between the eyes, from their plane into the depth. Each eye sees one side of it and one half of the
+    /// scene, so the views share almost nothing.
     Septum,
-    /// A floor of 40,000 raised tiles to the horizon. It is smooth in depth, so that samples are reused, but colours
-    /// change within a pixel.
+    /// A floor of 40,000 raised tiles to the horizon. Its depth is smooth, so samples are reused, but colours change
+    /// within a pixel.
     Checkerboard,
-    /// Spheres with windows, one in the other: a pixel looks through several windows at once, and the eyes look
-    /// through different ones.
+    /// Nested spheres with windows. A pixel looks through several windows at once, and the eyes look through different
+    /// ones.
     Shells,
     /// Pairs of plates a thousandth and a hundred-thousandth of their distance apart, the front ones with holes.
-    /// Verification rays that end short of their point, or parallax, can't tell one plate from the other.
+    /// Verification rays that end short of their point can't distinguish the plates, nor can parallax.
     Plates,
-    /// Surfaces in the same place in two colours: a mesh twice, a sphere twice, quads that overlap in a plane. Only the rule
-    /// for equal distances says which one is seen, and both eyes and all kernels must keep to it.
+    /// Coincident surfaces in two colours: a mesh twice, a sphere twice, overlapping quads in a plane. Only the rule
+    /// for ties decides which one is seen, and both eyes and all kernels must follow it.
     Coincident,
-    /// Walls of large panels beside finely divided ones, whose vertices lie on (or just off) the large panels' edges:
-    /// rays slip through cracks that one eye sees and the other does not.
+    /// Walls of large panels beside finely divided ones, whose vertices lie on (or just off) the large panels' edges.
+    /// Rays slip through cracks that only one eye sees.
     TJunctions,
-    /// Triangles of 10,000 units and of 0.0001 in one picture. Tolerances that are fixed numbers, or shares of the scene's size,
-    /// are too large for the one or too small for the other.
+    /// Triangles of 10,000 units and of 0.0001 in one picture. Absolute tolerances, or shares of the scene's size, are
+    /// too large for some or too small for others.
     MixedSizes,
-    /// Floor, wall, ball, spheres and box at a thousandth of their size: tolerances in world units are too large here.
+    /// Floor, wall, sphere, spheres and box at a thousandth of their size. Tolerances in world units are too large
+    /// here.
     ScaleSmall,
-    /// The same at a million times their size: tolerances in world units are too small here, and products of coordinates
-    /// are large.
+    /// The same scene at a million times its size. Tolerances in world units are too small here, and products of
+    /// coordinates are large.
     ScaleLarge,
-    /// The same 100,000 units away from the origin along each axis, where f32 places vertices and rays half a pixel apart:
-    /// a point that is computed twice is not in the same place twice.
+    /// The same scene 100,000 units from the origin along each axis. There f32 rounds vertices and rays to half a
+    /// pixel, so a point computed twice has two positions.
     FarOff,
-    /// Things near and far from eyes half a picture apart: half of the left view lands outside the right one, and
+    /// Near and far objects, seen by eyes half a picture apart. Half of the left view lands outside the right one, and
     /// many left samples compete for one pixel.
     HalfWidth,
-    /// The left eye within a ball with a window, the right eye outside it, and both within a sphere around it all.
-    /// Parallax reaches the width of many pictures, and the right view's surroundings are hidden from the left eye.
+    /// The left eye is in a sphere with a window, the right eye outside it, and both are in a sphere around everything.
+    /// Parallax reaches many picture widths, and the left eye can't see the right view's surroundings.
     Inside,
-    /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. What the left eye sees behind it
-    /// lands where it stands, without a gap, so that a method which traces gaps alone shows the wall through it: figure 14 of Adelson
-    /// and Hodges 1993, the one case in which they say that theirs fails.
+    /// A post nearer than the screen, just beside the left eye's picture and within the right eye's. Left samples
+    /// behind it land on it without a gap, so a method that traces only gaps shows the wall through it. This is figure
+    /// 14 of Adelson and Hodges 1993, the one case in which they say that their method fails.
     Wings,
 }
 
 impl Trial {
-    /// All of them.
+    /// All trials.
     pub const ALL: &'static [Self] = &[
         Self::Fence,
         Self::Hidden,
@@ -120,7 +121,7 @@ impl Trial {
         Self::Wings,
     ];
 
-    /// The name it has on a command line.
+    /// Returns the name for the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fence => "fence",
@@ -148,7 +149,7 @@ impl Trial {
         }
     }
 
-    /// Why methods fail here, in one line.
+    /// Returns in one line why methods fail here.
     pub fn reason(self) -> &'static str {
         match self {
             Self::Fence => "every slat uncovers a strip of wall",
@@ -176,7 +177,7 @@ impl Trial {
         }
     }
 
-    /// Builds the scene, the same one each time.
+    /// Builds the scene. It is the same each time.
     pub fn scene(self) -> Scene {
         match self {
             Self::Fence => Builtin::Fence.scene(),
@@ -204,7 +205,8 @@ impl Trial {
         }
     }
 
-    /// The same with what makes a picture dear: every second of its materials is half a mirror, and its lights are balls of a 200th of its diagonal.
+    /// Builds a more expensive version of the scene. Every second material is half a mirror, and lights are spheres
+    /// with a radius of a 200th of the scene's diagonal.
     pub fn rich_scene(self) -> Scene {
         let mut scene = self.scene();
         for index in (1..scene.materials().len() as u32).step_by(2) {
@@ -221,8 +223,8 @@ impl Trial {
         scene
     }
 
-    /// The camera that goes with it; the eyes are 15 pixels apart in a picture 600 pixels wide, and so in proportion,
-    /// but in [`Trial::HalfWidth`].
+    /// Returns the scene's camera. The interaxial is 15 pixels in a picture 600 pixels wide, and in proportion
+    /// otherwise; for [`Trial::HalfWidth`] it is half the width.
     pub fn camera(self, width: u32, height: u32) -> StereoCamera {
         let camera = match self {
             Self::Fence => Builtin::Fence.camera(width, height),
@@ -268,12 +270,13 @@ impl FromStr for Trial {
     }
 }
 
-/// Width of a pixel (of 600 across the picture) at a distance of 1 on the stage.
+/// Width of a pixel (of 600 across the picture) at distance 1 on the stage.
 const PIXEL: f32 = stage::WIDTH / 600.0;
 
-/// The point of a sphere around the origin at `polar` radians from its top and `turn` (0 to 1) of the way around.
+/// Returns the point of a sphere around the origin at `polar` radians from its top and `turn` (0 to 1) of the way
+/// around.
 fn on_sphere(radius: f32, turn: f32, polar: f32) -> Vec3 {
-    // Both ends of a circle are one point, to the last bit.
+    // `fract` makes both ends of a circle equal to the last bit.
     let ((sin, cos), ring) = ((TAU * turn.fract()).sin_cos(), radius * polar.sin());
     Vec3::new(ring * cos, radius * polar.cos(), -ring * sin)
 }

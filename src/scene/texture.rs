@@ -1,4 +1,4 @@
-//! Textures: pictures and patterns that materials lay on surfaces.
+//! Textures: pictures and patterns on surfaces.
 
 #[cfg(feature = "textures")]
 mod picture;
@@ -14,7 +14,7 @@ use crate::{Error, message::counted};
 #[cfg(feature = "textures")]
 use crate::{Limits, input};
 
-/// Pixels that a side of a texture may have at most, and squares that a checkerboard's may: what every WebGPU adapter holds.
+/// Largest side of a texture in pixels, and of a checkerboard in squares. Every WebGPU adapter supports it.
 pub const MAX_TEXTURE_SIDE: u32 = 8192;
 
 /// Index of a [`Texture`] in its [`Scene`].
@@ -22,21 +22,21 @@ pub const MAX_TEXTURE_SIDE: u32 = 8192;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
-/// What lies beyond texture coordinates of 0 to 1.
+/// Treatment of texture coordinates outside 0 to 1.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Wrap {
-    /// The texture again.
+    /// The texture repeats.
     #[default]
     Repeat,
-    /// The texture again, every other time mirrored.
+    /// The texture repeats, mirrored every other time.
     Mirror,
-    /// Its edge: MTL's `-clamp on`.
+    /// The texture's edge continues: MTL's `-clamp on`.
     Clamp,
 }
 
-/// What a texture shows.
+/// Content of a texture.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
@@ -45,14 +45,14 @@ pub enum TextureKind {
     Image {
         /// Width and height in pixels, 1 to [`MAX_TEXTURE_SIDE`].
         size: [u32; 2],
-        /// Row-major from the top left: red, green and blue in sRGB, and alpha.
+        /// Pixels, row-major from the top left: red, green and blue in sRGB, and alpha.
         pixels: Arc<Vec<[u8; 4]>>,
     },
-    /// Squares of two colours.
+    /// A checkerboard of two colours.
     Checkerboard {
-        /// The colour of the square at u = v = 0, and the other, in linear RGB.
+        /// Colour of the square at u = v = 0, and the other colour, linear RGB.
         colors: [Vec3; 2],
-        /// Squares along u and along v, each from 0 to 1.
+        /// Number of squares along u and along v, from 0 to 1.
         squares: u32,
     },
 }
@@ -66,10 +66,12 @@ impl std::fmt::Debug for TextureKind {
     }
 }
 
-/// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as OBJ has it: the
-/// centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height. Spheres and ellipsoids have it around them, to be
-/// read from outside: its middle at +z, its right half at +x, its top at +y, of an ellipsoid these are
-/// its semi-axes, and where two of a turned one are equally long, any two at right angles are. Cloning shares the pixels.
+/// A picture or a pattern over texture coordinates. (0, 0) is the lower left corner and (1, 1) the upper right, as in
+/// OBJ. The centre of a picture's first pixel is at u = 0.5 / width, v = 1 - 0.5 / height.
+///
+/// A texture wraps around spheres and ellipsoids and reads correctly from outside. Its middle is at +z, its right half
+/// at +x and its top at +y. On an ellipsoid these are its semi-axes. If two semi-axes of a turned ellipsoid are equally
+/// long, any perpendicular pair may be taken. Clones share the pixels.
 ///
 /// ```
 /// use stereotrace::{Material, Scene, Texture, Wrap, glam::Vec3};
@@ -90,15 +92,16 @@ impl std::fmt::Debug for TextureKind {
 #[non_exhaustive]
 pub struct Texture {
     kind: TextureKind,
-    /// What lies beyond its edges.
+    /// Treatment of texture coordinates outside 0 to 1.
     pub wrap: Wrap,
 }
 
 impl Texture {
-    /// A picture, row-major from the top left: red, green and blue in sRGB, and alpha. It is repeated beyond its edges.
+    /// Makes a texture from a picture, row-major from the top left: red, green and blue in sRGB, and alpha. It repeats
+    /// beyond its edges.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a side of no pixels or over [`MAX_TEXTURE_SIDE`], and where the number of pixels is another than
+    /// [`Error::Scene`] for a side of 0 or over [`MAX_TEXTURE_SIDE`] pixels, and if the number of pixels is not
     /// `width * height`.
     pub fn image(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, Error> {
         let check = || {
@@ -115,11 +118,11 @@ impl Texture {
         Ok(Self::of(TextureKind::Image { size: [width, height], pixels: Arc::new(pixels) }))
     }
 
-    /// A checkerboard of `squares` by `squares` over texture coordinates of 0 to 1: the first colour where the numbers of a
-    /// square's column and row are both even or both odd, linear RGB. No memory goes into pixels.
+    /// Makes a checkerboard of `squares` by `squares` over texture coordinates of 0 to 1, in linear RGB. Squares have
+    /// the first colour if their column and row are both even or both odd. No pixels are stored.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a colour that is negative or not finite, and for no squares or more than [`MAX_TEXTURE_SIDE`].
+    /// [`Error::Scene`] for a colour that is negative or not finite, and for 0 or over [`MAX_TEXTURE_SIDE`] squares.
     pub fn checkerboard(first: Vec3, second: Vec3, squares: u32) -> Result<Self, Error> {
         let check = || {
             check_color("the first colour", first)?;
@@ -137,19 +140,23 @@ impl Texture {
         Self { kind, wrap: Wrap::default() }
     }
 
-    /// Reads a PNG or JPEG file, taken as sRGB; with the feature `more-textures` also BMP, GIF (its first picture), TGA (by the ending of its
-    /// name), TIFF and WebP. What has no alpha is opaque, and 16 bits a channel are rounded to 8. Its size is
-    /// checked before it is decoded, which takes up to 16 bytes a pixel beside what the format itself needs; 4 stay.
+    /// Reads a PNG or JPEG file as sRGB. With the feature `more-textures` it also reads BMP, GIF (the first picture),
+    /// TGA (by its file name extension), TIFF and WebP. Pictures without alpha are opaque, and 16 bits a channel are
+    /// rounded to 8.
+    ///
+    /// The size is checked before decoding. Decoding takes up to 16 bytes a pixel, besides the format's own memory; the
+    /// texture keeps 4.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read or is no regular one, [`Error::TooLarge`] if it is larger than [`Limits`] says,
-    /// as a file or in pixels, [`Error::Parse`] if it is no such picture or has a side over [`MAX_TEXTURE_SIDE`].
+    /// - [`Error::Io`] if the file can't be read or is no regular file.
+    /// - [`Error::TooLarge`] if the file or its number of pixels exceeds its limit in [`Limits`].
+    /// - [`Error::Parse`] if it is not such a picture or has a side over [`MAX_TEXTURE_SIDE`].
     #[cfg(feature = "textures")]
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
     }
 
-    /// [`Texture::open`] with other limits than the usual ones.
+    /// Does the same as [`Texture::open`], with the given limits.
     ///
     /// # Errors
     /// Those of [`Texture::open`].
@@ -160,10 +167,10 @@ impl Texture {
         Self::decode(path, std::io::BufReader::new(file), limits)
     }
 
-    /// Reads a picture's file from memory, as [`Texture::open`] does from the disk. Messages name it `name`.
+    /// Decodes a picture file in memory, as [`Texture::open`] does from the disk. Messages name it `name`.
     ///
     /// # Errors
-    /// Those of [`Texture::open`] but [`Error::Io`].
+    /// Those of [`Texture::open`] except [`Error::Io`].
     #[cfg(feature = "textures")]
     pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
         let path = name.as_ref();
@@ -171,7 +178,7 @@ impl Texture {
         Self::decode(path, std::io::Cursor::new(bytes), limits)
     }
 
-    /// Reads a file that a scene file names.
+    /// Reads a texture file that a scene file names.
     #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
     pub(super) fn open_from(
         files: Files,
@@ -200,8 +207,8 @@ impl Texture {
         Self::decode_counted(path, source, limits, &mut 0)
     }
 
-    /// Reads a picture that is, or is part of, the file `path`. `counted` becomes the number of pixels that are decoded, also of one that turns out to
-    /// be broken.
+    /// Decodes a picture that is, or is part of, the file `path`. `counted` becomes the number of decoded pixels, also
+    /// for a picture that turns out to be broken.
     #[cfg(feature = "textures")]
     pub(super) fn decode_counted(
         path: &std::path::Path,
@@ -213,13 +220,13 @@ impl Texture {
         Ok(Self::of(TextureKind::Image { size, pixels: Arc::new(pixels) }))
     }
 
-    /// What lies beyond its edges.
+    /// Sets the treatment of texture coordinates outside 0 to 1.
     pub fn wrap(mut self, wrap: Wrap) -> Self {
         self.wrap = wrap;
         self
     }
 
-    /// What it shows.
+    /// Returns the content.
     pub fn kind(&self) -> &TextureKind {
         &self.kind
     }
@@ -233,7 +240,7 @@ impl Scene {
         TextureId(self.textures.len() as u32 - 1)
     }
 
-    /// All textures; index = [`TextureId`].
+    /// Returns all textures; the index is the [`TextureId`].
     pub fn textures(&self) -> &[Texture] {
         &self.textures
     }

@@ -1,4 +1,4 @@
-//! What a reader warns of in one file.
+//! Warnings of a reader about one file.
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
@@ -7,7 +7,7 @@ use crate::error::located;
 #[cfg(feature = "obj")]
 use crate::{Error, message::escaped};
 
-/// The warnings of one file. What is counted is logged when they are dropped: once a file, also where reading it fails.
+/// The warnings of one file. Counts are logged on drop: once per file, also if reading fails.
 pub(super) struct Warnings<'a> {
     path: &'a Path,
     like: BTreeMap<&'static str, usize>,
@@ -19,14 +19,14 @@ struct LeftOut {
     first: Place,
 }
 
-/// Where something stands in a file.
+/// A place in a file.
 #[derive(Clone, Copy)]
 pub(super) enum Place {
     Line(usize),
-    /// An item of a list of a glTF file, as `nodes[3]`.
+    /// An item of a list in a glTF file, such as `nodes[3]`.
     #[cfg_attr(not(feature = "gltf"), allow(dead_code, reason = "the other formats have lines"))]
     Item(&'static str, usize),
-    /// In the file as a whole.
+    /// The file as a whole.
     #[cfg_attr(not(any(feature = "gltf", feature = "ply")), allow(dead_code, reason = "an OBJ has lines"))]
     File,
 }
@@ -55,7 +55,8 @@ impl<'a> Warnings<'a> {
         Self { path, like: BTreeMap::new(), left_out: BTreeMap::new() }
     }
 
-    /// Warns of a line, or of what the text names. Warnings of one `kind`, which is a heading for them, are alike.
+    /// Logs a warning about a line, or about the item that the text names. `kind` is the heading of similar warnings,
+    /// of which only the first are logged.
     #[cfg(any(feature = "obj", feature = "gltf"))]
     pub(super) fn warn(&mut self, kind: &'static str, line: impl Into<Option<usize>>, text: impl Display) {
         if self.is_printed(kind) {
@@ -63,7 +64,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of another file that a line names, and of what follows from it.
+    /// Logs an error about another file that a line names, and its consequence.
     #[cfg(feature = "obj")]
     pub(super) fn warn_of(&mut self, kind: &'static str, line: usize, error: &Error, consequence: &str) {
         if self.is_printed(kind) {
@@ -72,7 +73,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Counts a warning and says whether it is among the first of its kind.
+    /// Counts a warning and returns whether it is among the first of its kind.
     #[cfg(any(feature = "obj", feature = "gltf"))]
     fn is_printed(&mut self, kind: &'static str) -> bool {
         let count = self.like.entry(kind).or_default();
@@ -80,24 +81,24 @@ impl<'a> Warnings<'a> {
         *count <= PRINTED_WARNINGS
     }
 
-    /// Warns of the file as a whole.
+    /// Logs a warning about the whole file.
     pub(super) fn warn_once(&self, text: impl Display) {
         self.log(None, text.to_string());
     }
 
-    /// Warns of triangles without area, once for the file.
+    /// Logs a warning about triangles without area.
     pub(super) fn warn_of_dropped(&self, scene: &Scene) {
         if scene.dropped > 0 {
             self.warn_once(dropped_text(scene.dropped, &scene.triangles));
         }
     }
 
-    /// Counts something that the file has and pictures don't show; `what` names it in the plural.
+    /// Counts an unsupported item of the file; `what` names its kind in the plural.
     pub(super) fn left_out(&mut self, what: &'static str, place: impl Into<Place>) {
         self.left_out.entry(what).or_insert(LeftOut { count: 0, first: place.into() }).count += 1;
     }
 
-    /// As errors are written, so that both quote files alike.
+    /// Formats a warning as errors are formatted, so both quote files alike.
     fn log(&self, line: Option<usize>, text: String) {
         log::warn!("{}", located(self.path, line, &text));
     }

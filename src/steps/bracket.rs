@@ -1,4 +1,4 @@
-//! Passes 2 and 3 of `bracket`: how deep each tile is searched, its search, and what that leaves (docs/BRACKET.md).
+//! Passes 2 and 3 of `bracket`: the tiles' bounds, their search, and the pixels that it leaves (docs/BRACKET.md).
 
 use super::{
     resolve::{SHADE_TRACED, TRACE_LISTED},
@@ -24,7 +24,7 @@ pub(crate) const BOUND_TILES: Kernel = Kernel {
     storage: &[(Source, Read), (Bounds, Write), (Counters, Write)],
     main: part!("bound_tiles.wgsl"),
 };
-/// Where shadow bits are taken over: which of them are not.
+/// Marks busy lights, if visibility bits are reused.
 pub(crate) const MARK_BUSY: Kernel =
     Kernel { name: "mark_busy", touches: Touches::Pixels, storage: &[(Bounds, Write)], main: part!("mark_busy.wgsl") };
 pub(crate) const SEARCH_TILES: Kernel = Kernel {
@@ -33,7 +33,7 @@ pub(crate) const SEARCH_TILES: Kernel = Kernel {
     storage: &[(Bounds, Read), (Counters, Write), (Found, Write)],
     main: part!("search_tiles.wgsl"),
 };
-/// The same where a pixel has several samples: four tiles at once.
+/// Searches four tiles at once, for several samples a pixel.
 pub(crate) const SEARCH_WIDE_TILES: Kernel =
     Kernel { name: "search_wide_tiles", main: part!("search_wide_tiles.wgsl"), ..SEARCH_TILES };
 pub(crate) const RESOLVE_TILES: Kernel = Kernel {
@@ -66,7 +66,7 @@ pub(crate) const CHOOSE: Kernel = Kernel {
     main: part!("choose.wgsl"),
 };
 
-/// How deep each tile must be searched, and which shadow bits are taken over there.
+/// Returns the steps that bound tiles and mark busy lights.
 pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
     let mut steps = vec![step(&BOUND_TILES, view, Launch::Runs(TILE))];
     if bits != ShadowReuse::Rays {
@@ -75,7 +75,8 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
     steps
 }
 
-/// Primary visibility by tiles, the rest by rays; then shading from the hits, with shadow rays where bits don't agree.
+/// Returns the steps that find primary visibility, by tiles and rays, and shade the hits. Unknown bits take shadow
+/// rays.
 pub(crate) fn resolve(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let launch = if wide { Launch::WideTiles } else { Launch::Tiles };
     [vec![Step::EmptyLists(Found), step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
@@ -97,8 +98,8 @@ fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
     steps
 }
 
-/// The same, or all of the view traced: what is predicted to cost less in each band. (Of what is not chosen nothing is launched, or
-/// nothing listed.)
+/// Returns the steps that either do the same or trace the whole view, whichever is predicted to cost less in each band.
+/// Steps of the other choice launch nothing, or their lists are empty.
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
     let search = vec![step(search(wide), view, Launch::Listed(Found, TO_SEARCH))];

@@ -1,4 +1,4 @@
-//! Verification without rays: edges of the source's view are marked, to be traced (thesis, 6.2).
+//! Verification without rays: marks edges of the source view, to be traced (thesis, 6.2).
 
 use super::step;
 use crate::{

@@ -1,4 +1,4 @@
-//! What the host does between steps.
+//! Work of the host between steps.
 
 use web_time::Instant;
 
@@ -11,7 +11,7 @@ use crate::{
     steps::reproject,
 };
 
-/// Pass 2 of `AdelsonHodges`, row after row.
+/// Runs pass 2 of `AdelsonHodges`, row after row.
 pub(crate) async fn sweep(driver: &mut Driver<'_>, view: usize) -> Result<(), Error> {
     let (gpu, targets, frame) = (driver.gpu, driver.targets, driver.frames[view]);
     let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
@@ -29,7 +29,7 @@ pub(crate) async fn sweep(driver: &mut Driver<'_>, view: usize) -> Result<(), Er
     Ok(())
 }
 
-/// Reprojects by the 3D buffer, as many rows at a time as fit one binding.
+/// Reprojects with the 3D buffer, as many rows at a time as fit one binding.
 pub(crate) async fn slots(driver: &mut Driver<'_>, depth: BufferDepth, view: usize) -> Result<(), Error> {
     let range = match depth {
         BufferDepth::Adaptive => depth_range(driver, view).await?,
@@ -56,7 +56,7 @@ pub(crate) async fn slots(driver: &mut Driver<'_>, depth: BufferDepth, view: usi
     Ok(())
 }
 
-/// Makes the 3D buffer so deep, and says for how many rows.
+/// Sizes the 3D buffer for this depth, and returns how many rows it holds.
 async fn size_slots(driver: &mut Driver<'_>, depth: u32, view: usize) -> Result<u32, Error> {
     let frame = &mut driver.frames[view];
     frame.buffer_depth = depth;
@@ -66,7 +66,7 @@ async fn size_slots(driver: &mut Driver<'_>, depth: u32, view: usize) -> Result<
     let rows = (allowed / row_bytes).min(u64::from(frame.row_end - frame.row_begin)) as u32;
     let bytes = u64::from(rows) * row_bytes;
     if driver.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
-        // One that is too small goes before the new one comes.
+        // A buffer that is too small is freed before the new one is made.
         driver.slots.take().iter().for_each(wgpu::Buffer::destroy);
         *driver.slots = Some(driver.gpu.checked(|| Ok(driver.gpu.storage_buffer("slots", bytes))).await?);
     }
@@ -76,7 +76,8 @@ async fn size_slots(driver: &mut Driver<'_>, depth: u32, view: usize) -> Result<
     Ok(rows)
 }
 
-/// Nearest and farthest depth of a view's source in the rows at work; the farthest is infinite as soon as one pixel is sky.
+/// Returns the nearest and farthest depth of a view's source in the rows at work. The farthest is infinite if any pixel
+/// is sky.
 async fn depth_range(driver: &mut Driver<'_>, view: usize) -> Result<(f32, f32), Error> {
     let (gpu, frame): (&Gpu, _) = (driver.gpu, driver.frames[view]);
     let words = frame.row_end as usize * layout::COUNTERS;

@@ -1,5 +1,5 @@
-//! Behind a view's last step, in scenes with mirrors, glass or veils: pixels that show these, by rays that they send on. First hits may
-//! have come from another view; what is seen along these rays is each eye's own.
+//! Steps after a view's last one, in scenes with mirrors, glass or veils: they trace the rays that such pixels send on.
+//! First hits may be reused from another view, but these rays belong to each eye.
 
 use super::step;
 use crate::{

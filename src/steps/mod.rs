@@ -1,5 +1,5 @@
-//! The steps that plans are made of: their kernels, what these read and write, and the host's part. A file each, beside
-//! `shaders/`.
+//! The steps that plans are made of: their kernels, the kernels' resources, and the host's part. Each file corresponds
+//! to files of `shaders/`.
 
 pub(crate) mod bracket;
 pub(crate) mod edges;
@@ -18,7 +18,7 @@ use crate::{
     kernels::Kernel,
 };
 
-/// A step of a view, named like its kernel.
+/// Returns a step of a view, named like its kernel.
 fn step(kernel: &'static Kernel, view: usize, launch: Launch) -> Step {
     Step::Run { name: kernel.name, kernel, view, launch, part: 0 }
 }

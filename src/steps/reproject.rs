@@ -1,4 +1,4 @@
-//! Pass 2: which of the source's samples each of the target's pixels gets (thesis, 3.1.2; Es & Isler 2007).
+//! Pass 2: assigns source samples to target pixels (thesis, 3.1.2; Es & Isler 2007).
 
 use super::step;
 use crate::{
@@ -44,22 +44,22 @@ pub(crate) const DEPTH_RANGE: Kernel = Kernel {
     main: part!("depth_range.wgsl"),
 };
 
-/// The nearest sample, by atomicMax.
+/// Keeps the nearest sample, by atomicMax.
 pub(crate) fn atomic(view: usize) -> Vec<Step> {
     vec![step(&REPROJECT, view, Launch::Pixels)]
 }
 
-/// The last one of a sweep along each row.
+/// Keeps the last sample of a sweep along each row.
 pub(crate) fn scanline(view: usize) -> Vec<Step> {
     vec![step(&REPROJECT_SCANLINE, view, Launch::Rows)]
 }
 
-/// Nearest and farthest depth of each row, for a 3D buffer's size.
+/// Finds the nearest and farthest depth of each row, for the size of a 3D buffer.
 pub(crate) fn depth_range(view: usize) -> Vec<Step> {
     vec![step(&DEPTH_RANGE, view, Launch::Rows)]
 }
 
-/// The nearest of all that the 3D buffer holds.
+/// Keeps the nearest sample in the 3D buffer.
 pub(crate) fn slots(view: usize) -> Vec<Step> {
     vec![Step::EmptySlots, step(&REPROJECT_SLOTS, view, Launch::Pixels), step(&GATHER_SLOTS, view, Launch::Pixels)]
 }

@@ -1,4 +1,4 @@
-//! Pass 3 of the thesis's methods: what was carried over is checked, and what is bad or missing is traced (thesis, 3.1.3).
+//! Pass 3 of the thesis's methods: checks reused pixels and traces bad and missing ones (thesis, 3.1.3).
 
 use super::{edges, soft, step};
 use crate::{
@@ -21,7 +21,7 @@ pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
     storage: &[(Source, Read), (View, Write), (Counters, Write), (Lists, Write)],
     main: part!("resolve_right.wgsl"),
 };
-/// The same without checks: gaps are no candidates any more, and edges have been marked.
+/// The same without checks: the sweep has cleared gaps, and edges have been marked.
 pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel { name: "resolve_trusted", ..RESOLVE_RIGHT };
 pub(crate) const TRACE_LISTED: Kernel = Kernel {
     name: "trace_listed",
@@ -29,7 +29,7 @@ pub(crate) const TRACE_LISTED: Kernel = Kernel {
     storage: &[(Lists, Write), (View, Write), (Counters, Write)],
     main: part!("trace_listed.wgsl"),
 };
-/// Shades what was traced.
+/// Shades traced pixels.
 pub(crate) const SHADE_TRACED: Kernel = Kernel {
     name: "shade_traced",
     touches: Touches::Shading,
@@ -37,7 +37,7 @@ pub(crate) const SHADE_TRACED: Kernel = Kernel {
     main: part!("shade_listed.wgsl"),
 };
 
-/// What was reused takes over its source's pixels.
+/// Copies reused pixels from the source.
 pub(crate) const TAKE_OVER: Kernel = Kernel {
     name: "take_over",
     touches: Touches::Pixels,

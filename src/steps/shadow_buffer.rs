@@ -1,4 +1,5 @@
-//! Shadow-buffers on the device: filled where none is kept, object by object, and kept with the uploaded scene (`docs/SHADOW-BUFFER.md`).
+//! Shadow-buffers on the device. They are filled by drawing primitives if none is kept, and then kept with the uploaded
+//! scene (`docs/SHADOW-BUFFER.md`).
 
 #[cfg(test)]
 mod tests;
@@ -25,7 +26,7 @@ use crate::{
     wgsl::part,
 };
 
-// The T-buffer's kernels, drawing on texels' middles.
+// The T-buffer's kernels, drawing at texels' middles.
 pub(crate) const PROJECT_MIDDLES: Kernel = Kernel { name: "project_middles", ..PROJECT_PRIMITIVES };
 pub(crate) const DRAW_FEW_MIDDLES: Kernel = Kernel { name: "draw_few_middles", ..DRAW_FEW };
 pub(crate) const DRAW_MORE_MIDDLES: Kernel = Kernel { name: "draw_more_middles", ..DRAW_MORE };
@@ -36,7 +37,7 @@ pub(crate) const READ_MIDDLES: Kernel = Kernel {
     storage: &[(TBuffer, Write), (Counters, Write)],
     main: part!("read_middles.wgsl"),
 };
-// And on whole texels, where what may stand before texels' surfaces is marked.
+// The T-buffer's kernels, marking whole texels where something may stand before their surface.
 pub(crate) const PROJECT_TEXELS: Kernel = Kernel { name: "project_texels", ..PROJECT_PRIMITIVES };
 pub(crate) const MARK_FEW_TEXELS: Kernel = Kernel { name: "mark_few_texels", ..DRAW_FEW };
 pub(crate) const MARK_MORE_TEXELS: Kernel = Kernel { name: "mark_more_texels", ..DRAW_MORE };
@@ -48,30 +49,30 @@ pub(crate) const READ_TEXELS: Kernel = Kernel {
     main: part!("read_texels.wgsl"),
 };
 
-/// What a texel is: t as bits and the primitive's place, or by the hybrid rule a plane and that.
+/// Format of a texel: t as bits and the slot. By the hybrid rule a plane and the slot.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 const HYBRID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
-/// In the place of a texel's primitive: nothing is known (`shaders/shared/shadow_buffer.wgsl`).
+/// In place of a texel's slot: nothing is known (`shaders/shared/shadow_buffer.wgsl`).
 const UNFILLED: u32 = 0xffff_fffe;
-/// Words of the row behind a table that say where its directions are, and columns that have room for them.
+/// Words of the row behind a table that describe its directions, and the columns needed for them.
 const HEAD: usize = 12;
 const LEAST_COLUMNS: u32 = 6;
-/// Texels of a submission: each one projects all primitives, and texels take 24 bytes while they are drawn.
+/// Texels per submission. Each submission projects all primitives, and a texel takes 24 bytes while it is drawn.
 const BAND: u32 = 1 << 21;
-/// Bytes of one word over and over that are handed over at a time.
+/// Bytes per write when a layer is filled with one word.
 const PIECE: usize = 1 << 22;
 
-/// All lights' tables on a device, a layer each.
+/// The tables of all lights on a device, one layer each.
 #[derive(Debug)]
 pub(crate) struct Tables {
     texture: Texture,
-    /// All layers, as kernels read them.
+    /// All layers, for kernels.
     pub(crate) view: wgpu::TextureView,
     /// What each layer was filled for.
     layers: Vec<Layer>,
 }
 
-/// A light, where directions stand in its table, and by which margin texels are marked, if any are.
+/// A light, the directions of its table, and the margin by which texels are marked, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layer {
     light: Vec3,
@@ -79,24 +80,24 @@ struct Layer {
     margin: Option<f32>,
 }
 
-/// What filling a layer needs on the device.
+/// Device resources for filling a layer.
 struct Filling<'a> {
     gpu: &'a Gpu,
     kernels: &'a Kernels,
     scene: &'a UploadedScene,
     with: Variant,
-    /// Primitives that are drawn.
+    /// Number of primitives to draw.
     primitives: u32,
     uniform: wgpu::Buffer,
     counters: wgpu::Buffer,
     t_buffer: wgpu::Buffer,
-    /// By the hybrid rule what is made of that.
+    /// The finished texels, by the hybrid rule.
     texels: Option<wgpu::Buffer>,
     drawing: wgpu::Buffer,
     indirect: wgpu::Buffer,
 }
 
-/// Freed when it is dropped, as `Texels` are.
+/// A texture that is freed when dropped, like `Texels`.
 #[derive(Debug)]
 struct Texture(wgpu::Texture);
 
@@ -114,7 +115,7 @@ fn format_of(buffer: &ShadowBuffer) -> wgpu::TextureFormat {
 }
 
 impl UploadedScene {
-    /// Which lights have a table, by their places among all, and their positions.
+    /// Returns the lights with a table: their indices among all lights, and their positions.
     fn buffered_lights(&self, gpu: &Gpu) -> impl Iterator<Item = (u32, Vec3)> + '_ {
         let near = self.variant.shadows == Shadows::FromLight && !self.ids.is_empty();
         let can_draw = !self.variant.has_tree() || t_buffer::drawn(self, gpu).is_some();
@@ -122,7 +123,7 @@ impl UploadedScene {
         lights.take(MAX_SHADOW_BUFFERS)
     }
 
-    /// How kernels of a frame read them; `None` where there are none.
+    /// Returns how a frame's kernels read the tables; `None` if there are none.
     pub(crate) fn shadow_reading(&self, options: &Options, gpu: &Gpu) -> Option<Reading> {
         let lights = self.buffered_lights(gpu).fold(0, |mask, (place, _)| mask | 1 << place);
         options.shadow_buffer.filter(|_| lights != 0).map(|buffer| Reading::new(buffer.rule, lights))
@@ -130,7 +131,7 @@ impl UploadedScene {
 
     fn layers(&self, buffer: &ShadowBuffer, gpu: &Gpu) -> Vec<Layer> {
         let mapping = |light| match (buffer.rule, self.bounds) {
-            // Planes go on in all directions, and the paper's table is all of them.
+            // Planes extend in all directions, and the paper's table covers all of them.
             (ShadowRule::Depth { .. } | ShadowRule::Hybrid { .. }, Some(bounds)) if self.variant.planes == 0 => {
                 Mapping::around(light, bounds, buffer.rows)
             }
@@ -145,7 +146,7 @@ impl UploadedScene {
 }
 
 impl Renderer {
-    /// The tables that a frame asks, filled as far as they were not; `None` where it asks none.
+    /// Returns the tables that a frame queries, after filling missing ones; `None` if it queries none.
     pub(crate) async fn shadow_tables(
         &self,
         scene: &UploadedScene,
@@ -163,7 +164,7 @@ impl Renderer {
         if let Some(kept) = kept.filter(|kept| fits(kept) && kept.layers == layers) {
             return Ok(Some((kept, work)));
         }
-        // What another frame still reads is left alone, and what is not filled to the end is not kept.
+        // Tables that another frame still reads are left alone, and tables that are not completely filled are not kept.
         let before = lock(&scene.shadow_tables).take().and_then(Arc::into_inner);
         let mut tables = match before.filter(fits) {
             Some(before) => before,
@@ -180,7 +181,7 @@ impl Renderer {
         Ok(Some((filled, work)))
     }
 
-    /// Fills a layer, some rows a submission.
+    /// Fills a layer, some rows per submission.
     async fn fill(
         &self,
         scene: &UploadedScene,
@@ -192,7 +193,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let gpu = &self.gpu;
         let Mapping { rows, columns, .. } = layer.mapping;
-        // A row that is copied into a texture begins at a multiple of so many bytes.
+        // A row that is copied into a texture begins at a multiple of this many bytes.
         let per_row = columns.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / texture.texel());
         let step = (BAND / per_row).clamp(1, rows);
         let begin = || {
@@ -214,7 +215,7 @@ impl Renderer {
         }
         let words: Vec<u32> = gpu.read(&filling.counters, layout::COUNTERS).await?;
         if words[layout::CUT_SHORT] > 0 {
-            // An adapter ended a loop early: nothing that stands there can be relied on.
+            // An adapter ended a loop early, so the texels are unreliable.
             log::warn!("filling a shadow-buffer was cut short by the adapter: rays are traced in its place");
             let empty = || {
                 texture.fill(gpu, index, UNFILLED);
@@ -256,12 +257,12 @@ impl<'a> Filling<'a> {
         }
     }
 
-    /// What the table's texels are copied from.
+    /// Returns the buffer that the table's texels are copied from.
     fn filled(&self) -> &wgpu::Buffer {
         self.texels.as_ref().unwrap_or(&self.t_buffer)
     }
 
-    /// Says which rows are at work.
+    /// Uploads the uniform for these rows.
     fn begin(&self, layer: &Layer, rows: &Range<u32>, per_row: u32) {
         let Mapping { axes: [x, y, z], theta, phi, columns, .. } = layer.mapping;
         let table = layout::Table {
@@ -282,7 +283,8 @@ impl<'a> Filling<'a> {
         self.gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&table));
     }
 
-    /// Draws what is nearest in each texel, reads it, and marks where something may stand before that.
+    /// Encodes the drawing of the nearest hit in each texel, its reading, and the marks of texels where something may
+    /// stand before it.
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, layer: &Layer, rows: &Range<u32>) {
         encoder.clear_buffer(&self.t_buffer, 0, None);
         encoder.clear_buffer(&self.drawing, 0, Some(DRAWING_HEAD));
@@ -305,7 +307,7 @@ impl<'a> Filling<'a> {
         }
     }
 
-    /// Kernels over the lists of `Drawing`, one after the other.
+    /// Encodes kernels over the lists of `Drawing`, one after the other.
     fn encode_listed(&self, encoder: &mut wgpu::CommandEncoder, kernels: [&Kernel; 3]) {
         for (list, kernel) in (0..).zip(kernels) {
             let head = list * size_of_val(&layout::EMPTY_LIST) as u64;
@@ -326,7 +328,7 @@ impl<'a> Filling<'a> {
     ) {
         let pipeline = self.kernels.get(self.gpu, kernel, self.with);
         let buffer = |target: &Target| match target {
-            // What is marked is what is copied.
+            // The marked buffer is the one that is copied.
             TBuffer if kernel.name.starts_with("mark_") => self.filled(),
             TBuffer => &self.t_buffer,
             Found => self.filled(),
@@ -356,7 +358,8 @@ impl Drop for Filling<'_> {
 }
 
 impl Texture {
-    /// All zeros. Not left to wgpu, which clears it at its first use: after a clear Mesa's software driver takes every timestamp too early.
+    /// Makes a texture of zeros. They are written here: wgpu would clear it at its first use, and after a clear Mesa's
+    /// software driver takes every timestamp too early.
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         use wgpu::TextureUsages as Usages;
 
@@ -375,12 +378,12 @@ impl Texture {
         texture
     }
 
-    /// Bytes of a texel.
+    /// Returns the bytes of a texel.
     fn texel(&self) -> u32 {
         self.0.format().block_copy_size(None).expect("no depth")
     }
 
-    /// The same word all over a layer.
+    /// Fills a layer with one word.
     fn fill(&self, gpu: &Gpu, layer: u32, word: u32) {
         let (width, height) = (self.0.width(), self.0.height());
         let row = width as usize * self.texel() as usize / 4;
@@ -405,7 +408,7 @@ impl Texture {
         gpu.queue.write_texture(target, bytes, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
     }
 
-    /// Takes over rows that were filled.
+    /// Encodes the copy of filled rows into the texture.
     fn encode_copy(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -429,7 +432,7 @@ impl Texture {
         encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer: filled, layout }, to, size);
     }
 
-    /// Says behind a table where its directions are (`directions_of` of `shaders/shared/shadow_buffer.wgsl`).
+    /// Writes the directions of a table behind it (`directions_of` of `shaders/shared/shadow_buffer.wgsl`).
     fn write_head(&self, gpu: &Gpu, layer: u32, mapping: &Mapping) {
         let Mapping { axes: [x, _, z], theta, phi, rows, columns } = *mapping;
         let floats = [theta, phi, [x.x, x.y], [x.z, z.x], [z.y, z.z]].map(|two| two.map(f32::to_bits));
@@ -441,7 +444,7 @@ impl Texture {
 }
 
 impl Tables {
-    /// With nothing filled.
+    /// Makes tables without a filled layer.
     fn new(gpu: &Gpu, format: wgpu::TextureFormat, size: wgpu::Extent3d) -> Self {
         let texture = Texture::new(gpu, format, size);
         let view = texture.0.create_view(&wgpu::TextureViewDescriptor {
@@ -451,10 +454,10 @@ impl Tables {
         Self { texture, view, layers: Vec::new() }
     }
 
-    /// Of a texture for so many lights.
+    /// Returns the size of a texture for this many lights.
     ///
     /// # Errors
-    /// [`Error::Limit`], naming the limit that it does not keep.
+    /// [`Error::Limit`] naming the exceeded limit.
     fn size(gpu: &Gpu, buffer: &ShadowBuffer, lights: usize) -> Result<wgpu::Extent3d, Error> {
         let side = gpu.limits.max_texture_dimension_2d;
         let columns = buffer.rows.saturating_mul(2);
@@ -471,7 +474,7 @@ impl Tables {
         }
         let (width, height) = (columns.max(LEAST_COLUMNS), buffer.rows + 1);
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: lights as u32 };
-        // Textures have no limit of their own; what no buffer may hold is too much for a table too.
+        // Textures have no limit of their own. A table may not exceed the limit of buffers.
         let (bytes, allowed) = (Self::bytes(format_of(buffer), size), gpu.limits.max_buffer_size);
         if bytes > allowed {
             let mib = |bytes: u64| format!("{} MiB", bytes.div_ceil(1 << 20));

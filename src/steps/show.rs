@@ -1,4 +1,4 @@
-//! What was made: in textures that stay on the device, and packed to be read back.
+//! Writes views to textures on the device, and packs them for reading back.
 
 use crate::{
     frame::targets::Target::{Counters, Packed, Unfinished, View},

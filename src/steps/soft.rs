@@ -1,5 +1,6 @@
-//! Light that is asked for by many rays: lights that are not points, and ambient light, or the sky's, that surroundings keep off. A view's hits come first; then
-//! each source is asked, some rays at a time, so that no thread has more to do than an adapter grants it; then the view is shaded.
+//! Soft light: extended lights, and ambient or sky light that surroundings occlude. A view's hits come first. Then each
+//! source is sampled, a few rays at a time, so that no thread does more than an adapter grants. Then the view is
+//! shaded.
 
 use super::step;
 use crate::{
@@ -24,14 +25,14 @@ pub(crate) const TRACE_SOFT: Kernel = Kernel {
     storage: &[(View, Write), (Counters, Write)],
     main: part!("trace_soft.wgsl"),
 };
-/// Of pixels that were traced.
+/// For listed pixels that were traced.
 pub(crate) const TRACE_SOFT_LISTED: Kernel = Kernel {
     name: "trace_soft_listed",
     touches: Touches::Shading,
     storage: &[(Lists, Write), (View, Write), (Counters, Write)],
     main: part!("trace_soft_listed.wgsl"),
 };
-/// Of pixels for which a source's samples don't say all.
+/// For pixels with an unknown share.
 pub(crate) const TRACE_SOFT_ASKED: Kernel = Kernel {
     name: "trace_soft_asked",
     storage: &[(Found, Write), (View, Write), (Counters, Write)],
@@ -47,23 +48,23 @@ pub(crate) const SHADE_HITS: Kernel = Kernel {
 /// Rays of a part: `ASKED_GROUPS` of four (soft.wgsl).
 const PART_RAYS: u32 = 16;
 
-/// A light, and what is asked of it in one dispatch.
+/// The rays to one light that a dispatch traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Its place among all lights; ambient light, or the sky in its place, is behind the last.
+    /// Index among all lights; ambient light, or the sky in its place, comes after the last.
     pub(crate) light: u32,
-    /// Its place among those that are not points.
+    /// Index among the sources that are not points.
     pub(crate) slot: u32,
-    /// Its first ray.
+    /// First ray.
     pub(crate) first: u32,
 }
 
-/// What a scene has of such lights, as frames need it.
+/// The soft lights of a scene, as frames need them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SoftLights {
-    /// Of all kinds.
+    /// Number of lights of all kinds.
     lights: u32,
-    /// Places of those that are not points among them, and whether one ray says all.
+    /// Indices of the lights that are not points, and whether one ray suffices.
     soft: Vec<(u32, bool)>,
     casts: bool,
 }
@@ -75,7 +76,7 @@ impl SoftLights {
         Self { lights: scene.lights.len() as u32, soft, casts: scene.shadows }
     }
 
-    /// Sources by their slots, ambient light first: light, rays, and whether something can hide it.
+    /// Returns the sources by slot, ambient light first: light, number of rays, and whether something can hide it.
     fn sources(&self, options: &Options) -> impl Iterator<Item = (u32, u32, bool)> + '_ {
         let shadow_rays = options.shadow_rays;
         let lights =
@@ -88,7 +89,7 @@ impl SoftLights {
         self.sources(options).count() as u32
     }
 
-    /// Rays of a pixel.
+    /// Returns the number of rays a pixel.
     pub(crate) fn rays(&self, options: &Options) -> u32 {
         self.sources(options).filter(|(.., hidden)| *hidden).map(|(_, rays, _)| rays).sum()
     }
@@ -106,24 +107,24 @@ fn asked(kernel: &'static Kernel, view: usize, launch: Launch, parts: usize) -> 
     (0..parts).map(move |part| Step::Run { name: kernel.name, kernel, view, launch, part })
 }
 
-/// A whole view.
+/// Returns the steps for a whole view.
 pub(crate) fn traced(view: usize, launch: Launch, parts: usize) -> Vec<Step> {
     let mut steps = vec![step(&TRACE_HITS, view, launch)];
     steps.extend(behind_hits(view, launch, parts));
     steps
 }
 
-/// The same once its hits are there.
+/// Returns the steps for a whole view whose hits are known.
 pub(crate) fn behind_hits(view: usize, launch: Launch, parts: usize) -> Vec<Step> {
     asked(&TRACE_SOFT, view, launch, parts).chain([step(&SHADE_HITS, view, launch)]).collect()
 }
 
-/// Pixels of a list that a method traced, before they are shaded.
+/// Returns the steps for listed pixels that a method traced, before they are shaded.
 pub(crate) fn listed(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
     asked(&TRACE_SOFT_LISTED, view, Launch::Listed(Lists, list), parts.unwrap_or(0)).collect()
 }
 
-/// Those that `bracket` lists, before they are.
+/// Returns the steps for pixels that `bracket` lists, before they are shaded.
 pub(crate) fn unknown(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
     asked(&TRACE_SOFT_ASKED, view, Launch::Listed(Found, list), parts.unwrap_or(0)).collect()
 }

@@ -1,5 +1,6 @@
-//! First hits of a view by a T-buffer: primitives are projected, and drawn one by one over the pixels that they may cover, twice, first for the nearest t,
-//! then for whose it is; then each pixel is read (docs/T-BUFFER.md). What comes after a view's hits need not know.
+//! First hits of a view by a T-buffer (docs/T-BUFFER.md). Primitives are projected and drawn over the pixels that they
+//! may cover, twice: first for the nearest t, then for its primitive. Then each pixel is read. Later steps of a view
+//! are the same.
 
 use super::{resolve::TRACE_LISTED, step};
 use crate::{
@@ -29,14 +30,14 @@ pub(crate) const PROJECT_PRIMITIVES: Kernel = Kernel {
     storage: &[(Counters, Write), (Drawing, Write)],
     main: part!("project_primitives.wgsl"),
 };
-/// Primitives that cover few pixels.
+/// Draws primitives that cover few pixels.
 pub(crate) const DRAW_FEW: Kernel = Kernel {
     name: "draw_few",
     touches: Touches::Geometry,
     storage: &[(TBuffer, Write), (Counters, Write), (Drawing, Write)],
     main: part!("draw_few.wgsl"),
 };
-/// Those that cover a few tiles, and parts of those that cover many.
+/// Draw primitives that cover a few tiles, and parts of those that cover many.
 pub(crate) const DRAW_MORE: Kernel = Kernel { name: "draw_more", main: part!("draw_more.wgsl"), ..DRAW_FEW };
 pub(crate) const DRAW_PARTS: Kernel = Kernel { name: "draw_parts", main: part!("draw_parts.wgsl"), ..DRAW_FEW };
 pub(crate) const READ_T_BUFFER: Kernel = Kernel {
@@ -45,33 +46,33 @@ pub(crate) const READ_T_BUFFER: Kernel = Kernel {
     storage: &[(TBuffer, Read), (View, Write), (Counters, Write), (Lists, Write)],
     main: part!("read_t_buffer.wgsl"),
 };
-/// Pixels of which a t was found and no primitive.
+/// Traces pixels with a t but no primitive.
 pub(crate) const TRACE_NAMELESS: Kernel = Kernel { name: "trace_nameless", ..TRACE_LISTED };
 
-/// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, as what follows).
+/// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, like the following constants).
 pub(crate) const DRAWING_HEAD: u64 = 56;
 /// Bytes of a primitive's entries, and of a further part.
 const ENTRIES: u64 = 12;
 const PART: u64 = 8;
 /// Entries for further parts of primitives.
 const FURTHER_PARTS: u32 = 65536;
-/// Of more primitives the parts, up to 64 of each, could not be counted.
+/// With more primitives their parts, up to 64 each, would overflow their counter.
 const MOST_PRIMITIVES: u32 = 1 << 26;
-/// The lists' heads.
+/// Indices of the lists' heads.
 const FEW: u32 = 0;
 const MORE: u32 = 1;
 const PARTS: u32 = 2;
-/// Parts that a row of workgroups takes.
+/// Parts per row of workgroups.
 const PARTS_IN_ROW: u32 = 512;
-/// Workgroups in a row of the launch over primitives.
+/// Workgroups in a row of the dispatch over primitives.
 const PROJECTED_ACROSS: u32 = 1024;
 
-/// Bytes of the lists of a scene of which so many primitives are drawn.
+/// Returns the bytes of the lists for this many primitives.
 pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
     DRAWING_HEAD + ENTRIES * u64::from(primitives) + PART * u64::from(FURTHER_PARTS)
 }
 
-/// How many primitives of a scene are drawn, or none where one binding does not hold their lists.
+/// Returns how many primitives of a scene are drawn, or `None` if their lists do not fit one binding.
 pub(crate) fn drawn(scene: &UploadedScene, gpu: &Gpu) -> Option<u32> {
     let primitives = scene.ids.len() as u32 - scene.variant.planes;
     let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
@@ -84,13 +85,13 @@ pub(crate) fn drawn(scene: &UploadedScene, gpu: &Gpu) -> Option<u32> {
     (fits && scene.variant.has_tree()).then_some(primitives)
 }
 
-/// Workgroups over so many primitives, a thread each.
+/// Returns the workgroups for this many primitives, one thread each.
 pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
     let all = primitives.div_ceil(LIST_WORKGROUP);
     [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]
 }
 
-/// A view's hits, in its depths and slots.
+/// Returns the steps that find a view's hits.
 pub(crate) fn hits(view: usize) -> Vec<Step> {
     let begin = step(&BEGIN_PASS, view, Launch::Once);
     let pass = [
@@ -139,8 +140,8 @@ mod tests {
             );
         }
     }
-    /// Triangles that stand there three times under turned corners: their t are equal, and of many the smallest id stands behind the others
-    /// in the tree.
+    /// Triangles that occur three times with rotated corners, so their t are equal. For many, the smallest id comes
+    /// after the others in the tree.
     #[test]
     fn of_equal_t_the_smaller_id_wins_wherever_it_stands_in_the_tree() {
         let mut random = Random::new(21);

@@ -1,4 +1,4 @@
-//! A whole view, traced and shaded.
+//! Traces and shades a whole view.
 
 use super::{soft, step, t_buffer};
 use crate::{
@@ -17,16 +17,16 @@ pub(crate) const TRACE_LEFT: Kernel = Kernel {
     storage: &[(Target::View, Write), (Target::Counters, Write)],
     main: part!("trace_left.wgsl"),
 };
-/// The same, its threads going on in the next dispatch.
+/// The same in steps: threads continue in the next dispatch.
 pub(crate) const TRACE_IN_STEPS: Kernel =
     Kernel { name: "trace_in_steps", main: part!("trace_in_steps.wgsl"), ..TRACE_LEFT };
 
-/// A view from which others are made; `drawn` if its hits are found by a T-buffer.
+/// Returns the steps for a view that others are made from; `drawn` if a T-buffer finds its hits.
 pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
     if drawn { by_t_buffer(view, soft) } else { traced("trace_left", view, Launch::Pixels, soft) }
 }
 
-/// A view that is traced though it has a source.
+/// Returns the steps for a view that is traced although it has a source.
 pub(crate) fn target(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
     if drawn { by_t_buffer(view, soft) } else { traced("trace_right", view, Launch::Pixels, soft) }
 }
@@ -35,7 +35,7 @@ fn by_t_buffer(view: usize, soft: Option<usize>) -> Vec<Step> {
     [t_buffer::hits(view), soft::behind_hits(view, Launch::Pixels, soft.unwrap_or(0))].concat()
 }
 
-/// The same where `choose` wants it.
+/// Returns the steps for a view that is traced in bands where `choose` decides so.
 pub(crate) fn chosen(view: usize, soft: Option<usize>) -> Vec<Step> {
     traced("trace_right", view, Launch::Listed(Target::Found, ALL_TRACED), soft)
 }

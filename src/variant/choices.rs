@@ -1,4 +1,4 @@
-//! What is chosen for a kernel's WGSL, and the constants before its text.
+//! The choices for a kernel's WGSL, and the constants before its text.
 
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
 };
 
 impl Kernel {
-    /// What is chosen where shared WGSL has several definitions: a line for each choice.
+    /// Returns a value for each choice of shared WGSL.
     pub(crate) fn choices(&self, with: &Variant) -> [Choice; 29] {
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -117,7 +117,7 @@ impl Kernel {
         ]
     }
 
-    /// The text that the driver gets.
+    /// Returns the text for the driver.
     pub(crate) fn text(&self, with: &Variant) -> String {
         let body = wgsl::text(self.main, &self.choices(with));
         let used = self.constants(with).into_iter().filter(|(name, ..)| body.contains(name));
@@ -125,12 +125,12 @@ impl Kernel {
         constants + &body
     }
 
-    /// The constants that shared WGSL may use: name, type and value.
+    /// Returns the constants that shared WGSL may use: name, type and value.
     fn constants(&self, with: &Variant) -> Vec<(&'static str, &'static str, String)> {
-        // Six samples are told apart by their normals, two have room for an occluder.
+        // Six samples are compared by their normals; two have room for an occluder.
         let shares = with.shares && with.is_soft();
         let TexelPlaces { uv, colors, count } = with.texel_places();
-        // What mirrors show needs less.
+        // Mirrored surfaces need fewer rays.
         let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
         let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
         let flag = |name, value: bool| (name, "bool", value.to_string());

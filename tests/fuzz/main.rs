@@ -1,12 +1,13 @@
-//! Scene files with bytes, numbers and pieces exchanged: whatever a file holds, reading it ends soon, in a scene or in an error that names the
-//! file. The test takes some seconds. To look for longer, at one format or all:
+//! Scene files with bytes, numbers and pieces exchanged: whatever a file holds, reading it ends soon, in a scene or in
+//! an error that names the file. The test takes some seconds. To look for longer, at one format or all:
 //!
 //! ```text
 //! MALLOC_MMAP_THRESHOLD_=65536 MALLOC_TRIM_THRESHOLD_=65536 STEREOTRACE_FUZZ_SECONDS=1200 \
 //!     cargo test --test fuzz gltf -- --nocapture
 //! ```
 //!
-//! Then each case's memory is measured too (Linux): glibc must give back what was freed, or the next case's is not seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats one case, the one that a failure names.
+//! Then each case's memory is measured too (Linux): glibc must give back what was freed, or the next case's is not
+//! seen. `STEREOTRACE_FUZZ_CASE=NUMBER` repeats one case, the one that a failure names.
 #![cfg(all(feature = "obj", feature = "gltf", feature = "ply", feature = "textures"))]
 
 #[allow(dead_code, reason = "the other tests use more of it")]
@@ -37,7 +38,8 @@ const LONGEST: Duration = Duration::from_secs(10);
 /// Triangles and pixels of textures that a case may ask for. What they take is not the files' own.
 const MOST_TRIANGLES: u64 = 20_000;
 const MOST_PIXELS: u64 = 1 << 16;
-/// What a case may take beside 20 times its files: so many triangles, pixels while they are decoded, and what the allocator keeps.
+/// What a case may take beside 20 times its files: so many triangles, pixels while they are decoded, and what the
+/// allocator keeps.
 const MOST_MEMORY: u64 = 24 << 20;
 
 /// The files of a case, the first one to be opened.

@@ -1,5 +1,5 @@
-//! Small files whose many parts name one large thing, or which promise much and hold little. Each is made by a rule with random choices, and read by
-//! a process of its own, whose memory and time are bounded.
+//! Small files whose many parts name one large thing, or which promise much and hold little. Each is made by a rule
+//! with random choices, and read by a process of its own, whose memory and time are bounded.
 
 use std::{
     fmt::Write,
@@ -33,7 +33,8 @@ const LARGE: Size = Size { bytes: 1 << 20, triangles: 1 << 18, pixels: 1 << 22, 
 
 /// Memory that a byte of a file may take beside what the file decodes to.
 const BYTES_PER_BYTE: u64 = 200;
-/// Memory of a triangle: some 140 bytes with normals, colours and texture coordinates, twice while they are moved into the scene.
+/// Memory of a triangle: some 140 bytes with normals, colours and texture coordinates, twice while they are moved into
+/// the scene.
 const TRIANGLE_BYTES: u64 = 300;
 /// Memory of a pixel while it is decoded.
 const PIXEL_BYTES: u64 = 24;
@@ -86,8 +87,8 @@ fn many_small_things_that_name_a_large_one() {
     try_all(2, &SMALL);
 }
 
-/// Some minutes: `cargo test --test fuzz large_structures -- --ignored --nocapture`. `STEREOTRACE_FUZZ_ROUNDS` says how often, 3 times where it is not
-/// set; `STEREOTRACE_FUZZ_STRUCTURE` chooses structures by a part of their names.
+/// Some minutes: `cargo test --test fuzz large_structures -- --ignored --nocapture`. `STEREOTRACE_FUZZ_ROUNDS` says how
+/// often, 3 times where it is not set; `STEREOTRACE_FUZZ_STRUCTURE` chooses structures by a part of their names.
 #[test]
 #[ignore = "minutes; its small form is the test above"]
 fn large_structures() {
@@ -205,7 +206,8 @@ fn reader(path: &Path, size: &Size, output: &Path) -> Command {
     command
 }
 
-/// A square picture of as many pixels as the limit has, in bands of all alphas. It is some thousandth of its pixels' size.
+/// A square picture of as many pixels as the limit has, in bands of all alphas. It is some thousandth of its pixels'
+/// size.
 fn picture(size: &Size) -> Vec<u8> {
     let side = size.pixels.isqrt() as usize;
     let pixels: Vec<u8> = (0..side).flat_map(|row| [200, (256 * row / side) as u8].repeat(side)).collect();

@@ -1,4 +1,5 @@
-//! Adaptive samples: against the recursion over a picture of all samples, against very many samples, and what they do not go with.
+//! Adaptive samples: against the recursion over a picture of all samples, against very many samples, and what they do
+//! not go with.
 
 use crate::common;
 
@@ -54,7 +55,8 @@ fn a_view_is_what_the_recursion_makes_of_all_samples() {
             for (place, color) in found.view.linear.iter().enumerate() {
                 let [x, y] = [place as u32 % 90, place as u32 / 90].map(|pixel| pixel * side);
                 let expected = divided(all, [x, y], side, tolerance);
-                // The places of samples are rounded otherwise in a larger picture: a few fall on the other side of an edge.
+                // The places of samples are rounded otherwise in a larger picture: a few fall on the other side of an
+                // edge.
                 off += u32::from((0..3).any(|channel| (f64::from(color[channel]) - expected[channel]).abs() > 1e-4));
             }
             println!("{levels} levels: {off} pixels off, {} samples", found.work.rays.primary);
@@ -96,7 +98,8 @@ fn bracket_rays_are_naive_to_the_last_bit() {
             assert!(bracket.view.primitive == naive.view.primitive && bracket.view.depth == naive.view.depth);
             let primary = [rays, bracket].map(|view| view.work.rays.primary as f64 / naive.work.rays.primary as f64);
             println!("{levels}, view {index}: {primary:?} of {}", naive.work.rays.primary);
-            // What is traced of a view that is made from another: .04 at most; of the source, divided cells' corners again.
+            // What is traced of a view that is made from another: .04 at most; of the source, divided cells' corners
+            // again.
             let bounds = if index == 1 { 1.0..1.5 } else { 0.0..0.08 };
             assert!(primary.iter().all(|share| bounds.contains(share)), "{levels}, view {index}: {primary:?}");
             let shadow = bracket.work.rays.shadow as f64 / naive.work.rays.shadow as f64;

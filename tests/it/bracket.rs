@@ -51,8 +51,9 @@ fn primary_visibility_is_naive_s_on_every_scene_and_without_shadow_bits_so_is_th
     }
 }
 
-/// Least share of identical pixels in percent, by `bracket` and by `verified`: as measured, with half as many differing pixels again
-/// and 0.1 to spare. Wires, hair and grains are thinner than the left samples, and so are their shadows; the hall's are at this size.
+/// Least share of identical pixels in percent, by `bracket` and by `verified`: as measured, with half as many differing
+/// pixels again and 0.1 to spare. Wires, hair and grains are thinner than the left samples, and so are their shadows;
+/// the hall's are at this size.
 fn least_identical(name: &str) -> [f64; 2] {
     match name {
         "wires" => [91.9, 94.4],
@@ -334,8 +335,8 @@ fn dense_ball(rings: u32) -> (usize, usize) {
 
 #[test]
 fn meshes_of_many_triangles_a_pixel_show_what_naive_shows() {
-    // 2 triangles a pixel: nearly all fit, 4 pixels don't, about the poles, where there are more; 13: half don't; 148: whole tiles are
-    // given up.
+    // 2 triangles a pixel: nearly all fit, 4 pixels don't, about the poles, where there are more; 13: half don't; 148:
+    // whole tiles are given up.
     let [fitting, overflowing, given_up] = [20, 53, 180].map(dense_ball);
     println!("{fitting:?} {overflowing:?} {given_up:?}");
     assert!(fitting.1 <= 12, "{fitting:?}");

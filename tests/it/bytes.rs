@@ -1,5 +1,5 @@
-//! A guard for changes that may not change a picture: hashes of all that every method makes. `sh scripts/same_bytes.sh COMMIT`
-//! compares them with those of another commit, on the same machine.
+//! A guard for changes that may not change a picture: hashes of all that every method makes. `sh scripts/same_bytes.sh
+//! COMMIT` compares them with those of another commit, on the same machine.
 
 use std::{
     fmt::Write,

@@ -1,5 +1,5 @@
-//! Cut-outs: surfaces with holes, against a tracer in double precision, against the same surfaces made of triangles, and `Naive` of
-//! the same run.
+//! Cut-outs: surfaces with holes, against a tracer in double precision, against the same surfaces made of triangles,
+//! and `Naive` of the same run.
 
 use crate::common;
 use crate::truth;

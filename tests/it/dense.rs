@@ -101,7 +101,8 @@ fn a_terrain_of_half_a_million_triangles_in_few_pixels_is_naives() {
     }
 }
 
-/// What differs from double precision, of every so many pixels: depths by a ten-thousandth, colours by over 3 steps of 255.
+/// What differs from double precision, of every so many pixels: depths by a ten-thousandth, colours by over 3 steps of
+/// 255.
 fn wrong(scene: &Scene, pair: &StereoPair, every: usize) -> [usize; 2] {
     let truth = Truth::new(scene);
     let frame = Frame::new(&pair.pose);

@@ -1,4 +1,5 @@
-//! Disparity and occlusion against what shares no code with them: pinholes in double precision, ids, and rays between the eyes.
+//! Disparity and occlusion against what shares no code with them: pinholes in double precision, ids, and rays between
+//! the eyes.
 
 use crate::common;
 
@@ -106,8 +107,8 @@ fn hidden_by_rays(pair: &StereoPair, builtin: Builtin) -> Vec<bool> {
 
 #[test]
 fn occlusion_is_what_rays_from_the_right_eye_say_but_at_silhouettes() {
-    // In percent of all pixels, measured on llvmpipe: hidden by rays; wrongly taken for hidden; wrongly for seen. The bounds are 1.5
-    // times the latter two, and a tenth of a percent.
+    // In percent of all pixels, measured on llvmpipe: hidden by rays; wrongly taken for hidden; wrongly for seen. The
+    // bounds are 1.5 times the latter two, and a tenth of a percent.
     let measured = [
         (Builtin::Spheres, 11.10, 0.50, 0.47),
         (Builtin::Hall, 6.67, 0.23, 0.35),
@@ -163,7 +164,8 @@ fn what_both_eyes_see_is_one_object_in_both_views() {
     }
 }
 
-/// By pinholes and a loop over all primitives in double precision, and the other eye's own ray to each point that it is said to see.
+/// By pinholes and a loop over all primitives in double precision, and the other eye's own ray to each point that it is
+/// said to see.
 #[test]
 fn occlusions_are_those_of_rays_in_double_precision_and_what_both_eyes_see_is_one_point() {
     for builtin in [Builtin::Spheres, Builtin::Fence, Builtin::Hidden, Builtin::Grazing] {

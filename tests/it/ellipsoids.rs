@@ -79,8 +79,8 @@ fn of_equal_axes_they_are_spheres_to_the_last_bit() {
     }
 }
 
-/// Scenes in which the search for a tile's primitives might go wrong: shapes of all kinds, discs and needles, grains of half a pixel, ellipsoids about the
-/// eyes and through their plane.
+/// Scenes in which the search for a tile's primitives might go wrong: shapes of all kinds, discs and needles, grains of
+/// half a pixel, ellipsoids about the eyes and through their plane.
 fn scenes() -> Vec<(String, Scene, StereoCamera)> {
     let mut scenes = Vec::new();
     for seed in 0..3 {
@@ -167,7 +167,8 @@ fn worst_t(one: &Ellipsoid, aspect: f32, origins: &[Vec3], random: &mut Random) 
             rays.push(Ray::new(origin, point - origin));
         }
     }
-    // What some hundredths of the size more or less decide, rounding may: of one ten thousand times as long as it is thick, a tenth.
+    // What some hundredths of the size more or less decide, rounding may: of one ten thousand times as long as it is
+    // thick, a tenth.
     let margin = if aspect > 1000.0 { 0.1 } else { 0.01 };
     let [truth, less, more] = [1.0, 1.0 - margin, 1.0 + margin].map(|scale| {
         let mut scene = Scene::new();
@@ -217,7 +218,8 @@ fn flat_and_thin_ones_are_met_where_they_are_from_near_and_far() {
     }
 }
 
-/// How many of the pixels that show an ellipsoid all around are dark, in the light of one lamp: shadow acne where it stands beside the eye.
+/// How many of the pixels that show an ellipsoid all around are dark, in the light of one lamp: shadow acne where it
+/// stands beside the eye.
 fn dark(one: Ellipsoid, camera: &StereoCamera, lamp: Vec3) -> (usize, usize) {
     let mut scene = Scene::new();
     scene.add_ellipsoid(one).unwrap();
@@ -249,7 +251,8 @@ fn no_ellipsoid_shadows_what_faces_the_light() {
     }
 }
 
-/// The world's origin is on the surface, half way from a flat disc's middle to its rim: all that is known of the point is in products that cancel.
+/// The world's origin is on the surface, half way from a flat disc's middle to its rim: all that is known of the point
+/// is in products that cancel.
 #[test]
 fn a_tilted_disc_whose_centre_is_far_does_not_shadow_itself() {
     let mut faults = Vec::new();

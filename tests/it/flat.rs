@@ -1,4 +1,5 @@
-//! The classical ray tracer as a baseline (`BvhBuild::Flat`): the picture of a tree, bit for bit, and as many tests as double precision counts.
+//! The classical ray tracer as a baseline (`BvhBuild::Flat`): the picture of a tree, bit for bit, and as many tests as
+//! double precision counts.
 
 use crate::common;
 
@@ -91,8 +92,8 @@ fn met(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<f64> {
     (root >= 0.0).then(|| (-b - root.sqrt()) / a).filter(|t| *t > 0.0)
 }
 
-/// The tests that the classical ray tracer makes for an eye's view of balls under one lamp: all of them for each pixel, and for each point that
-/// faces the lamp those up to the first one in the way.
+/// The tests that the classical ray tracer makes for an eye's view of balls under one lamp: all of them for each pixel,
+/// and for each point that faces the lamp those up to the first one in the way.
 fn tests_in_double_precision(scene: &Scene, pose: &Pose, eye: f32) -> (u64, u64) {
     let balls = scene.spheres();
     let lamp = scene.lights[0].position;
@@ -139,8 +140,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
             let (primary, shadow) = tests_in_double_precision(&scene, &found.pose, eye);
             assert_eq!(of_eye(&unlit.statistics, eye).primitive_tests, primary, "{count}, eye {eye}");
             let tests = of_eye(&found.statistics, eye).primitive_tests - primary;
-            // Of 4096 pixels one may lie where rounding decides whether a point faces the lamp or a ball is in its way. Measured: the same number but
-            // once, when 28 of 140,545 tests of 57 balls are missing.
+            // Of 4096 pixels one may lie where rounding decides whether a point faces the lamp or a ball is in its way.
+            // Measured: the same number but once, when 28 of 140,545 tests of 57 balls are missing.
             let apart = tests.abs_diff(shadow) as f64 / shadow as f64;
             println!("{count} balls, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
             assert!(apart < 5e-4, "{count}, eye {eye}: {tests} tests of shadow rays, {shadow} in double precision");
@@ -148,7 +149,8 @@ fn rays_are_tested_against_every_object_and_shadow_rays_until_one_is_met() {
     }
 }
 
-/// What the bench of Raghuvanshi and Dhande compares: a T-buffer beside a list, whose shadow rays go through that, and a shadow-buffer.
+/// What the bench of Raghuvanshi and Dhande compares: a T-buffer beside a list, whose shadow rays go through that, and
+/// a shadow-buffer.
 #[test]
 fn t_buffers_and_shadow_buffers_over_lists_show_what_they_show_over_trees() {
     let three = Builtin::ThreeSpheresMirrors;
@@ -198,7 +200,8 @@ fn six_thousand_objects_are_traced_in_one_go_and_over_the_limit_there_is_an_erro
     assert!(!list.statistics.in_steps);
     assert!(list.statistics.left.primitive_tests > 24 * 24 * 6000);
 
-    // Ten lamps take more rounds than a software adapter grants a thread: the frame goes on in steps, and shows the same.
+    // Ten lamps take more rounds than a software adapter grants a thread: the frame goes on in steps, and shows the
+    // same.
     let (mut scene, camera) = stack(6000, StackedKind::Spheres, 8);
     let lamp = scene.lights[0];
     scene.lights.extend(

@@ -1,5 +1,5 @@
-//! White furnaces: where the same light comes from everywhere, nothing sends more of it back than came, and what loses none looks like its
-//! surroundings.
+//! White furnaces: where the same light comes from everywhere, nothing sends more of it back than came, and what loses
+//! none looks like its surroundings.
 
 use crate::common;
 
@@ -61,7 +61,8 @@ fn a_white_sky_comes_back_from_what_loses_none_and_never_more_of_it() {
     }
 }
 
-/// What a surface with a normalised lobe, but nothing diffuse, sends towards `to_eye` of light from `to_light`, times the cosine.
+/// What a surface with a normalised lobe, but nothing diffuse, sends towards `to_eye` of light from `to_light`, times
+/// the cosine.
 fn lobe(exponent: f64, to_light: DVec3, to_eye: DVec3) -> f64 {
     let mirrored = DVec3::new(-to_light.x, to_light.y, -to_light.z);
     let cosine = mirrored.dot(to_eye);

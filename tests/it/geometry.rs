@@ -234,8 +234,8 @@ fn shadow_rays_leave_their_surface_at_every_scale_and_far_from_the_origin() {
 
 #[test]
 fn shadows_reach_to_their_casters_at_every_scale_and_place() {
-    // A wall on a floor, lit from above: at its foot the floor is in shadow up to x = 0.26, unless the shadow rays start
-    // above the wall. The other side of the acne test.
+    // A wall on a floor, lit from above: at its foot the floor is in shadow up to x = 0.26, unless the shadow rays
+    // start above the wall. The other side of the acne test.
     // The farther lights are 20 and 10,000 times the scene's side away.
     let places = [(1.0, 0.0), (1e-3, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-3, 1.0)];
     for ((scale, offset), away) in places.into_iter().flat_map(|place| [1.0, 30.0, 2e4].map(|away| (place, away))) {

@@ -18,7 +18,8 @@ fn truth_of(scene: &Scene, camera: &StereoCamera) -> (StereoPair, GroundTruth) {
     (pair, truth)
 }
 
-/// An eye, -1 left, 1 right, and the direction of length 1 along the view through a pixel's centre, from the numbers of [`Pose`] alone.
+/// An eye, -1 left, 1 right, and the direction of length 1 along the view through a pixel's centre, from the numbers of
+/// [`Pose`] alone.
 fn ray(pose: &Pose, side: f64, column: usize, row: usize) -> (DVec3, DVec3) {
     let [right, up, forward] = [pose.right, pose.up, pose.forward].map(|axis| axis.as_dvec3());
     let eye = pose.eye + right * (0.5 * side * f64::from(pose.interaxial));
@@ -160,13 +161,14 @@ fn depth_distance_disparity_and_normals_are_those_of_closed_forms() {
     }
     println!("depth, distance, disparity in px, normal: off by {worst:?}");
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
-    // Of depths times the sine of the angle to the surface. Measured 2.4e-7, 2.6e-7, 2.4e-6 and 1.1e-5, the last of the ellipsoid, whose
-    // expected normal has the depth's rounding.
+    // Of depths times the sine of the angle to the surface. Measured 2.4e-7, 2.6e-7, 2.4e-6 and 1.1e-5, the last of the
+    // ellipsoid, whose expected normal has the depth's rounding.
     let bounds = [1e-6, 1e-6, 1e-5, 3e-5];
     assert!(worst.iter().zip(bounds).all(|(off, bound)| *off < bound), "{worst:?}");
 }
 
-/// A point is occluded iff the other eye's ray to it is blocked, or it leaves the other picture: by double precision, of every kind of primitive.
+/// A point is occluded iff the other eye's ray to it is blocked, or it leaves the other picture: by double precision,
+/// of every kind of primitive.
 #[test]
 fn occlusion_is_what_the_other_eyes_rays_meet() {
     let scene = still_life();
@@ -313,8 +315,8 @@ fn the_edges_have_numbers_and_files() {
     }
 }
 
-/// Off-axis pairs have negative disparities behind the screen, which KITTI's file can't hold: nothing is written, and the message says what
-/// to do.
+/// Off-axis pairs have negative disparities behind the screen, which KITTI's file can't hold: nothing is written, and
+/// the message says what to do.
 #[test]
 fn kitti_refuses_negative_disparities_and_takes_those_before_a_far_screen() {
     let scene = still_life();

@@ -14,11 +14,11 @@ use stereotrace::{
 };
 use truth::Truth;
 
-/// A huge ground may cost a ray so many tests more than one that ends beside the picture. Measured: 1.7, its own two triangles; with boxes
-/// widened alike it was thousands.
+/// A huge ground may cost a ray so many tests more than one that ends beside the picture. Measured: 1.7, its own two
+/// triangles; with boxes widened alike it was thousands.
 const MORE_TESTS: f64 = 2.0;
-/// `bracket` may test so many times as much: measured 3.2. The ground's depth reaches farther than the small one's, and of the rays that ask
-/// narrow shadows anew each meets the ground's two triangles.
+/// `bracket` may test so many times as much: measured 3.2. The ground's depth reaches farther than the small one's, and
+/// of the rays that ask narrow shadows anew each meets the ground's two triangles.
 const MORE_TESTS_BY_BRACKET: f64 = 3.8;
 /// Building takes less than a second; quadratic building took twenty for a sixth of the copies.
 const BUILD: Duration = Duration::from_secs(5);
@@ -95,7 +95,8 @@ fn wrong_hits(scene: &Scene, pair: &StereoPair) -> usize {
         let hit = |direction| truth.closest(origin.as_dvec3(), direction);
         let (t, primitive) = hit(direction.as_dvec3());
         let same = pair.left.primitive[index] == primitive;
-        // At its depth the other half of the ground's quad is as good: the line between them is a far corner's rounding off.
+        // At its depth the other half of the ground's quad is as good: the line between them is a far corner's rounding
+        // off.
         let close = (f64::from(pair.left.depth[index]) - t).abs() < 1e-5 * t;
         if close || (same && primitive == MISS) {
             return false;
@@ -259,7 +260,8 @@ fn nested_spheres_build_and_render_and_the_outermost_is_seen() {
     }));
 }
 
-/// Products of so small coordinates are 0 in f32. They are far too small to be seen; what stands beside them is as ever.
+/// Products of so small coordinates are 0 in f32. They are far too small to be seen; what stands beside them is as
+/// ever.
 #[test]
 fn scenes_of_a_scale_of_1e_30_build_and_render() {
     let mesh_of = |count: u32, alike: bool| {

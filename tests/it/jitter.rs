@@ -23,7 +23,8 @@ fn offset(side: u32, seed: u32, row: u32) -> f64 {
     (rank as f64 + 0.5) / f64::from(side) - 0.5
 }
 
-/// Filters what is light at places in pixels from the picture's top left corner: along rows first, each row's weights divided by their sum.
+/// Filters what is light at places in pixels from the picture's top left corner: along rows first, each row's weights
+/// divided by their sum.
 fn filtered(
     [width, height]: [u32; 2],
     (side, seed): (u32, u32),
@@ -181,7 +182,8 @@ fn the_same_seed_makes_the_same_picture_and_another_one_another() {
     assert!(differing > 61 * 43 / 20, "{differing}");
 }
 
-/// Filtered pictures of every method that is exact; sweeps on the device and on the host; and a rig with views on both sides.
+/// Filtered pictures of every method that is exact; sweeps on the device and on the host; and a rig with views on both
+/// sides.
 #[test]
 fn methods_that_agree_without_jitter_agree_with_it() {
     let mut renderer = renderer();
@@ -207,7 +209,8 @@ fn methods_that_agree_without_jitter_agree_with_it() {
     }
 }
 
-/// What methods that copy colours get wrong is as much with jitter as without: they copy along a row, whose samples all stand aside alike.
+/// What methods that copy colours get wrong is as much with jitter as without: they copy along a row, whose samples all
+/// stand aside alike.
 #[test]
 fn methods_that_copy_are_as_wrong_as_without_jitter() {
     let mut renderer = renderer();

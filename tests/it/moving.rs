@@ -1,4 +1,5 @@
-//! Scenes that change after they were uploaded: whatever a scene went through, its pictures are those of the same scene uploaded anew.
+//! Scenes that change after they were uploaded: whatever a scene went through, its pictures are those of the same scene
+//! uploaded anew.
 
 use crate::common;
 

@@ -173,8 +173,8 @@ fn the_dragon_is_hit_as_by_obvhs() {
 /// Whether red, green and blue are a colour of some name.
 type IsColor = fn([i32; 3]) -> bool;
 
-/// A textured mesh from the file's camera under five lights: what it shows, and that `bracket` shows the same. Measured 100% of the cow and
-/// 99.94% of Sponza.
+/// A textured mesh from the file's camera under five lights: what it shows, and that `bracket` shows the same. Measured
+/// 100% of the cow and 99.94% of Sponza.
 fn check_textured(name: &str, colors: &[(&str, IsColor)], least_identical: f64) {
     let Some(folder) = find(name) else { return };
     let options = ObjOptions::default().crease_angle(Some(30.0));

@@ -101,8 +101,8 @@ fn shadow_rays(pair: &StereoPair) -> u64 {
     pair.statistics.left.rays.shadow + pair.statistics.right.rays.shadow
 }
 
-/// The paper's rule on the paper's scene, whose objects are convex: what differs from shadow rays lies within a texel of a shadow's edge, or of the
-/// object's own rim as the light sees it.
+/// The paper's rule on the paper's scene, whose objects are convex: what differs from shadow rays lies within a texel
+/// of a shadow's edge, or of the object's own rim as the light sees it.
 #[test]
 fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_ones() {
     let (scene, camera) = (Builtin::ThreeSpheres.scene(), Builtin::ThreeSpheres.camera(160, 120));
@@ -129,7 +129,8 @@ fn by_the_paper_s_rule_convex_objects_shadows_are_within_a_texel_of_the_traced_o
     }
 }
 
-/// Whether the light sees the pixel's object in some of the directions within a texel of the pixel's point, and something else in others.
+/// Whether the light sees the pixel's object in some of the directions within a texel of the pixel's point, and
+/// something else in others.
 fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usize, texel: f64) -> bool {
     let frame = cpu::Frame::new(&camera.pose().unwrap());
     let (column, row) = (index % view.width as usize, index / view.width as usize);
@@ -154,8 +155,9 @@ fn is_near_an_edge(scene: &Scene, camera: &StereoCamera, view: &View, index: usi
     kinds == [true, true]
 }
 
-/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays. Without a margin there are none (far off 15 were measured); with the usual one as many as were
-/// measured on llvmpipe, and a third more and 10 besides are allowed.
+/// Pixels of both views, 200x150, by 200 rows, that do not show what they do by shadow rays. Without a margin there are
+/// none (far off 15 were measured); with the usual one as many as were measured on llvmpipe, and a third more and 10
+/// besides are allowed.
 fn assert_hybrid<'a>(scenes: impl Iterator<Item = (&'a str, Scene, StereoCamera, usize)>) {
     let mut renderer = renderer();
     let mut worse = Vec::new();
@@ -317,7 +319,8 @@ fn bands_change_no_picture() {
     assert!(pair.left == naive.left && pair.right == naive.right);
 }
 
-/// What a margin lets be lit is lit whoever asks beside it: kernels append to lists in any order, so that lanes hold other points in each run.
+/// What a margin lets be lit is lit whoever asks beside it: kernels append to lists in any order, so that lanes hold
+/// other points in each run.
 #[test]
 fn which_points_share_a_lane_changes_no_picture() {
     let camera = Builtin::Hall.camera(700, 350);

@@ -1,4 +1,5 @@
-//! The sky as a light: against closed forms, against sums over its pixels in double precision, and methods against each other.
+//! The sky as a light: against closed forms, against sums over its pixels in double precision, and methods against each
+//! other.
 
 use crate::common;
 

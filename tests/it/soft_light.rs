@@ -59,12 +59,13 @@ fn beyond_chord(at: f64) -> f64 {
 
 #[test]
 fn penumbrae_have_the_shape_of_their_light() {
-    // Through a point at x on the floor and the plate's edge a plane leads, which cuts the light at 8 up at x' = -x. What is beyond is seen.
-    // At 400 times the penumbra's width the cosine hardly changes along it.
+    // Through a point at x on the floor and the plate's edge a plane leads, which cuts the light at 8 up at x' = -x.
+    // What is beyond is seen. At 400 times the penumbra's width the cosine hardly changes along it.
     let far = |radius: f32| Light::sphere(Vec3::Y * 8.0, radius, Vec3::ONE);
     let cosine = |x: f64, z: f64| 8.0 / (x * x + z * z + 64.0).sqrt();
     let radius = 0.5;
-    // The disc faces the point, whose distance from the line below the light is small: the chord is at the same share of it.
+    // The disc faces the point, whose distance from the line below the light is small: the chord is at the same share
+    // of it.
     let ball = |x: f64, z: f64| cosine(x, z) * beyond_chord(-x / f64::from(radius));
     let half = Vec3::X * radius;
     let square = Light::rectangle(Vec3::Y * 8.0, half, Vec3::Z * radius, Vec3::ONE);

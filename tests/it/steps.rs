@@ -1,5 +1,5 @@
-//! More work for one thread than an adapter may grant its loops: llvmpipe ends all of a thread's after 65,535 rounds. That
-//! costs time, never a picture.
+//! More work for one thread than an adapter may grant its loops: llvmpipe ends all of a thread's after 65,535 rounds.
+//! That costs time, never a picture.
 
 use crate::common;
 

@@ -7,8 +7,8 @@ use stereotrace::{Method, StereoPair, scene::suite::Trial};
 use crate::common::render;
 
 /// Largest share of the pixels, percent, in which a scene at a thousandth and at a million times its size may differ:
-/// edges that run through pixels' centres (where the floor meets the wall, between bricks) fall to either side. On llvmpipe
-/// it was 0.22 % of the left view and 0.36 % of the right one.
+/// edges that run through pixels' centres (where the floor meets the wall, between bricks) fall to either side. On
+/// llvmpipe it was 0.22 % of the left view and 0.36 % of the right one.
 const SCALED_PERCENT: f64 = 0.6;
 
 fn naive(trial: Trial, width: u32, height: u32) -> StereoPair {
@@ -81,7 +81,8 @@ fn in_the_wings_the_sweep_shows_what_is_behind_the_post_and_methods_that_look_sh
         let right = of(method).right;
         post.iter().filter(|&&index| right.object[index] != naive.right.object[index]).count()
     };
-    // Of 2127 pixels the sweep misses 95.8%. What the check lets pass, 9.7%, lies at the post's rims: it looks up to half a pixel beside.
+    // Of 2127 pixels the sweep misses 95.8%. What the check lets pass, 9.7%, lies at the post's rims: it looks up to
+    // half a pixel beside.
     for (method, least, most) in [
         (Method::ADELSON_HODGES, 0.9, 1.0),
         (Method::ES_ISLER, 0.9, 1.0),

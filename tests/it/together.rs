@@ -1,4 +1,5 @@
-//! What pictures can show, together: planes, mirrors, glass, textures, highlights, soft lamps, the sky's light, and several samples a pixel.
+//! What pictures can show, together: planes, mirrors, glass, textures, highlights, soft lamps, the sky's light, and
+//! several samples a pixel.
 
 use crate::common;
 

@@ -44,8 +44,9 @@ fn every_eye_sees_what_naive_shows(sources: &[usize], made_from: [usize; 5]) {
                 assert!(same && found.view.object == expected.view.object, "{name}, view {index}: {}", found.method);
                 let pairs = found.view.rgba8.iter().zip(&expected.view.rgba8);
                 let other = pairs.filter(|(a, b)| a != b).count();
-                // Shadows of what is thinner than the pixels of so small a picture: of wires at most 321 of 6402, else 30; by
-                // `verified` 213 and 14. Between two sources more is taken over: 373 and 42, by `verified` 290 and 10. A third more is allowed.
+                // Shadows of what is thinner than the pixels of so small a picture: of wires at most 321 of 6402, else
+                // 30; by `verified` 213 and 14. Between two sources more is taken over: 373 and 42, by
+                // `verified` 290 and 10. A third more is allowed.
                 let most = match (name.as_str(), found.method, sources.len()) {
                     ("wires", Method::VERIFIED, 1) => 284,
                     ("wires", Method::VERIFIED, _) => 386,

@@ -1,4 +1,5 @@
-//! Closed meshes leak nothing: rays at vertices, at edges and anywhere, from inside and outside, at every scale and place.
+//! Closed meshes leak nothing: rays at vertices, at edges and anywhere, from inside and outside, at every scale and
+//! place.
 
 use crate::common;
 use crate::solids;

@@ -1,7 +1,7 @@
 /** Three numbers: a position, a direction or a colour (red, green and blue, linear light). */
 export type Vector = readonly [number, number, number];
 
-/** Whose view it is. */
+/** Eye of a view. */
 export type Eye = "left" | "right";
 
 /** A method by its name: one of `methods()`, or another that docs/DESIGN.md names. */
@@ -17,55 +17,61 @@ export type PackingName =
     | "side-by-side" | "half-side-by-side" | "cross-eyed" | "top-bottom" | "half-top-bottom" | "row-interlaced"
     | "column-interlaced" | "checkerboard";
 
-/** Two eyes that look through one screen rectangle (off-axis projection). World units unless something else is said. */
+/**
+ * Two eyes that look through one screen rectangle (off-axis projection). The world is right-handed with y up. Lengths
+ * are in world units.
+ */
 export interface Camera {
-    /** The midpoint between the eyes. */
+    /** Midpoint between the eyes. */
     eye: Vector;
-    /** A point that is looked at. */
+    /** Point that the camera looks at. */
     target: Vector;
-    /** The direction that is up in the picture; +y where nothing is said. */
+    /** Up direction of the picture. Default +y. */
     up?: Vector;
-    /** Width and height in pixels; 640x480 where nothing is said. */
+    /** Width and height in pixels. Default 640x480. */
     size?: readonly [number, number];
-    /** The vertical field of view in degrees; 45 where nothing is said. */
+    /** Vertical field of view in degrees. Default 45. */
     fov?: number;
-    /** From the eyes to the plane of zero parallax; to the target where nothing is said. `Infinity` makes parallel cameras. */
+    /**
+     * Distance from the eyes to the screen, the plane of zero parallax (convergence distance). Default the target's
+     * distance. `Infinity` makes parallel cameras.
+     */
     screenDistance?: number;
-    /** The distance between the eyes; a thirtieth of the target's distance where nothing is said. */
+    /** Distance between the eyes (baseline). Default a thirtieth of the target's distance. */
     interaxial?: number;
-    /** The same in pixels: the parallax at infinity. */
+    /** Distance between the eyes in pixels: the parallax at infinity. */
     interaxialPixels?: number;
-    /** Whether the eyes are turned towards each other. Both views are then traced, whatever the method. */
+    /** Whether the eyes turn towards each other. Every method then traces both views. */
     toeIn?: boolean;
 }
 
-/** How a picture is rendered. */
+/** Options of rendering. */
 export interface RenderOptions {
-    /** How the second eye is made; `"auto"` where nothing is said. */
+    /** Method that makes the second eye. Default `"auto"`. */
     method?: MethodName;
-    /** Samples a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 1 where nothing is said. */
+    /** Samples a pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64. Default 1. */
     samples?: number;
-    /** How samples are weighed: `"box"` where nothing is said. */
+    /** Weights of samples. Default `"box"`. */
     filter?: "box" | "tent" | "gauss";
-    /** Count BVH nodes and primitive tests, for `Statistics.secondEye`: slower. */
+    /** Whether to count BVH nodes and primitive tests for `Statistics.secondEye`, which is slower. */
     count?: boolean;
-    /** How often rays are mirrored or refracted, 0 to 8; 5 where nothing is said. */
+    /** Maximum number of reflections and refractions along a ray, 0 to 8. Default 5. */
     bounces?: number;
-    /** Rays to each light that is not a point, 1 to 32; 16 where nothing is said. */
+    /** Rays to each light that is not a point, 1 to 32. Default 16. */
     shadowRays?: number;
-    /** Light surfaces by the sky, by so many rays, 1 to 32, in place of ambient light. */
+    /** Number of rays, 1 to 32, by which the sky lights surfaces, in place of ambient light. */
     skyRays?: number;
-    /** Keep ambient light off by what stands near: rays, 1 to 32, and how far they go in world units. */
+    /** Ambient occlusion: rays, 1 to 32, and radius for occluders in world units. */
     ambientOcclusion?: { rays: number; radius: number };
-    /** Stops by which the picture is brighter, -64 to 64. */
+    /** Exposure in stops, -64 to 64. */
     exposure?: number;
-    /** What becomes of what is too bright; `"clamp"` where nothing is said. */
+    /** Tone mapping: clamp values above 1, or map all values by a filmic curve. Default `"clamp"`. */
     tone?: "clamp" | "filmic";
-    /** Of the random numbers of soft light: the same seed makes the same picture. */
+    /** Seed of the random numbers for soft light and jitter. The same seed makes the same picture. */
     seed?: number;
-    /** Ends the work with an `AbortError` after the rows that the device is at. */
+    /** Aborts rendering with an `AbortError`, after the rows that the device is rendering. */
     signal?: AbortSignal;
-    /** Called with the share of rows that are done, 0 to 1. */
+    /** Called with the share of finished rows, 0 to 1. */
     onProgress?: (done: number) => void;
 }
 
@@ -77,41 +83,41 @@ export interface Rays {
     secondary: number;
 }
 
-/** What a pair cost. */
+/** Cost of a pair. */
 export interface Statistics {
-    /** The method that made it. */
+    /** Method that made the pair. */
     method: string;
-    /** Why `"auto"` chose that. */
+    /** Reasons for the choice of `"auto"`. */
     choice?: string;
     /** Whether the adapter ended kernels early, and the frame was rendered in smaller steps. */
     inSteps: boolean;
-    /** Share of the right pixels that were traced, 0 to 1. */
+    /** Share of right pixels that were traced, 0 to 1. */
     retracedShare: number;
-    /** The right view's cost over the left one's by counters; only with `RenderOptions.count`. */
+    /** Cost of the right view relative to the left view, by counters; only with `RenderOptions.count`. */
     secondEye?: number;
     left: Rays;
     right: Rays;
-    /** Time of each pass on the device, in order; undefined where the browser has no timestamps. */
+    /** Time of each pass on the device, in order; undefined if the browser has no timestamps. */
     passes?: { name: string; ms: number }[];
 }
 
-/** How far a view is from another. */
+/** Difference between two views. */
 export interface Difference {
-    /** Pixels of the same colour, percent. */
+    /** Pixels with the same colour, in percent. */
     identicalPercent: number;
-    /** Pixels that show another surface, percent. */
+    /** Pixels that show another surface, in percent. */
     wrongSurfacePercent: number;
-    /** Peak signal-to-noise ratio, dB; `Infinity` where nothing differs. */
+    /** Peak signal-to-noise ratio in dB; `Infinity` for identical views. */
     psnr: number;
-    /** A thousandth of the pixels are farther apart than this, in steps of 255. */
+    /** Difference that 99.9% of the pixels do not exceed, in 8-bit steps. */
     p999: number;
-    /** Of the pixels that differ, the mean distance of colours in steps of 255. */
+    /** Mean difference of colours in 8-bit steps, over the pixels that differ. */
     meanDifference: number;
-    /** Largest error of any pixel's parallax, pixels. */
+    /** Largest parallax error of any pixel, in pixels. */
     largestParallaxError: number;
 }
 
-/** What there is in a scene. */
+/** Contents of a scene. */
 export interface SceneInfo {
     triangles: number;
     primitives: number;
@@ -119,54 +125,54 @@ export interface SceneInfo {
     materials: number;
     textures: number;
     lights: number;
-    /** Low and high corner in world units; undefined of an empty scene. */
+    /** Low and high corner of the bounding box in world coordinates; undefined for an empty scene. */
     bounds?: [[number, number, number], [number, number, number]];
 }
 
-/** A surface. */
+/** A surface. Colours are linear RGB. */
 export interface Material {
-    /** Diffuse reflectance; 0.7 where nothing is said. */
+    /** Diffuse reflectance. Default 0.7. */
     albedo?: Vector;
-    /** Colour of highlights; of mirrors and glass the share that they reflect. */
+    /** Colour of highlights, or reflectance of mirrors and glass. */
     specular?: Vector;
-    /** Phong's exponent; 30 where nothing is said. */
+    /** Phong's exponent. Default 30. */
     exponent?: number;
-    /** What it gives off by itself. */
+    /** Emitted radiance. */
     emission?: Vector;
-    /** The share of what is behind it that it hides, 0 to 1. */
+    /** Share of the background that the surface hides, 0 to 1. */
     opacity?: number;
-    /** The number of a texture that the albedo is multiplied by. */
+    /** Id of a texture that multiplies the albedo. */
     texture?: number;
-    /** The number of a texture where whose alpha is below a half there is no surface. */
+    /** Id of a texture that cuts the surface out where its alpha is below a half. */
     cutout?: number;
     finish?: "matte" | "mirror" | "glass";
-    /** Index of refraction of glass; 1.5 where nothing is said. */
+    /** Refractive index of glass. Default 1.5. */
     index?: number;
 }
 
-/** A light: a point, or with a radius a ball, whose shadows have a penumbra. */
+/** A point light, or with a radius a spherical light, whose shadows have a penumbra. Lengths are in world units. */
 export interface Light {
     position: Vector;
-    /** What it adds to a white surface that faces it. */
+    /** Radiance that the light adds to a white surface that faces it. */
     intensity: Vector;
     radius?: number;
 }
 
-/** Triangles. Lists are of vertices, as glTF, three.js and others have them. */
+/** Triangles. Lists have one entry for each vertex, as in glTF and three.js. */
 export interface Mesh {
     /** World positions, three numbers a vertex. */
     positions: Float32Array;
-    /** Three vertices a triangle; without them each three vertices are one. */
+    /** Three vertex indices a triangle. Without indices, each three vertices make a triangle. */
     indices?: Uint32Array;
     /** Unit normals, three numbers a vertex. */
     normals?: Float32Array;
     /** Texture coordinates, two numbers a vertex: (0, 0) is a texture's lower left corner, (1, 1) the upper right. */
     uvs?: Float32Array;
-    /** What the albedo is multiplied by, three numbers a vertex, linear light. */
+    /** Factors of the albedo, three numbers a vertex, linear RGB. */
     colors?: Float32Array;
-    /** The number of a material; the grey one, 0, where nothing is said. */
+    /** Id of a material. Default 0, the grey one. */
     material?: number;
     name?: string;
-    /** Makes normals, smooth across edges of less than so many degrees. */
+    /** Makes normals that are smooth across edges where triangles differ by less than this angle in degrees. */
     creaseAngle?: number;
 }

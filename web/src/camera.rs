@@ -1,4 +1,4 @@
-//! Cameras: plain objects on JavaScript's side.
+//! Cameras, which are plain objects in JavaScript.
 
 use serde::{Deserialize, Serialize};
 use stereotrace::{
@@ -34,7 +34,7 @@ struct Camera {
     toe_in: Option<bool>,
 }
 
-/// The library's camera of a plain object.
+/// Converts a plain object to a camera.
 pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
     let Camera { eye, target, up, size, fov, screen_distance, interaxial, interaxial_pixels, toe_in } =
         values::read("camera", value)?;
@@ -55,7 +55,7 @@ pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
     Ok(camera)
 }
 
-/// The plain object of a camera whose picture is centred before it, as those are that scenes come with.
+/// Converts a camera to a plain object. Its principal point must be the picture's middle, as for all scenes' cameras.
 pub(crate) fn written(camera: &StereoCamera) -> Result<JsValue, JsValue> {
     let pose = camera.pose().map_err(raised)?;
     let [_, focal] = pose.focal_px();

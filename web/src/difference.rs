@@ -1,9 +1,9 @@
-//! The difference of two views as a picture.
+//! Difference of two views as a picture.
 
 use stereotrace::{View, output::Picture};
 
-/// What is alike is grey and dark, as a view to go by. What differs is yellow where a channel is a step of 255 apart, and redder the more it
-/// is: red from 64 steps on. Views of one size.
+/// Draws the difference of two views of one size. Equal pixels show the view in dark grey. Different ones are yellow at
+/// one 8-bit step, and redder for larger differences, up to red from 63 steps on.
 pub(crate) fn picture(view: &View, truth: &View) -> Picture {
     let shown = |(a, b): (&[u8; 4], &[u8; 4])| {
         let apart = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);

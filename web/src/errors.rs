@@ -1,10 +1,10 @@
-//! The library's errors as JavaScript's: an `Error` whose text is the library's and whose `name` says what a program may do about it.
+//! The library's errors as JavaScript's `Error`. The message is the library's; `name` says what a program may do.
 
 use js_sys::Error as JsError;
 use stereotrace::Error;
 use wasm_bindgen::JsValue;
 
-/// An error of the library as JavaScript throws it.
+/// Converts an error of the library to a JavaScript error.
 pub(crate) fn raised(error: Error) -> JsValue {
     let name = match error {
         Error::Cancelled => "AbortError",
@@ -17,7 +17,7 @@ pub(crate) fn raised(error: Error) -> JsValue {
     named(name, &error.to_string())
 }
 
-/// Input that this package itself refuses.
+/// Returns the error for input that this package itself refuses.
 pub(crate) fn refused(text: &str) -> JsValue {
     named("TypeError", text)
 }

@@ -1,13 +1,13 @@
-//! The library in browsers, by WebGPU: classes over the library's, whose arrays are JavaScript's. `package/types.d.ts` has the types of
-//! plain objects (cameras, options, statistics), and docs for who calls; wasm-bindgen adds the classes' own.
+//! The library in browsers, by WebGPU: classes over the library's, with JavaScript arrays. `package/types.d.ts` has the
+//! documented types of plain objects (cameras, options, statistics). wasm-bindgen adds those of the classes.
 //!
 //! ```text
 //! scene.rs     Scene: built in, read from dropped files, or made in code
-//! camera.rs    a camera, a plain object
-//! options.rs   how pictures are rendered, a plain object
-//! renderer.rs  Renderer: device, kernels and uploaded scenes, from picture to picture; a lost device is opened again
-//! pair.rs      Pair: pictures for glasses and displays, depths, maps, what it cost, how far it is from another
-//! views.rs     Views: quilts
+//! camera.rs    cameras as plain objects
+//! options.rs   render options as plain objects
+//! renderer.rs  Renderer: keeps device, kernels and uploaded scenes; opens a lost device again
+//! pair.rs      Pair: pictures for glasses and displays, depths, maps, cost, difference from another pair
+//! views.rs     Views: rows of views, quilts
 //! ```
 #![cfg(target_arch = "wasm32")]
 
@@ -36,7 +36,8 @@ fn start() {
     std::panic::set_hook(Box::new(|panic| messages::complain(&panic.to_string())));
 }
 
-/// Renders a pair on a renderer that all calls share. Without a camera it is the scene's own, 640x480. Rejects as `Renderer.render` does.
+/// Renders a pair on a renderer that all calls share. The default camera is the scene's own, at 640x480. Rejects as
+/// `Renderer.render` does.
 #[wasm_bindgen(unchecked_return_type = "Pair")]
 pub async fn render(
     scene: &Scene,
@@ -46,31 +47,31 @@ pub async fn render(
     Renderer::common().render(scene, camera, options).await
 }
 
-/// The library's version.
+/// Returns the library's version.
 #[wasm_bindgen]
 pub fn version() -> String {
     env!("CARGO_PKG_VERSION").into()
 }
 
-/// The names of all methods.
+/// Returns the names of all methods.
 #[wasm_bindgen]
 pub fn methods() -> Vec<String> {
     values::names(stereotrace::Method::ALL)
 }
 
-/// The names of all built-in scenes.
+/// Returns the names of all built-in scenes.
 #[wasm_bindgen]
 pub fn builtins() -> Vec<String> {
     values::names(stereotrace::Builtin::ALL)
 }
 
-/// The names of all kinds of anaglyph.
+/// Returns the names of all kinds of anaglyph.
 #[wasm_bindgen]
 pub fn anaglyphs() -> Vec<String> {
     values::names(stereotrace::output::Anaglyph::ALL)
 }
 
-/// The names of all packings of two views in one picture.
+/// Returns the names of all packings of two views in one picture.
 #[wasm_bindgen]
 pub fn packings() -> Vec<String> {
     values::names(stereotrace::output::Packing::ALL)

@@ -1,4 +1,4 @@
-//! What the library logs goes to the browser's console; warnings are also kept for whoever reads a scene.
+//! Log messages of the library go to the browser's console. Warnings are also kept, for `Scene.warnings`.
 
 use std::cell::RefCell;
 
@@ -9,7 +9,7 @@ thread_local! {
     static WARNINGS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// So many warnings are kept while nobody asks for them.
+/// Maximum number of kept warnings.
 const MOST: usize = 100;
 
 struct Console;
@@ -38,9 +38,9 @@ impl Log for Console {
     fn flush(&self) {}
 }
 
-/// Takes what is logged from now on.
+/// Installs the logger.
 pub(crate) fn listen() {
-    // Another logger, of a program that has one, stays.
+    // A logger that the program has installed stays.
     if log::set_logger(&Console).is_ok() {
         log::set_max_level(LevelFilter::Warn);
     }
@@ -51,7 +51,7 @@ pub(crate) fn complain(text: &str) {
     web_sys::console::error_1(&JsValue::from(text));
 }
 
-/// The warnings since the last call.
+/// Returns the warnings since the last call.
 pub(crate) fn taken() -> Vec<String> {
     WARNINGS.take()
 }

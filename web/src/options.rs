@@ -1,4 +1,4 @@
-//! How pictures are rendered: plain objects on JavaScript's side.
+//! Render options, which are plain objects in JavaScript.
 
 use std::ops::ControlFlow;
 
@@ -40,7 +40,7 @@ struct Occlusion {
     radius: f32,
 }
 
-/// The library's options, and who is told of progress.
+/// The library's options, and the callbacks of a frame.
 pub(crate) struct Request {
     pub(crate) options: Options,
     signal: Option<AbortSignal>,
@@ -48,7 +48,7 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// Of a plain object, or of nothing.
+    /// Reads a plain object. Without one, all options have their defaults.
     pub(crate) fn read(value: JsValue) -> Result<Self, JsValue> {
         let given: Given = if is_nothing(&value) { Given::default() } else { values::read("options", value)? };
         let mut options = Options::default();
@@ -82,10 +82,10 @@ impl Request {
         })
     }
 
-    /// What a frame asks after each band of rows: whether to go on.
+    /// Reports progress after each band of rows, and breaks if the signal was aborted.
     pub(crate) fn goes_on(&self, progress: Progress) -> ControlFlow<()> {
         if let Some(callback) = &self.on_progress {
-            // What a callback throws is its own affair.
+            // Exceptions of the callback are ignored.
             let _ = callback.call1(&JsValue::NULL, &JsValue::from(progress.done));
         }
         match self.signal.as_ref().is_some_and(AbortSignal::aborted) {

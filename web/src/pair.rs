@@ -11,7 +11,7 @@ use crate::{
     values::{image, named, written},
 };
 
-/// What the left and the right eye see, how the right one was made, and what it cost.
+/// A stereo pair: the left and the right view, how the right one was made, and its cost.
 #[wasm_bindgen]
 pub struct Pair(pub(crate) StereoPair);
 
@@ -29,13 +29,13 @@ impl Pair {
         self.0.left.height
     }
 
-    /// What an eye sees, `"left"` or `"right"`, as canvases take it.
+    /// Returns the view of an eye, `"left"` or `"right"`.
     #[wasm_bindgen(unchecked_return_type = "ImageData")]
     pub fn view(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<ImageData, JsValue> {
         image(&self.eye(eye)?.picture())
     }
 
-    /// Both eyes in one picture for coloured glasses, mixed in linear light; `"dubois"`, for red and cyan, where nothing is said.
+    /// Returns the anaglyph for coloured glasses, mixed in linear light. Default `"dubois"`, for red-cyan glasses.
     pub fn anaglyph(
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "AnaglyphName")] kind: Option<String>,
@@ -44,7 +44,7 @@ impl Pair {
         image(&self.0.anaglyph(kind))
     }
 
-    /// Both eyes beside or below each other in one picture.
+    /// Returns both views packed into one picture, such as side by side.
     pub fn packed(
         &self,
         #[wasm_bindgen(unchecked_param_type = "PackingName")] packing: &str,
@@ -52,48 +52,50 @@ impl Pair {
         image(&self.0.packed(named(packing)?))
     }
 
-    /// Where each right pixel came from: green were taken over from the left view, red and yellow ones traced, grey ones traced without
-    /// looking at it.
+    /// Returns a picture of where right pixels came from: green ones were reused from the left view, red and yellow
+    /// ones traced because reuse failed, grey ones traced without reuse.
     #[wasm_bindgen(js_name = retraceMap)]
     pub fn retrace_map(&self) -> Result<ImageData, JsValue> {
         image(&self.0.retrace_picture())
     }
 
-    /// How right pixels got their shadows by `bracket`: green were taken over, red ones traced. Undefined by other methods.
+    /// Returns a picture of how right pixels got their shadows by a bracket method: green ones reused visibility bits,
+    /// red ones traced shadow rays. Undefined for other methods.
     #[wasm_bindgen(js_name = shadowMap, unchecked_return_type = "ImageData | undefined")]
     pub fn shadow_map(&self) -> Result<JsValue, JsValue> {
         self.0.shadow_picture().map_or(Ok(JsValue::UNDEFINED), |picture| Ok(image(&picture)?.into()))
     }
 
-    /// Depths of an eye's pixels along the view direction, world units, row by row from the top; `Infinity` where there is sky.
+    /// Returns the depths of an eye's pixels along the view direction in world units, by rows from the top; `Infinity`
+    /// for sky.
     pub fn depth(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
         Ok(self.eye(eye)?.depth.clone())
     }
 
-    /// Disparities of an eye's pixels, left column less right column of the point that is seen, in pixels: above 0 before the screen. Empty
-    /// of eyes that are toed in.
+    /// Returns the disparities `x_left - x_right` of an eye's pixels, in pixels, by rows from the top. They are
+    /// positive before the screen. The list is empty for toed-in eyes.
     pub fn disparity(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<f32>, JsValue> {
         self.eye(eye)?;
         Ok(if eye == "left" { self.0.disparity() } else { self.0.right_disparity() })
     }
 
-    /// Ids of the primitives that an eye's pixels show; 4294967295 where there is sky.
+    /// Returns the primitive ids of an eye's pixels, by rows from the top; 4294967295 for sky.
     pub fn primitives(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
         Ok(self.eye(eye)?.primitive.clone())
     }
 
-    /// Ids of the objects that an eye's pixels show; 4294967295 where there is sky.
+    /// Returns the object ids of an eye's pixels, by rows from the top; 4294967295 for sky.
     pub fn objects(&self, #[wasm_bindgen(unchecked_param_type = "Eye")] eye: &str) -> Result<Vec<u32>, JsValue> {
         Ok(self.eye(eye)?.object.clone())
     }
 
-    /// What the pair cost.
+    /// Cost of the pair.
     #[wasm_bindgen(getter, unchecked_return_type = "Statistics")]
     pub fn statistics(&self) -> Result<JsValue, JsValue> {
         written(&Costs::of(&self.0.statistics))
     }
 
-    /// How far the right view is from another pair's: from a pair of the same camera by `"naive"`, how wrong it is.
+    /// Compares the right view with another pair's. With a pair of the same camera by `"naive"` this gives its errors.
     #[wasm_bindgen(unchecked_return_type = "Difference")]
     pub fn difference(&self, truth: &Self) -> Result<JsValue, JsValue> {
         let found = metrics::compare(&self.0.right, &truth.0.right, &self.0.pose).map_err(raised)?;
@@ -107,10 +109,10 @@ impl Pair {
         })
     }
 
-    /// The same as a picture: dark grey where both are alike, yellow to red where they differ.
+    /// Returns the difference as a picture: dark grey where both are equal, yellow to red where they differ.
     #[wasm_bindgen(js_name = differenceMap)]
     pub fn difference_map(&self, truth: &Self) -> Result<ImageData, JsValue> {
-        // For its checks.
+        // Called for its checks only.
         metrics::compare(&self.0.right, &truth.0.right, &self.0.pose).map_err(raised)?;
         image(&difference::picture(&self.0.right, &truth.0.right))
     }
@@ -152,7 +154,7 @@ struct Costs {
     passes: Option<Vec<Pass>>,
 }
 
-/// Numbers of rays: JavaScript's numbers hold them exactly up to 2^53.
+/// Numbers of rays, as JavaScript numbers, which are exact up to 2^53.
 #[derive(Serialize)]
 struct Rays {
     primary: f64,

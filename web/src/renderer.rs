@@ -1,4 +1,4 @@
-//! The renderer: a device that scenes are uploaded to, one picture after the other.
+//! The renderer: a device, and the scenes uploaded to it.
 
 use std::{
     cell::{Cell, RefCell},
@@ -20,13 +20,13 @@ use crate::{
 };
 
 thread_local! {
-    /// Tells devices apart.
+    /// Number of devices opened so far, which identifies them.
     static DEVICES: Cell<u64> = const { Cell::new(0) };
     static COMMON: RefCell<Option<Renderer>> = const { RefCell::new(None) };
 }
 
-/// Renders pairs and views; keeps the device, kernels and uploaded scenes from picture to picture. Pictures that are asked for at once are
-/// rendered one after the other.
+/// Renders pairs and views. It keeps the device, kernels and uploaded scenes from picture to picture. Concurrent
+/// requests are rendered one after the other.
 #[wasm_bindgen]
 #[derive(Clone)]
 pub struct Renderer {
@@ -34,7 +34,7 @@ pub struct Renderer {
     lost: Rc<Cell<u32>>,
 }
 
-/// A device that is open.
+/// An open device.
 struct Device {
     renderer: stereotrace::Renderer,
     id: u64,
@@ -49,17 +49,17 @@ pub(crate) struct Uploaded {
 
 #[wasm_bindgen]
 impl Renderer {
-    /// A renderer on the adapter that the browser offers. The device is opened when it is first needed.
+    /// Makes a renderer on the adapter that the browser offers. The device is opened when it is first needed.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self { device: Rc::default(), lost: Rc::default() }
     }
 
-    /// Renders a pair. Without a camera it is the scene's own, 640x480.
+    /// Renders a pair. The default camera is the scene's own, at 640x480.
     ///
-    /// Rejects with an error whose `name` is `NoAdapterError` where the browser has no WebGPU or no adapter, `LimitError` for what the adapter
-    /// can't hold, `AbortError` where `options.signal` was aborted, `DeviceLostError` where the device was lost twice, `TypeError` for a
-    /// wrong field; the text names the value.
+    /// Rejects with an error whose `name` is `NoAdapterError` if the browser has no WebGPU or no adapter, `LimitError`
+    /// if the picture or scene exceeds the adapter's limits, `AbortError` if `options.signal` was aborted,
+    /// `DeviceLostError` if the device was lost twice, and `TypeError` for a wrong field. The message names the value.
     #[wasm_bindgen(unchecked_return_type = "Pair")]
     pub async fn render(
         &self,
@@ -76,8 +76,8 @@ impl Renderer {
         Ok(Pair(self.with_scene(&scene.shared, frame).await?))
     }
 
-    /// Renders a row of `count` eyes from left to right, an interaxial between neighbours, the camera in their middle: few are traced, and the
-    /// others made from them. Rejects as `render` does.
+    /// Renders a row of `count` eyes from left to right. Neighbours are one interaxial apart, and the camera is in
+    /// their middle. Few views are traced, and the others are made from them. Rejects as `render` does.
     #[wasm_bindgen(unchecked_return_type = "Views")]
     pub async fn views(
         &self,
@@ -94,12 +94,12 @@ impl Renderer {
         Ok(Views(self.with_scene(&scene.shared, frame).await?))
     }
 
-    /// Builds a scene's tree and brings it to the device, which `render` does by itself.
+    /// Builds a scene's tree and uploads it. `render` does so by itself if needed.
     pub async fn upload(&self, scene: &Scene) -> Result<(), JsValue> {
         self.with_scene(&scene.shared, async |_: &mut stereotrace::Renderer, _: &UploadedScene| Ok(())).await
     }
 
-    /// How often the device was lost and opened again.
+    /// Number of times that the device was lost.
     #[wasm_bindgen(getter, js_name = devicesLost)]
     pub fn devices_lost(&self) -> u32 {
         self.lost.get()
@@ -107,12 +107,12 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// The one that all calls of `render` share.
+    /// Returns the renderer that all calls of the function `render` share.
     pub(crate) fn common() -> Self {
         COMMON.with_borrow_mut(|common| common.get_or_insert_with(Self::new).clone())
     }
 
-    /// Does some work with a scene on the device. A device that is lost is opened again, once, and the work begun anew.
+    /// Runs work with a scene on the device. If the device is lost, it is opened again once, and the work starts anew.
     async fn with_scene<T>(
         &self,
         scene: &Shared,
@@ -159,11 +159,11 @@ async fn attempt<T>(
     done
 }
 
-/// The scene as it is now, on the device.
+/// Uploads the scene's current state, or updates what is on the device.
 async fn brought(device: &Device, scene: &Shared) -> Result<Uploaded, Error> {
     let (now, changes) = (scene.scene(), scene.changes.get());
     let renderer = &device.renderer;
-    // Taken, so that what fails half-way is uploaded anew.
+    // The upload is taken out, so that a scene is uploaded anew after an update that failed.
     match scene.uploaded.take().filter(|uploaded| uploaded.device == device.id) {
         None => {
             let uploaded = renderer.upload_async(&now, BvhBuild::Balanced).await?;

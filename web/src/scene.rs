@@ -25,37 +25,38 @@ use crate::{
     values::{array, corners, named, pairs, points, read, written},
 };
 
-/// Largest scene file: a page has 4 GiB of memory for all that becomes of it.
+/// Maximum size of scene files. A page has 4 GiB of memory for everything that is made from them.
 const MOST_BYTES: u64 = 512 << 20;
-/// Triangles that a scene file may become.
+/// Maximum number of triangles of a scene file.
 const MOST_TRIANGLES: u64 = 4 << 20;
-/// What messages say that these limits are raised by.
+/// Way around these limits, as messages name it.
 const ELSEWHERE: &str = "reading it with the library outside a browser";
 
-/// What is rendered: shapes, materials, lights and a sky. World coordinates are right-handed, y up; colours are linear light.
+/// A scene to render: shapes, materials, lights and a sky. World coordinates are right-handed with y up. Colours are
+/// linear RGB.
 #[wasm_bindgen]
 pub struct Scene {
     pub(crate) shared: Rc<Shared>,
-    /// A file's own cameras.
+    /// Names and cameras of the scene's file.
     cameras: Vec<(Arc<str>, StereoCamera)>,
     builtin: Option<Builtin>,
     warnings: Vec<String>,
 }
 
-/// What a renderer reads of a scene, while JavaScript may go on changing it.
+/// Scene data that a renderer reads while JavaScript may change it.
 pub(crate) struct Shared {
     scene: RefCell<Rc<stereotrace::Scene>>,
     pub(crate) changes: Cell<Changes>,
-    /// On the device that rendered it last.
+    /// The scene on the device that rendered it last.
     pub(crate) uploaded: RefCell<Option<Uploaded>>,
 }
 
-/// How often a scene was changed.
+/// Counters of a scene's changes.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Changes {
-    /// What rays meet.
+    /// Changes of shapes.
     pub(crate) shapes: u32,
-    /// All else.
+    /// Changes of lights, materials and sky.
     rest: u32,
 }
 
@@ -64,7 +65,7 @@ impl Shared {
         self.scene.borrow().clone()
     }
 
-    /// Changes lights, materials or sky. (Of a scene that is just being uploaded it is a copy that changes.)
+    /// Changes lights, materials or sky. While the scene is being uploaded, a copy is changed.
     fn change<T>(&self, change: impl FnOnce(&mut stereotrace::Scene) -> T) -> T {
         let changes = self.changes.get();
         self.changes.set(Changes { rest: changes.rest + 1, ..changes });
@@ -81,24 +82,25 @@ impl Shared {
 
 #[wasm_bindgen]
 impl Scene {
-    /// An empty scene: black sky, no lights, one grey material, 0.
+    /// Makes an empty scene: black sky, no lights, and one grey material with id 0.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self::of(stereotrace::Scene::new(), Vec::new(), None)
     }
 
-    /// A scene that comes with the library, with lights, sky and a camera: one of `builtins()`.
+    /// Makes a built-in scene with lights, sky and a camera. `name` is one of `builtins()`.
     pub fn builtin(name: &str) -> Result<Self, JsValue> {
         let builtin: Builtin = named(name)?;
         Ok(Self::of(builtin.scene(), Vec::new(), Some(builtin)))
     }
 
-    /// Reads a scene from files: OBJ with its MTL files and textures, glTF 2.0 (.gltf with its buffers and textures, or .glb) or PLY. `files` is
-    /// an object of file contents by path. `main` is the path of the scene's own file, and may be left out where just one file ends in .obj,
-    /// .gltf, .glb or .ply. What it names is found by its path, or where files come without folders by its name.
+    /// Reads a scene from files: OBJ with its MTL files and textures, glTF 2.0 (.gltf with its buffers and textures, or
+    /// .glb) or PLY. `files` is an object of file contents by path. `main` is the path of the scene's own file. It may
+    /// be omitted if only one file ends in .obj, .gltf, .glb or .ply. Files that it names are found by path, or by name
+    /// if `files` has no folders. `creaseAngle` in degrees gives smooth normals to objects without any.
     ///
-    /// glTF files bring lights and cameras. Scenes of other files have no lights: see `placeLights`. Throws an error that names the file, and
-    /// where it can the line, for what can't be read; a texture that is missing is left out, with a word in `warnings`.
+    /// Only glTF files bring lights and cameras. For other files see `placeLights`. A missing texture is left out, with
+    /// a message in `warnings`. Throws an error that names the file, and if possible the line, for other faults.
     #[wasm_bindgen(js_name = fromFiles)]
     pub fn from_files(
         #[wasm_bindgen(unchecked_param_type = "Record<string, Uint8Array>")] files: &JsValue,
@@ -119,13 +121,13 @@ impl Scene {
         Ok(read)
     }
 
-    /// What was left out of the files that the scene was read from, or is not shown.
+    /// Warnings of reading the files: parts that were left out or are not shown.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
     }
 
-    /// What there is in the scene.
+    /// Contents of the scene.
     #[wasm_bindgen(getter, unchecked_return_type = "SceneInfo")]
     pub fn info(&self) -> Result<JsValue, JsValue> {
         let scene = self.shared.scene();
@@ -140,14 +142,14 @@ impl Scene {
         })
     }
 
-    /// The camera that goes with the scene, for pictures of this size: a built-in scene's, the first one of its file, or one from which all of
-    /// the scene is seen.
+    /// Returns the scene's camera for pictures of this size in pixels: that of a built-in scene, the first one of its
+    /// file, or one that shows the whole scene.
     #[wasm_bindgen(unchecked_return_type = "Camera")]
     pub fn camera(&self, width: u32, height: u32) -> Result<JsValue, JsValue> {
         camera::written(&self.own_camera(width, height)?)
     }
 
-    /// Adds a material; returns its number.
+    /// Adds a material and returns its id.
     #[wasm_bindgen(js_name = addMaterial)]
     pub fn add_material(
         &self,
@@ -157,7 +159,7 @@ impl Scene {
         Ok(self.shared.change(|scene| scene.add_material(material)).0)
     }
 
-    /// Adds a texture for materials; returns its number.
+    /// Adds a texture for materials and returns its id. `wrap` is for texture coordinates outside 0 to 1.
     #[wasm_bindgen(js_name = addTexture)]
     pub fn add_texture(
         &self,
@@ -182,7 +184,7 @@ impl Scene {
         self.shared.add(|scene| scene.add_mesh(&mesh)).map_err(raised)
     }
 
-    /// Adds a sphere.
+    /// Adds a sphere as an object. Lengths are in world units.
     #[wasm_bindgen(js_name = addSphere)]
     pub fn add_sphere(
         &self,
@@ -195,7 +197,7 @@ impl Scene {
         self.shared.add(|scene| scene.add_sphere(sphere)).map_err(raised)
     }
 
-    /// Adds an infinite plane through a point.
+    /// Adds an infinite plane through a point, as an object.
     #[wasm_bindgen(js_name = addPlane)]
     pub fn add_plane(
         &self,
@@ -208,7 +210,7 @@ impl Scene {
         self.shared.add(|scene| scene.add_plane(plane)).map_err(raised)
     }
 
-    /// Puts other lights in the place of the scene's.
+    /// Replaces the scene's lights.
     #[wasm_bindgen(js_name = setLights)]
     pub fn set_lights(&self, #[wasm_bindgen(unchecked_param_type = "Light[]")] lights: JsValue) -> Result<(), JsValue> {
         let given: &js_sys::Array = lights.dyn_ref().ok_or_else(|| refused("lights: they must be an array"))?;
@@ -218,7 +220,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts so many points of light beside and above a camera's eyes, in the place of the scene's lights.
+    /// Replaces the scene's lights by `count` point lights beside and above a camera's eyes.
     #[wasm_bindgen(js_name = placeLights)]
     pub fn place_lights(
         &self,
@@ -229,7 +231,7 @@ impl Scene {
         self.shared.change(|scene| scene.place_lights(count as usize, &camera)).map_err(raised)
     }
 
-    /// Sets the light that reaches all surfaces from everywhere: a colour, or nothing for the rule's 0.15 (1 without lights).
+    /// Sets the ambient light. Without a colour it gets its default: 0.15 with lights, 1 without.
     #[wasm_bindgen(js_name = setAmbient)]
     pub fn set_ambient(
         &self,
@@ -240,7 +242,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Sets what is seen where nothing is: colours straight down and straight up, with a blend between them.
+    /// Sets the sky: a blend between the colours straight down and straight up.
     #[wasm_bindgen(js_name = setSky)]
     pub fn set_sky(
         &self,
@@ -276,7 +278,7 @@ impl Scene {
     }
 }
 
-/// The bytes of files by their paths.
+/// Reads the bytes of files by path.
 fn contents(files: &JsValue) -> Result<BTreeMap<String, Vec<u8>>, JsValue> {
     let object: &Object =
         files.dyn_ref().ok_or_else(|| refused("files: it must be an object of Uint8Arrays by path"))?;
@@ -290,7 +292,7 @@ fn contents(files: &JsValue) -> Result<BTreeMap<String, Vec<u8>>, JsValue> {
     entries.collect()
 }
 
-/// The one file that is a scene.
+/// Returns the path of the only scene file.
 fn main_file(files: &BTreeMap<String, Vec<u8>>) -> Result<String, JsValue> {
     let is_scene = |path: &&String| {
         let path = path.to_lowercase();
@@ -366,7 +368,7 @@ fn light_of(given: &GivenLight) -> Light {
     given.radius.map_or(Light::point(position, intensity), |radius| Light::sphere(position, radius, intensity))
 }
 
-/// `Mesh` of `types.d.ts`: lists of numbers stay typed arrays until here.
+/// Reads `Mesh` of `types.d.ts`, whose lists are typed arrays.
 fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
     let floats = |field: &str| array::<Float32Array>("mesh", given, field, "Float32Array");
     let missing = |field: &str| refused(&format!("mesh.{field}: it is missing"));
@@ -375,7 +377,7 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
         Some(indices) => corners("mesh.indices", &indices)?,
         None => (0..positions.len() as u32 / 3).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect(),
     };
-    // Given of each vertex; the library has them of each corner.
+    // JavaScript gives values for each vertex, the library takes them for each corner.
     fn of_corners<T: Copy>(
         what: &str,
         values: &[T],
@@ -412,7 +414,7 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
     }
 }
 
-/// The fields of a mesh that are no lists.
+/// Fields of a mesh that are not lists.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct MeshOptions {
@@ -421,7 +423,7 @@ struct MeshOptions {
     crease_angle: Option<f32>,
 }
 
-/// A copy of a mesh without its lists, so that those that have another name are found.
+/// Returns a copy of a mesh without its lists, so that fields with unknown names are found.
 fn rest_of(mesh: &JsValue) -> Result<JsValue, JsValue> {
     let object: &Object = mesh.dyn_ref().ok_or_else(|| refused("mesh: it must be an object"))?;
     let copy = Object::assign(&Object::new(), object);

@@ -1,4 +1,4 @@
-//! JavaScript's values as the library's.
+//! Conversions between JavaScript values and the library's.
 
 use std::{fmt::Display, str::FromStr};
 
@@ -18,7 +18,7 @@ use web_sys::ImageData;
 
 use crate::errors::{raised, refused};
 
-/// A plain object. `what` is it in messages, which name the field at fault.
+/// Reads a plain object. Error messages call it `what` and name the wrong field.
 pub(crate) fn read<T: DeserializeOwned>(what: &str, value: JsValue) -> Result<T, JsValue> {
     check_fields::<T>(what, &value)?;
     let deserializer = serde_wasm_bindgen::Deserializer::from(value);
@@ -30,8 +30,8 @@ pub(crate) fn read<T: DeserializeOwned>(what: &str, value: JsValue) -> Result<T,
     })
 }
 
-/// Refuses fields that a type has not: serde-wasm-bindgen asks objects for those alone that it has. (Of an object within another it says nothing:
-/// that is read by itself.)
+/// Refuses unknown fields, which serde-wasm-bindgen ignores. Nested objects are not checked here: each is read by
+/// itself.
 fn check_fields<T: DeserializeOwned>(what: &str, value: &JsValue) -> Result<(), JsValue> {
     let mut fields = Fields(None);
     let _ = T::deserialize(&mut fields);
@@ -43,7 +43,7 @@ fn check_fields<T: DeserializeOwned>(what: &str, value: &JsValue) -> Result<(), 
     }
 }
 
-/// Learns which fields a struct has, and deserializes nothing.
+/// Deserializer that records the fields of a struct and always fails.
 struct Fields(Option<&'static [&'static str]>);
 
 impl<'de> Deserializer<'de> for &mut Fields {
@@ -69,45 +69,45 @@ impl<'de> Deserializer<'de> for &mut Fields {
     }
 }
 
-/// A value as a plain object.
+/// Converts a value to a plain object.
 pub(crate) fn written(value: &impl Serialize) -> Result<JsValue, JsValue> {
-    // Maps as objects; what is not there as undefined.
+    // Maps become objects, and `None` becomes undefined.
     Ok(value.serialize(&serde_wasm_bindgen::Serializer::new().serialize_maps_as_objects(true))?)
 }
 
-/// A name that the library knows.
+/// Parses a name that the library knows.
 pub(crate) fn named<T: FromStr<Err = Error>>(name: &str) -> Result<T, JsValue> {
     name.parse().map_err(raised)
 }
 
-/// All names of a list.
+/// Returns the names of all values.
 pub(crate) fn names<T: Display>(all: &[T]) -> Vec<String> {
     all.iter().map(T::to_string).collect()
 }
 
-/// A picture as canvases take it.
+/// Converts a picture to an `ImageData`.
 pub(crate) fn image(picture: &Picture) -> Result<ImageData, JsValue> {
-    // A copy of its own: an ImageData made of a slice goes on showing this module's memory, whoever has it next.
+    // The bytes are copied, since an ImageData over a slice would keep showing this module's memory after its reuse.
     let bytes = Uint8ClampedArray::from(picture.rgba8.as_flattened());
     ImageData::new_with_js_u8_clamped_array_and_sh(&bytes, picture.width, picture.height)
 }
 
-/// World positions and the like: three numbers each.
+/// Reads vectors of three numbers, such as positions.
 pub(crate) fn points(what: &str, array: &Float32Array) -> Result<Vec<Vec3>, JsValue> {
     Ok(groups(what, &array.to_vec())?.into_iter().map(Vec3::from_array).collect())
 }
 
-/// Texture coordinates: two numbers each.
+/// Reads texture coordinates of two numbers.
 pub(crate) fn pairs(what: &str, array: &Float32Array) -> Result<Vec<Vec2>, JsValue> {
     Ok(groups(what, &array.to_vec())?.into_iter().map(Vec2::from_array).collect())
 }
 
-/// Corners of triangles as indices: three each.
+/// Reads the corners of triangles, three indices each.
 pub(crate) fn corners(what: &str, array: &Uint32Array) -> Result<Vec<[u32; 3]>, JsValue> {
     groups(what, &array.to_vec())
 }
 
-/// So many of a list's numbers each.
+/// Splits a list into groups of `N` numbers.
 fn groups<T: Copy, const N: usize>(what: &str, all: &[T]) -> Result<Vec<[T; N]>, JsValue> {
     match all.as_chunks::<N>() {
         (groups, []) => Ok(groups.to_vec()),
@@ -115,7 +115,7 @@ fn groups<T: Copy, const N: usize>(what: &str, all: &[T]) -> Result<Vec<[T; N]>,
     }
 }
 
-/// A field of an object that is an array of a type, or nothing.
+/// Reads a field that is a typed array. Returns `None` if it is missing.
 pub(crate) fn array<T: JsCast>(what: &str, object: &JsValue, field: &str, kind: &str) -> Result<Option<T>, JsValue> {
     let value = js_sys::Reflect::get(object, &field.into())
         .map_err(|_| refused(&format!("{what}: it must be an object with the field {field}")))?;

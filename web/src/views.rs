@@ -1,4 +1,4 @@
-//! Rendered views of a row of eyes.
+//! Rendered views of a row of eyes, and quilts.
 
 use stereotrace::output::{quilt, quilt_name};
 use wasm_bindgen::prelude::*;
@@ -9,37 +9,37 @@ use crate::{
     values::image,
 };
 
-/// What a row of eyes sees, from left to right.
+/// Views of a row of eyes, from left to right.
 #[wasm_bindgen]
 pub struct Views(pub(crate) stereotrace::Views);
 
 #[wasm_bindgen]
 impl Views {
-    /// How many.
+    /// Number of views.
     #[wasm_bindgen(getter)]
     pub fn count(&self) -> usize {
         self.0.views.len()
     }
 
-    /// What one of them sees, counted from 0 at the left.
+    /// Returns a view. Indices count from 0 at the left.
     pub fn view(&self, index: usize) -> Result<ImageData, JsValue> {
         let view = self.0.views.get(index);
         let missing = || refused(&format!("view {index}: there are {}, counted from 0", self.count()));
         image(&view.ok_or_else(missing)?.view.picture())
     }
 
-    /// All in one picture for light-field displays: left to right, the bottom row first.
+    /// Returns all views in one picture for light-field displays, from left to right, with the bottom row first.
     pub fn quilt(&self, columns: u32, rows: u32) -> Result<ImageData, JsValue> {
         image(&quilt(&self.0, columns, rows).map_err(raised)?)
     }
 
-    /// The file name by which players know how a quilt is divided: `NAME_qsCxRaA.png`.
+    /// Returns the file name that tells players the quilt's columns, rows and aspect ratio: `NAME_qsCxRaA.png`.
     #[wasm_bindgen(js_name = quiltName)]
     pub fn quilt_name(&self, name: &str, columns: u32, rows: u32) -> String {
         quilt_name(name, &self.0, columns, rows)
     }
 
-    /// How many of them were traced; the others were made from these.
+    /// Number of views that were traced. The others were made from these.
     #[wasm_bindgen(getter)]
     pub fn traced(&self) -> usize {
         self.0.views.iter().enumerate().filter(|(index, view)| view.made_from == *index).count()

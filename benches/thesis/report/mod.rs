@@ -30,7 +30,8 @@ use crate::{common::files::save, record::Record};
 /// The thesis's stated ranges of the speed-up over naive: scene, or `*` for all of them, method, lowest and highest in
 /// percent. They are drawn behind the speed-up against the picture's width.
 ///
-/// Its averages over the sizes, from the lowest scene on the one machine to the highest on the other (figures 27 and 35).
+/// Its averages over the sizes, from the lowest scene on the one machine to the highest on the other (figures 27 and
+/// 35).
 const BANDS: &[(&str, &str, f64, f64)] =
     &[("*", "ideal", 29.0, 92.0), ("*", "atomic", 14.0, 67.0), ("*", "buffer", 6.0, 58.0)];
 

@@ -1,4 +1,4 @@
-//! Where scenes are seen from.
+//! Options of the camera.
 
 use std::{error::Error, fs, path::PathBuf, sync::Arc};
 
@@ -11,49 +11,54 @@ use crate::{shown, studio};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArguments {
-    /// JSON file of cameras by name; the options below replace parts of its camera
+    /// JSON file of cameras by name. The options below replace parts of the chosen camera
     #[arg(long, value_name = "FILE")]
     pub(super) cameras: Option<PathBuf>,
-    /// Name in that file [default: the scene's name], or of one of the scene file's own cameras [default: its first]
+    /// Name of the camera: in the file of --cameras [default: the scene's name], or else among the scene file's own
+    /// cameras [default: its first]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
     /// Midpoint between the eyes, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
-    /// Point to look at, in world coordinates
+    /// Point that the camera looks at, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     target: Option<DVec3>,
-    /// Direction that is up in the picture
+    /// Up direction of the picture, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     up: Option<DVec3>,
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     fov: Option<f32>,
-    /// Distance of the screen, where parallax is zero, in world units; inf for parallel cameras
+    /// Distance of the screen, the plane of zero parallax, in world units (convergence distance); inf for parallel
+    /// cameras
     #[arg(long, value_name = "D|inf", allow_hyphen_values = true)]
     pub(super) screen: Option<f32>,
-    /// Distance between the eyes in world units
+    /// Distance between the eyes in world units (baseline, interpupillary distance, IPD)
     #[arg(long, value_name = "E", allow_hyphen_values = true)]
     interaxial: Option<f32>,
-    /// Distance between the eyes in pixels: the parallax at infinity
+    /// Distance between the eyes in pixels, which is the parallax at infinity
     #[arg(long, value_name = "E", allow_hyphen_values = true, conflicts_with = "interaxial")]
     interaxial_px: Option<f32>,
-    /// Turn the eyes towards each other: both are traced, and points stand higher in one picture than in the other
+    /// Turn the eyes towards each other (toed-in convergence). Both views are then traced, and points have vertical
+    /// parallax
     #[arg(long)]
     toe_in: bool,
-    /// Calibration of a rectified pair, Middlebury's calib.txt or KITTI's: focal lengths, principal points, baseline and size are the file's
+    /// Calibration file of a rectified pair, Middlebury's or KITTI's. It sets focal lengths, principal points, baseline
+    /// and size
     #[arg(long, value_name = "FILE", conflicts_with_all = ["fov", "screen", "interaxial", "interaxial_px", "toe_in"])]
     pub(super) calib: Option<PathBuf>,
-    /// World units of one of that file's units of length, millimetres or metres
+    /// World units per unit of length in the calibration file: per millimetre in Middlebury's, per metre in KITTI's
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = above_zero, allow_hyphen_values = true)]
     calib_scale: f32,
-    /// Choose interaxial and screen for a display WIDTH metres wide that is seen from DISTANCE metres, so that depth is as strong as it may be
+    /// Choose interaxial and screen distance for a display of WIDTH metres seen from DISTANCE metres: the strongest
+    /// depth that is comfortable
     #[arg(long, value_name = "WIDTH:DISTANCE", value_parser = display, conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"])]
     pub(super) comfort: Option<Display>,
 }
 
 impl CameraArguments {
-    /// The camera of that name in the file of cameras, where one is given.
+    /// Reads the named camera from the file of --cameras. Returns `None` if that option is not given.
     pub(super) fn read(
         &self,
         scene_name: &str,
@@ -64,7 +69,8 @@ impl CameraArguments {
         self.cameras.as_ref().map(named).transpose()
     }
 
-    /// The camera of that name among a scene file's own, or the first; none where it is said where the eyes are.
+    /// Returns the named camera of a scene file, or without a name the first. Without a name, --eye or --target
+    /// excludes the file's cameras.
     pub(super) fn of_scene_file(&self, cameras: &[(Arc<str>, StereoCamera)]) -> Result<Option<StereoCamera>, String> {
         let Some(name) = &self.camera else {
             let is_said = self.eye.is_some() || self.target.is_some();
@@ -73,7 +79,7 @@ impl CameraArguments {
         if let Some((_, camera)) = cameras.iter().find(|(own, _)| **own == **name) {
             return Ok(Some(*camera));
         }
-        // A message has no place for more.
+        // The message lists at most 20 names.
         let names: Vec<&str> = cameras.iter().take(20).map(|(name, _)| &**name).collect();
         match &*names {
             [] => Err(format!("--camera {name}: the scene has no cameras of its own; --cameras gives a file of some")),
@@ -81,13 +87,13 @@ impl CameraArguments {
         }
     }
 
-    /// The camera's name in the file of cameras.
+    /// Returns the camera's name in the file of --cameras.
     pub(super) fn name<'a>(&'a self, scene_name: &'a str) -> &'a str {
         self.camera.as_deref().unwrap_or(scene_name)
     }
 
-    /// A camera that fits the object. Seen from or towards another point, it has screen and interaxial as
-    /// [`StereoCamera::look_at`] has.
+    /// Returns a camera that shows the whole scene. With --eye or --target, the screen distance and interaxial follow
+    /// the rule of [`StereoCamera::look_at`].
     pub(super) fn fitting(
         &self,
         scene: &Scene,
@@ -104,7 +110,7 @@ impl CameraArguments {
         Ok(camera.screen_distance(distance).interaxial(distance / 30.0))
     }
 
-    /// The camera with those parts replaced that have an option of their own.
+    /// Returns the camera with the parts replaced that the options set.
     pub(crate) fn replace_parts(&self, mut camera: StereoCamera) -> StereoCamera {
         if let Some(eye) = self.eye {
             camera = camera.eye(eye);
@@ -119,8 +125,8 @@ impl CameraArguments {
             camera = camera.vertical_fov_degrees(degrees);
         }
         if let Some(distance) = self.screen {
-            // Pixels are the parallax at infinity, which parallel cameras have none of: what the camera had stays, in world units. What is wrong with
-            // it is said later.
+            // Parallel cameras have no parallax at infinity, so an interaxial in pixels is converted to world units.
+            // A later check reports faults of the camera.
             if let (true, Ok(pose)) = (distance.is_infinite() && self.interaxial_px.is_none(), camera.pose()) {
                 camera = camera.interaxial(pose.interaxial);
             }
@@ -138,7 +144,7 @@ impl CameraArguments {
         camera
     }
 
-    /// A calibrated pair where one is given, which stands where the camera does.
+    /// Returns the pair of --calib at the pose of `camera`, or `camera` itself without that option.
     pub(super) fn calibrated(
         &self,
         camera: StereoCamera,
@@ -146,7 +152,7 @@ impl CameraArguments {
         limits: &Limits,
     ) -> Result<StereoCamera, Box<dyn Error>> {
         let Some(file) = &self.calib else { return Ok(camera) };
-        let text = fs::read_to_string(file).unwrap_or_default(); // what is wrong with it is said below
+        let text = fs::read_to_string(file).unwrap_or_default(); // the readers below report a fault
         let is_middlebury = text.lines().any(|line| line.trim_start().starts_with("cam0"));
         let calibrated = match (is_middlebury, size) {
             (true, Some(_)) => {

@@ -1,4 +1,4 @@
-//! What scenes are lit by.
+//! Options of lights, ambient light and sky.
 
 use std::path::PathBuf;
 
@@ -10,36 +10,41 @@ use super::values::{above_zero, ambient, light};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct LightArguments {
-    /// Place a light, in world units and linear light, in place of the scene's own; with a radius it is a ball. May be given again
+    /// Replace the scene's lights by this one: position in world units, colour in linear light. A radius makes it a
+    /// sphere with soft shadows. Repeat the option for more lights
     #[arg(long, value_name = "X,Y,Z[:R,G,B[:RADIUS]]", value_parser = light, allow_hyphen_values = true, conflicts_with = "lights")]
     light: Vec<Light>,
-    /// Place N lights around the eyes [default: the scene's own; a soft one for a file without, 5 with --plain]
+    /// Replace the scene's lights by N lights around the eyes [default: the scene's own; for a file without lights one
+    /// soft light, or 5 with --plain or --cameras]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000), allow_hyphen_values = true)]
     lights: Option<u32>,
-    /// Make lights balls of this radius, in world units: shadows get a penumbra
+    /// Turn point lights into spheres of this radius, in world units, so that shadows get a penumbra
     #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true)]
     light_radius: Option<f32>,
-    /// Light from all around, linear: one number, or red, green and blue [default: the scene's; 0.15, or 1 where there are no lights]
+    /// Ambient light, linear: one number, or red, green and blue [default: the scene's; else 0.36,0.38,0.41 with the
+    /// automatic light of a file, 0.15 with other lights, and 1 without lights]
     #[arg(long, value_name = "V|R,G,B", value_parser = ambient, allow_hyphen_values = true)]
     ambient: Option<Vec3>,
-    /// Sky: a PNG, JPEG, HDR or EXR file (equirectangular), or `procedural` [default: the scene's]
+    /// Sky: an equirectangular PNG, JPEG, HDR or EXR file (HDRI, environment map), or `procedural` [default: the
+    /// scene's; for a file a grey backdrop, or black with --plain or --cameras]
     #[arg(long, value_name = "FILE")]
     sky: Option<PathBuf>,
 }
 
 impl LightArguments {
-    /// Whether it is said which lights there are.
+    /// Returns whether --lights or --light is given.
     pub(crate) fn are_said(&self) -> bool {
         self.lights.is_some() || !self.light.is_empty()
     }
 
-    /// Whether so many are to be placed around the camera.
+    /// Returns whether --lights is given.
     #[cfg(feature = "view")]
     pub(crate) fn are_counted(&self) -> bool {
         self.lights.is_some()
     }
 
-    /// Puts the lights that are asked for in place of the scene's, by `otherwise` where none are, and gives all their size.
+    /// Replaces the scene's lights by those of the options, and sets radius and ambient light. `otherwise` places the
+    /// lights if no option does.
     pub(crate) fn place(
         &self,
         scene: &mut Scene,
@@ -60,12 +65,12 @@ impl LightArguments {
         Ok(())
     }
 
-    /// The file that the sky is read from.
+    /// Returns the file that the sky is read from.
     pub(super) fn file(&self) -> Option<PathBuf> {
         self.sky.clone().filter(|name| name.as_os_str() != "procedural")
     }
 
-    /// The sky that is asked for, once it is known what the adapter can hold.
+    /// Reads or makes the sky of --sky, within the adapter's limits.
     pub(crate) fn sky(&self, limits: Limits, gpu: &Gpu) -> Result<Option<Sky>, stereotrace::Error> {
         Ok(match &self.sky {
             None => None,

@@ -1,4 +1,4 @@
-//! The command line: what every command takes. Each command's own arguments stand with the command.
+//! The command line: commands, and arguments that they share. Each command's own arguments are in `commands`.
 
 mod camera;
 mod light;
@@ -28,21 +28,28 @@ use crate::{
 const AFTER: &str = "\
 Examples:
   stereotrace render                                      the built-in hall: left, right and anaglyph, into out/
-  stereotrace render bunny.obj --out bunny.png            an anaglyph of your model, seen from a corner
+  stereotrace render bunny.obj --out bunny.png            an anaglyph of your model
   stereotrace render room.obj --eye 0,1.6,3 --target 0,1,0 --packing side-by-side --out room.jpg
-  stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, a picture a file
+  stereotrace sequence bunny.obj --orbit 72 --out turn    a turntable, as numbered files
   stereotrace views --quilt 9x5 --size 512x512 --interaxial-px 2
   stereotrace view bunny.obj                              a window with a live anaglyph
   stereotrace dataset room.obj --pairs 200 --layout kitti --size 1242x375 --out data
-  stereotrace compare sponza.obj --methods bracket,atomic how exact each is, and what it costs
-  stereotrace info bunny.obj                              what is in it, and what this machine renders with
+  stereotrace compare sponza.obj --methods bracket,atomic cost and errors of these methods
+  stereotrace info bunny.obj                              what the file contains, and this machine's adapters
 
-Exit status: 0 where all was written, 1 where something could not be read, rendered or written, 2 for a command line that says nothing
-that can be done, 130 where SIGINT or SIGTERM ended `sequence` or `dataset`: after the pair at hand, and the same command makes the rest; a second
-signal does not wait. Errors are one line on standard error.
-STEREOTRACE_ADAPTER chooses the adapter where --adapter does not, NO_COLOR keeps colours off.";
+Exit status:
+  0    everything was written
+  1    something could not be read, rendered or written
+  2    the command line is wrong
+  130  SIGINT or SIGTERM ended `sequence` or `dataset` after the current pair. The same command then makes the
+       rest. A second signal ends the command at once.
+An error is one line on standard error.
 
-/// Ray-traces stereo pairs on the GPU for little more than one eye's price, and says how exact the second eye is
+Environment:
+  STEREOTRACE_ADAPTER  adapter to render with, if --adapter is not given
+  NO_COLOR             disables colours in the output";
+
+/// Ray-trace stereo pairs on the GPU, reuse one eye's samples for the other, and measure the error of that
 #[derive(Clone, Debug, Parser)]
 #[command(name = "stereotrace", version, after_help = AFTER, propagate_version = true, max_term_width = 110)]
 pub(crate) struct Cli {
@@ -52,17 +59,17 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-/// What every command takes.
+/// Options of all commands.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "All commands")]
 pub(crate) struct Global {
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
-    /// Print what was done as one JSON object in place of a table
+    /// Print the result as one JSON object instead of a table
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// What to render with: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the fastest]
+    /// Graphics adapter: `software`, or a part of an adapter's name [default: STEREOTRACE_ADAPTER, else the fastest]
     #[arg(long, value_name = "NAME", global = true)]
     adapter: Option<String>,
 }
@@ -78,25 +85,25 @@ impl Global {
 
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a stereo pair, and an anaglyph or another picture of both eyes
+    /// Render a stereo pair as an anaglyph, side by side, or as separate views
     Render(Box<render::Arguments>),
-    /// Render many pairs along a path of cameras, or around an object, into numbered files or to ffmpeg
+    /// Render pairs along a camera path or around an object, as numbered files or as raw video for ffmpeg
     Sequence(Box<sequence::Arguments>),
     /// Render any number of views from left to right, as files or as a quilt for a light-field display
     Views(Box<views::Arguments>),
-    /// Show a live pair in a window, to be turned and flown through (in builds with the feature `view`)
+    /// Open a window with a live pair, and navigate by mouse and keys (only in builds with the feature `view`)
     View(Box<view::Arguments>),
-    /// Render pairs with ground truth for stereo vision: disparities, occlusion, calibration, as loaders expect them
+    /// Render pairs with ground truth for stereo vision: disparity, occlusion, calibration, in known layouts
     Dataset(Box<dataset::Arguments>),
-    /// Say what each method costs and gets wrong on a scene, against tracing both eyes
+    /// Measure the cost and the errors of each method on a scene, against tracing both eyes
     Compare(Box<compare::Arguments>),
-    /// Say what is in a scene file, how comfortable its picture is, and what this machine renders with
+    /// Show what a scene file contains, how comfortable its picture is to view, and this machine's adapters
     Info(Box<info::Arguments>),
     /// Print completions for a shell
     Completions {
-        /// Whose
+        /// Shell that the completions are for
         shell: Shell,
     },
-    /// Print the manual page, as `man` reads it
+    /// Print the manual page in roff, for `man`
     Man,
 }

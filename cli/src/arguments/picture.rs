@@ -1,4 +1,4 @@
-//! How pictures are rendered.
+//! Options of rendering: size, method, samples, light transport and tone.
 
 use clap::Args;
 use stereotrace::{
@@ -8,57 +8,65 @@ use stereotrace::{
 use super::values::{OcclusionArgument, adaptive, occlusion, shadow_buffer, size, tone};
 use crate::studio;
 
-/// Of an eye's picture, in pixels, where nothing is said.
+/// Default size of an eye's picture: width and height in pixels.
 pub(super) const SIZE: [u32; 2] = [1280, 720];
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureArguments {
-    /// Size of an eye's picture in pixels [default: 1280x720, or what --calib says]
+    /// Size of one eye's picture in pixels [default: 1280x720, or that of --calib]
     #[arg(long = "size", value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(super) size_said: Option<[u32; 2]>,
-    /// How the second eye is made: auto (bracket or naive, whichever is likely cheaper), naive, ideal, atomic, buffer, buffer-2e, buffer-N (slots),
-    /// es-isler, adelson-hodges, atomic-edges, buffer-edges, bracket, verified or bracket-rays
+    /// Method that makes the second eye: auto (the cheaper of bracket and naive, by prediction), naive (both eyes are
+    /// traced), ideal, atomic, buffer, buffer-2e, buffer-N (N slots a pixel), es-isler, adelson-hodges, atomic-edges,
+    /// buffer-edges, bracket, verified or bracket-rays
     #[arg(long, default_value_t)]
     pub(crate) method: Method,
-    /// Samples a pixel, which smooth edges: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for a file that is flattered, else 1]
+    /// Samples per pixel, for antialiasing: 1, 4, 9, 16, 25, 36, 49 or 64 [default: 4 for a file without --plain or
+    /// --cameras, else 1]
     #[arg(long, value_name = "N")]
     pub(crate) samples: Option<u32>,
-    /// In their place more samples only where those in a pixel's corners differ by more than TOL of 255, at up to LEVELS levels, 2 to 5
+    /// Adaptive antialiasing in place of --samples: divide a pixel if samples in its corners differ by more than TOL
+    /// of 255. LEVELS is 2 to 5 [default levels: 4]
     #[arg(long, value_name = "TOL[:LEVELS]", value_parser = adaptive, conflicts_with = "samples", allow_hyphen_values = true)]
     pub(crate) adaptive: Option<Adaptive>,
-    /// How samples are weighed: box, tent or gauss
+    /// Filter that weights the samples of a pixel: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
     filter: Filter,
-    /// Whether rows of samples stand aside of their grid, which gives edges that are nearly upright more steps: true or false
+    /// Jitter the sample grid, so that near-vertical edges get more levels: true or false
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
     jitter: bool,
-    /// Surfaces that a ray may come from, one behind the other, by reflection or refraction: 0 to 8
+    /// Maximum number of reflections and refractions along a ray: 0 to 8
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES)))]
     bounces: u32,
-    /// Brighten pictures by so many stops, or darken them
+    /// Exposure in stops, -64 to 64: each stop doubles the brightness
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]
     exposure: f32,
-    /// What becomes of what is too bright: clamp, or filmic
+    /// Tone mapping: clamp values above 1, or filmic, a curve for all values
     #[arg(long, value_name = "clamp|filmic", default_value = "clamp", value_parser = tone)]
     tone: Tone,
-    /// Of the random numbers of soft light and jitter: the same seed makes the same picture
+    /// Seed of the random numbers for soft light, jitter and random cameras. The same seed makes the same picture
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
-    /// Rays of a sample to each light that is not a point, 1 to 32 [default: 16; 4 where a flattered file's samples are not said]
+    /// Shadow rays per sample to each light that is not a point, 1 to 32 [default: 16; 4 for a file without --plain,
+    /// --cameras, --samples or --adaptive]
     #[arg(long, value_name = "N")]
     shadow_rays: Option<u32>,
-    /// Let what stands near keep ambient light off: by N rays a sample, 1 to 32, as far as RADIUS world units [default: a tenth of the scene's diagonal]
+    /// Ambient occlusion by N rays per sample, 1 to 32, with occluders up to RADIUS world units away [default radius:
+    /// 0.1 of the scene's diagonal, or 0.3 for a file without --plain or --cameras]
     #[arg(long, value_name = "N[:RADIUS]", value_parser = occlusion)]
     pub(crate) occlusion: Option<OcclusionArgument>,
-    /// Light surfaces by the sky in place of ambient light: by N rays a sample, 1 to 32. What they meet keeps its light off
+    /// Light surfaces by the sky (image-based lighting) in place of ambient light, by N rays per sample, 1 to 32.
+    /// Occluders block it
     #[arg(long, value_name = "N", conflicts_with = "occlusion")]
     pub(crate) sky_light: Option<u32>,
-    /// How the first hits of traced views are found: by rays, or by drawing each primitive over the pixels that it may cover, t-buffer
+    /// How traced views find their closest hits: rays, or t-buffer, which draws each primitive over the pixels that it
+    /// may cover
     #[arg(long, value_name = "KIND", default_value_t)]
     visibility: Visibility,
-    /// Ask tables of directions around point lights, of so many rows, in place of shadow rays: by the nearest object alone, by its depth, or (hybrid) where
-    /// they prove something, but for a margin, with rays elsewhere
+    /// Use shadow buffers in place of shadow rays: tables of ROWS rows of directions around each point light. Compare
+    /// objects, or depths with a BIAS, or trace rays where neither proves anything (hybrid, the default rule). BIAS
+    /// and MARGIN are in texel widths
     #[arg(long, value_name = "ROWS[:object|depth[=BIAS]|hybrid[=MARGIN]]", value_parser = shadow_buffer)]
     shadow_buffer: Option<ShadowBuffer>,
     /// Count BVH nodes and primitive tests (slower)
@@ -67,19 +75,20 @@ pub(crate) struct PictureArguments {
 }
 
 impl PictureArguments {
-    /// Of an eye's picture, in pixels.
+    /// Returns the size of an eye's picture: width and height in pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size_said.unwrap_or(SIZE)
     }
 
-    /// The same where a scene is flattered of which little is said: with what flatters it, as far as nothing else is asked for.
+    /// Returns the arguments with the defaults of the automatic look of a file: antialiasing, and ambient occlusion
+    /// unless lights or the sky light are given. Given options stay.
     pub(crate) fn flattered(&self, lights_are_said: bool, scene: &Scene) -> Self {
         let mut settled = self.clone();
         if self.samples.is_none() && self.adaptive.is_none() {
             settled.shadow_rays.get_or_insert(studio::RAYS);
             settled.samples = Some(studio::SAMPLES);
         }
-        // Occlusion takes glass as opaque: what stands in a glass case would be black.
+        // Ambient occlusion treats glass as opaque, so objects in a glass case would be black.
         let has_glass = scene.materials().iter().any(|material| matches!(material.finish, Finish::Glass { .. }));
         if !lights_are_said && !has_glass && self.occlusion.is_none() && self.sky_light.is_none() {
             settled.occlusion = Some(OcclusionArgument(settled.shadow_rays.unwrap_or(16), None));
@@ -87,7 +96,8 @@ impl PictureArguments {
         settled
     }
 
-    /// What to render a scene with.
+    /// Returns the render options for a scene. `reach` is the default radius of ambient occlusion, as a share of the
+    /// scene's diagonal.
     pub(crate) fn options(&self, scene: &Scene, reach: f32) -> Options {
         let diagonal = scene.bounds().map(|(low, high)| low.distance(high) as f32).filter(|diagonal| *diagonal > 0.0);
         let occlusion = self.occlusion.and_then(|OcclusionArgument(rays, radius)| {

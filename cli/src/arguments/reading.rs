@@ -1,4 +1,4 @@
-//! How files are read.
+//! Options of reading files, and their limits.
 
 use std::path::Path;
 
@@ -7,35 +7,37 @@ use stereotrace::{Limits, MissingTextures, Origin, OutsideFiles, SceneOptions};
 
 use super::values::{CreaseAngle, Millions, crease_angle, millions, missing_textures, origin, outside_files};
 
-/// In degrees, as modellers have it.
+/// Default crease angle in degrees, as in modelling programs.
 const CREASE_ANGLE: f32 = 30.0;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading files")]
 pub(crate) struct ReadingArguments {
-    /// Where a file has no normals, edges are smooth that turn by less than DEG degrees, or none: off [default: 30; off for glTF, as its specification says]
+    /// Objects without normals get smooth edges where faces turn by less than DEG degrees; off: flat faces [default:
+    /// 30; off for glTF, as its specification says]
     #[arg(long, value_name = "DEG|off", value_parser = crease_angle, allow_hyphen_values = true)]
     crease_angle: Option<CreaseAngle>,
-    /// What becomes of textures that can't be read: error, or warn and go on without them
+    /// What to do if a texture can't be read: error, or warn and render without it
     #[arg(long, value_name = "error|warn", default_value = "error", value_parser = missing_textures)]
     missing_textures: MissingTextures,
-    /// World position that a scene file's coordinates are stored relative to: none for 0, auto for the middle of a file that
-    /// lies farther away than 8 times its size. Cameras, lights and ground truth stay in world coordinates
+    /// World position that a scene file's coordinates are stored relative to. none is 0,0,0. auto is 0,0,0 too, unless
+    /// the file lies farther away than 8 times its longest side: then the rounded middle of the file. Cameras, lights
+    /// and ground truth stay in world coordinates
     #[arg(long, value_name = "auto|none|X,Y,Z", default_value = "auto", value_parser = origin, allow_hyphen_values = true)]
     origin: Origin,
-    /// Files outside the scene file's folder that the scene names, as textures in ../textures: refuse, or allow if you trust the scene
+    /// Files that a scene names outside its own folder, such as ../textures: refuse, or allow if you trust the scene
     #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]
     outside_files: OutsideFiles,
-    /// Largest scene, JSON, texture or sky file that is read, and largest sum of MTL files, in MiB [default: 1024, 16 for JSON]
+    /// Largest scene, JSON, texture or sky file, and sum of MTL files, in MiB [default: 1024, 16 for JSON]
     #[arg(long, value_name = "MIB")]
     max_file: Option<u32>,
-    /// Largest sky in millions of pixels, as far as the adapter can hold it [default: 8.388608, which is 4096x2048]
+    /// Largest sky in millions of pixels; the adapter may hold less [default: 8.388608, which is 4096x2048]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_sky: Option<Millions>,
-    /// Largest texture, and largest sum of a file's, in millions of pixels [default: 67.108864, which is 8192x8192]
+    /// Largest sum of a file's textures in millions of pixels [default: 67.108864, which is 8192x8192]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_texture: Option<Millions>,
-    /// Most triangles, instances counted as often as they are shown, in millions [default: 33.554432]
+    /// Largest number of triangles in millions; each instance counts [default: 33.554432]
     #[arg(long, value_name = "MILLIONS", value_parser = millions)]
     max_triangles: Option<Millions>,
 }
@@ -60,7 +62,7 @@ impl ReadingArguments {
         limits
     }
 
-    /// How this scene file is read.
+    /// Returns the options to read a scene file with. The default crease angle depends on the file's ending.
     pub(crate) fn options(&self, scene: &Path) -> SceneOptions {
         let is_gltf =
             ["gltf", "glb"].iter().any(|ending| scene.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending)));

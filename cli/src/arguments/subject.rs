@@ -1,4 +1,5 @@
-//! What is rendered and how, as every command that renders takes it, and what becomes of it before the first picture.
+//! The scene, camera, lights and render options: the arguments that all rendering commands share. [`Subject::open`]
+//! turns them into a [`Stage`].
 
 use std::{
     error::Error,
@@ -15,20 +16,21 @@ use stereotrace::{
 use super::{CameraArguments, Global, LightArguments, PictureArguments, ReadingArguments};
 use crate::{shown, studio};
 
-/// Lights of a scene that brings none and is not flattered.
+/// Number of lights placed in a scene without lights, if the automatic look is off.
 const DEFAULT_LIGHTS: usize = 5;
-/// A scene file's own cameras, with their names.
+/// Names and cameras of a scene file.
 type Cameras = Vec<(Arc<str>, StereoCamera)>;
 
-/// How far ambient occlusion reaches where nothing is said, as a share of the scene's diagonal.
+/// Default radius of ambient occlusion, as a share of the scene's diagonal.
 const REACH: f32 = 0.1;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Subject {
-    /// An OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME with one of the built-in scenes, which `stereotrace info` lists
+    /// Scene: an OBJ, glTF (.gltf, .glb) or PLY file, or builtin:NAME. `stereotrace info` lists the built-in scenes
     #[arg(default_value = "builtin:hall")]
     scene: PathBuf,
-    /// Show a file without what flatters it: seen from the front in the light of points before black, a sample a pixel
+    /// Disable the automatic look of a file: viewpoint from a corner, soft light, ambient occlusion, grey backdrop and
+    /// antialiasing. --cameras disables it too
     #[arg(long)]
     plain: bool,
     #[command(flatten)]
@@ -41,9 +43,9 @@ pub(crate) struct Subject {
     pub(crate) reading: ReadingArguments,
 }
 
-/// All that pictures are made of.
+/// Everything that a picture is made from: scene, camera, options and device.
 pub(crate) struct Stage {
-    /// The scene's name, for tables and files.
+    /// Name of the scene, for tables and file names.
     pub(crate) name: String,
     pub(crate) scene: Scene,
     pub(crate) camera: StereoCamera,
@@ -56,10 +58,11 @@ pub(crate) struct Stage {
     pub(crate) build: Duration,
 }
 
-/// Width in pixels of the picture by which depths are found.
+/// Width in pixels of the picture that depths are measured in.
 const PREVIEW: u32 = 320;
 
-/// Depths of the nearest and the farthest that either eye sees; the latter is infinite where there is sky.
+/// Returns the nearest and the farthest depth that either eye sees, in world units along the view. The farthest is
+/// infinite if there is sky.
 pub(crate) fn depths(
     renderer: &mut Renderer,
     uploaded: &UploadedScene,
@@ -69,7 +72,7 @@ pub(crate) fn depths(
     let [width, height] = pose.size;
     let rows = (u64::from(PREVIEW) * u64::from(height) / u64::from(width)).clamp(1, 16 * u64::from(PREVIEW)) as u32;
     let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth);
-    // By focal lengths and principal points, whatever the camera was given by.
+    // Scaled intrinsics keep the view, however the camera was given.
     let scales = [f64::from(PREVIEW) / f64::from(width), f64::from(rows) / f64::from(height)];
     let camera = camera.convergence(Convergence::OffAxis).interaxial(pose.interaxial).size(PREVIEW, rows);
     let camera = camera.intrinsics(pose.intrinsics().scaled(scales));
@@ -79,7 +82,7 @@ pub(crate) fn depths(
 }
 
 impl Subject {
-    /// Reads all that is named, then opens the device.
+    /// Reads all files, then opens the device and uploads the scene.
     pub(crate) fn open(&self, global: &Global) -> Result<Stage, Box<dyn Error>> {
         let begin = Instant::now();
         let (mut scene, cameras) = self.scene()?;
@@ -117,7 +120,7 @@ impl Subject {
         Ok(Stage { name: self.name(), scene, camera, options, renderer, uploaded, read, build })
     }
 
-    /// The scene's name.
+    /// Returns the scene's name: that of a built-in scene, or the file's name without its ending.
     pub(crate) fn name(&self) -> String {
         match self.builtin_name() {
             Some(name) => name.to_owned(),
@@ -125,18 +128,18 @@ impl Subject {
         }
     }
 
-    /// Whether it is said where the screen is.
+    /// Returns whether an option sets the screen distance.
     pub(crate) fn screen_is_said(&self) -> bool {
         self.camera.screen.is_some() || self.camera.cameras.is_some() || self.camera.calib.is_some()
     }
 
-    /// The files that are read.
+    /// Returns the files that the command line names: scene, cameras and sky.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         let scene = self.builtin_name().is_none().then(|| self.scene.clone());
         scene.into_iter().chain(self.camera.cameras.clone()).chain(self.light.file()).collect()
     }
 
-    /// Whether lights are placed around the camera, as it is when the scene is read.
+    /// Returns whether lights are placed around the camera when the scene is read.
     #[cfg(feature = "view")]
     pub(crate) fn lights_stand_by_camera(&self) -> bool {
         self.light.are_counted() || !self.light.are_said() && self.builtin_name().is_none()
@@ -150,12 +153,12 @@ impl Subject {
         self.builtin_name().map(str::parse).transpose()
     }
 
-    /// Whether it is a file that may be shown at its best.
+    /// Returns whether the scene is a file that gets the automatic look.
     fn is_flattered(&self) -> bool {
         self.builtin_name().is_none() && !self.plain && self.camera.cameras.is_none()
     }
 
-    /// Reads or builds the scene, without its sky, and the cameras that a file has.
+    /// Reads or builds the scene without its sky, and reads the file's cameras.
     fn scene(&self) -> Result<(Scene, Cameras), Box<dyn Error>> {
         if let Some(builtin) = self.builtin()? {
             return Ok((builtin.scene(), Vec::new()));
@@ -170,8 +173,8 @@ impl Subject {
         Ok((scene, cameras))
     }
 
-    /// The camera of the file of cameras, of the scene file, of the built-in scene, or one that fits the object, with those parts
-    /// replaced that have an option of their own.
+    /// Returns the camera: that of --cameras, of the built-in scene, of the scene file, or one that shows the whole
+    /// scene. Options then replace its parts.
     fn stereo_camera(
         &self,
         scene: &Scene,
@@ -188,11 +191,11 @@ impl Subject {
         };
         let camera = self.camera.replace_parts(camera);
         let camera = self.camera.calibrated(camera, self.picture.size_said, &self.reading.limits())?;
-        camera.pose()?; // faults now, not after the scene is on the device
+        camera.pose()?; // reports faults before the scene is uploaded
         Ok(camera)
     }
 
-    /// Places the lights: those that are asked for, or those of the file of cameras, or of the scene, or some that show it well.
+    /// Places the lights: those of the options, or of the file of --cameras, or of the scene, or default lights.
     fn place_lights(&self, scene: &mut Scene, camera: &StereoCamera) -> Result<(), Box<dyn Error>> {
         let builtin = self.builtin()?;
         let otherwise = |scene: &mut Scene| {

@@ -1,4 +1,4 @@
-//! Values of options, and how they are read.
+//! Parsers of option values.
 
 use std::ops::Range;
 
@@ -8,15 +8,15 @@ use stereotrace::{
     glam::{DVec3, Vec3},
 };
 
-/// Of what has no normals; none: it is flat.
+/// Crease angle in degrees for objects without normals; `None` leaves them flat.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CreaseAngle(pub(crate) Option<f32>);
 
-/// A count, which is given in millions.
+/// A count that the command line gives in millions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Millions(pub(crate) u64);
 
-/// Rays, and how far they go if that is said.
+/// Number of rays, and their length in world units if given.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OcclusionArgument(pub(crate) u32, pub(crate) Option<f32>);
 
@@ -42,7 +42,7 @@ pub(crate) fn origin(text: &str) -> Result<Origin, String> {
     }
 }
 
-/// A light's intensity where none is said.
+/// Default intensity of a light.
 const INTENSITY: f32 = 0.85;
 
 pub(crate) fn light(text: &str) -> Result<Light, String> {
@@ -62,7 +62,7 @@ pub(crate) fn light(text: &str) -> Result<Light, String> {
     })
 }
 
-/// Linear light: one number for all channels, or three.
+/// Parses linear light: one number for all channels, or three.
 pub(crate) fn ambient(text: &str) -> Result<Vec3, String> {
     let light = text.parse().map(Vec3::splat).or_else(|_| point(text).map(|light| light.as_vec3()));
     let light = light.ok().filter(|light| light.is_finite() && light.min_element() >= 0.0);
@@ -74,7 +74,7 @@ pub(crate) fn display(text: &str) -> Result<Display, String> {
     Ok(Display::new(above_zero(sides.0)?, above_zero(sides.1)?))
 }
 
-/// Frames from the first one up to, but without, the second.
+/// Parses a half-open range of frames, such as 0..24.
 pub(crate) fn frames(text: &str) -> Result<Range<u32>, String> {
     let ends = text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
     let range = ends.map(|(first, end)| first..end).filter(|range| !range.is_empty());
@@ -96,7 +96,7 @@ pub(crate) fn occlusion(text: &str) -> Result<OcclusionArgument, String> {
     Ok(OcclusionArgument(rays, radius.map(above_zero).transpose()?))
 }
 
-/// Levels where none are said: up to 9 samples a pixel's side.
+/// Default number of adaptive levels: up to 9 samples along a pixel's side.
 const LEVELS: u32 = 4;
 
 pub(crate) fn adaptive(text: &str) -> Result<Adaptive, String> {
@@ -148,7 +148,7 @@ pub(crate) fn outside_files(text: &str) -> Result<OutsideFiles, String> {
     }
 }
 
-/// A count of 8,388,608 is 8.388608.
+/// Parses a count in millions: 8.388608 is 8,388,608.
 pub(crate) fn millions(text: &str) -> Result<Millions, String> {
     let count = text.parse().ok().filter(|millions: &f64| millions.is_finite() && *millions >= 0.0);
     let count = count.ok_or("it must be a number of millions like 100 or 8.4")?;

@@ -1,4 +1,4 @@
-//! `compare`: what each method costs and gets wrong on a scene.
+//! `compare`: measures the cost and the errors of each method on a scene.
 
 use std::{
     error::Error,
@@ -31,7 +31,8 @@ pub(crate) struct Arguments {
         default_value = "bracket,verified,atomic,buffer-2e,es-isler"
     )]
     methods: Vec<Method>,
-    /// Pictures of each that are timed, the methods by turns; the median counts. One more before them compiles the kernels
+    /// Timed pictures per method, of which the median counts. Methods take turns, after one picture each that compiles
+    /// the kernels
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     #[command(flatten)]
@@ -42,7 +43,7 @@ pub(crate) struct Arguments {
 struct Row {
     method: Method,
     times: Vec<Duration>,
-    /// The second eye's cost over the first's, by counters.
+    /// Cost of the second eye divided by that of the first, by counters.
     cost: f64,
     retraced: f64,
     difference: Difference,
@@ -80,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
             let options = stage.options.clone().method(row.method).count(false);
             let begin = Instant::now();
             stage.renderer.trace(&stage.uploaded, &stage.camera, &options)?;
-            // The first compiles what a frame that is not counted runs.
+            // The first round compiles the pipelines without counters.
             if round > 0 {
                 row.times.push(begin.elapsed());
                 progress.next();
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let of_naive = rows[0].median();
     for row in &rows {
         let Difference { identical_percent, wrong_surface_percent, psnr, .. } = row.difference;
-        // Rounded down: 100.00% are all of them.
+        // Rounded down, so that 100.00% means all pixels.
         let identical = (100.0 * identical_percent).floor() / 100.0;
         writeln!(
             text,

@@ -1,4 +1,4 @@
-//! `dataset`: pairs with ground truth for stereo vision, in the folders and formats that loaders expect.
+//! `dataset`: renders pairs with ground truth for stereo vision, in the folders and formats that loaders expect.
 
 use std::{
     collections::BTreeSet,
@@ -31,33 +31,35 @@ use crate::{
 };
 
 const MANIFEST: &str = "manifest.jsonl";
-/// Disparities at most where nothing is said, as a share of the width: matchers hardly look farther.
+/// Default limit of disparities, as a share of the width. Stereo matchers rarely search farther.
 const MOST_DISPARITY: f32 = 0.2;
-/// Pairs where nothing says how many.
+/// Default number of pairs.
 const PAIRS: u32 = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// How files lie in the folder: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel where nothing
-    /// says where the screen is; only middlebury takes others, whose disparities must all be 0 or more
+    /// Layout of the files: middlebury (2014), kitti (2015) or sceneflow. Cameras are parallel unless --screen,
+    /// --cameras or --calib is given. Only middlebury accepts a finite screen, with all disparities 0 or more
     #[arg(long, default_value_t)]
     layout: Layout,
-    /// How many pairs, from random places in the scene's free space [default: 20]; --seed says which
+    /// Number of pairs, from random cameras in the scene's free space. --seed selects the cameras [default: 20]
     #[arg(long, value_name = "N", conflicts_with_all = ["orbit", "path"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pairs: Option<u32>,
-    /// Reject places from which anything has so many pixels of disparity, to either side [default: a fifth of the width, at most 256 for kitti]
+    /// Reject cameras with a disparity of PX pixels or more, before or behind the screen [default: a fifth of the
+    /// width; at most 256 for kitti]
     #[arg(long, value_name = "PX", value_parser = above_zero, allow_hyphen_values = true)]
     max_disparity: Option<f32>,
-    /// Reject places that are nearer to a surface, in world units [default: twice the interaxial]
+    /// Reject cameras with a surface nearer than this, in world units [default: twice the interaxial (baseline)]
     #[arg(long, value_name = "DISTANCE", value_parser = above_zero, allow_hyphen_values = true)]
     clearance: Option<f32>,
-    /// Write each pair's linear colours, depths, disparities, normals and ids as OpenEXR too, into exr/
+    /// Also write linear colour, depth, disparity, normals and ids of each pair as OpenEXR, into exr/
     #[arg(long)]
     exr: bool,
-    /// Render only these pairs of the data set, as 0..50 for the first 50: each is the same whoever else makes the others
+    /// Render only these pairs, such as 0..50 for the first 50. A pair does not depend on the others, so several runs
+    /// may share the work
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     items: Option<Range<u32>>,
-    /// The folder
+    /// Folder of the data set. The same command resumes it
     #[arg(long, short, value_name = "DIR", default_value = "dataset")]
     out: PathBuf,
     #[command(flatten)]
@@ -94,12 +96,12 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         if stop.is_asked_for() {
             return Err(Interrupted { done: made, of: pending.len(), can_go_on: true }.into());
         }
-        // Another command may be making the same pairs.
+        // Another command may make the same pairs.
         if !manifest.has(item)? {
             match make(arguments, &mut stage, motion.as_ref(), item, &folder, &mut progress) {
                 Ok(line) => made += usize::from(manifest.add(item, &line)?),
                 Err(error) => {
-                    // One pair that can't be made does not stop the others; it is tried again by the next run.
+                    // A failed pair does not stop the others. The next run tries it again.
                     if manifest.add(item, &json!({ "item": item, "error": error.to_string() }))? {
                         failed.push((item, error.to_string()));
                     }
@@ -136,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: false })
 }
 
-/// Makes one pair and writes its files; returns its line of the manifest.
+/// Renders one pair and writes its files. Returns its line of the manifest.
 fn make(
     arguments: &Arguments,
     stage: &mut Stage,
@@ -192,7 +194,8 @@ fn random_camera(arguments: &Arguments, stage: &Stage, item: u32) -> Result<(Ste
     Ok((found.camera, found.tries))
 }
 
-/// What is to be known of a left view without reading its files.
+/// Returns figures of a left view for the manifest: shares of hidden, out-of-frame and sky pixels in percent, the
+/// range of disparities in pixels, and the nearest depth in world units.
 fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
     let left = &truth.left;
     let percent = |count: usize| 100.0 * count as f64 / left.depth.len() as f64;
@@ -212,20 +215,23 @@ fn figures(truth: &GroundTruth, pair: &StereoPair) -> Value {
     })
 }
 
-/// A line for what the data set is made with, and one for each pair. Several commands may write one manifest: each line
-/// is added under a lock of the file, after the lines that others added were read.
+/// The manifest: one line with settings and input hashes, then one line for each pair. Several commands may write it.
+/// Each locks the file, reads the lines that others added, and then adds its own.
 struct Manifest {
     folder: PathBuf,
     path: PathBuf,
-    /// Pairs that are there.
+    /// Pairs whose files exist.
     done: BTreeSet<u32>,
-    /// How many bytes and lines of the file were read.
+    /// Number of bytes and lines read so far.
     read: u64,
     lines: usize,
 }
 
 impl Manifest {
-    /// Begins a manifest, or goes on with one that was made with the same.
+    /// Begins a manifest, or continues one whose first line is `record`.
+    ///
+    /// # Errors
+    /// If the folder's manifest has another first line.
     fn open(folder: &Path, record: &Value) -> Result<Self, Box<dyn Error>> {
         let path = folder.join(MANIFEST);
         let mut manifest = Self { folder: folder.to_owned(), path, done: BTreeSet::new(), read: 0, lines: 0 };
@@ -237,15 +243,15 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Whether a pair is there by now.
+    /// Returns whether a pair exists by now.
     fn has(&mut self, item: u32) -> Result<bool, Box<dyn Error>> {
         let mut file = self.locked()?;
         self.catch_up(&mut file, None)?;
         Ok(self.done.contains(&item))
     }
 
-    /// Adds a pair's line, which is on the disk then. Returns whether it was added: a pair that another command made
-    /// meanwhile has its line.
+    /// Adds a pair's line and syncs it to disk. Returns false if another command made the pair meanwhile, so that its
+    /// line exists.
     fn add(&mut self, item: u32, line: &Value) -> Result<bool, Box<dyn Error>> {
         let mut file = self.locked()?;
         self.catch_up(&mut file, None)?;
@@ -259,12 +265,12 @@ impl Manifest {
         Ok(true)
     }
 
-    /// The file, which no other command reads or writes until this one is dropped.
+    /// Opens and locks the file. The lock lasts until the returned file is dropped.
     fn locked(&self) -> Result<File, Box<dyn Error>> {
         let opened = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(&self.path);
         let file = opened.map_err(|error| self.fault(&error))?;
         if let Err(error) = fs4::FileExt::lock(&file) {
-            // Some network file systems have no locks; one command alone needs none.
+            // Some network file systems have no locks. A single command needs none.
             log::warn!("{}: it can't be locked ({error}); let no other command write there", shown(&self.path));
         }
         Ok(file)
@@ -274,12 +280,12 @@ impl Manifest {
         format!("{}: {error}", shown(&self.path)).into()
     }
 
-    /// Reads the lines that were added since the last time. The first of all must be `head`, where that is given.
+    /// Reads the lines added since the last call. If `head` is given, it must be the file's first line.
     fn catch_up(&mut self, file: &mut File, head: Option<&Value>) -> Result<(), Box<dyn Error>> {
         let mut bytes = Vec::new();
         let found = file.seek(SeekFrom::Start(self.read)).and_then(|_| file.read_to_end(&mut bytes));
         found.map_err(|error| self.fault(&error))?;
-        // A line that a killed process did not finish has no end, and is cut off.
+        // A killed process may leave a line without its end, which is cut off.
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         if whole < bytes.len() {
             file.set_len(self.read + whole as u64).map_err(|error| self.fault(&error))?;
@@ -307,7 +313,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// Writes a line behind those that were read.
+    /// Writes a line after those that were read.
     fn write(&mut self, file: &mut File, line: &Value) -> Result<(), Box<dyn Error>> {
         let text = format!("{line}\n");
         let written = file.seek(SeekFrom::Start(self.read)).and_then(|_| {

@@ -1,4 +1,4 @@
-//! `info`: what is in a scene, how comfortable its picture is, and what this machine renders with.
+//! `info`: shows what a scene contains, how comfortable its picture is to view, and this machine's adapters.
 
 use std::{error::Error, fmt::Write};
 
@@ -19,7 +19,7 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Width in metres of the display for which comfort is judged
+    /// Width in metres of the display that comfort is computed for
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     display_width: f32,
     #[command(flatten)]
@@ -40,11 +40,11 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: false })
 }
 
-/// The adapters there are, and the limits of the one that renders.
+/// Lists the adapters, and the limits of the one that renders.
 fn machine(stage: &Stage, text: &mut String) -> Result<Value, Box<dyn Error>> {
     let gpu = stage.renderer.gpu();
     let (limits, own) = (gpu.device().limits(), gpu.adapter_name());
-    // OpenGL shows the same hardware once more, and looking for it can make the driver print to the terminal.
+    // OpenGL would list the same hardware again, and its driver may print to the terminal.
     let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends;
@@ -71,10 +71,10 @@ fn machine(stage: &Stage, text: &mut String) -> Result<Value, Box<dyn Error>> {
     }))
 }
 
-/// What is in the scene, and what its camera makes of it.
+/// Lists the scene's contents, its camera, the depths that the camera sees, and the comfort of the pair.
 fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<Value, Box<dyn Error>> {
     writeln!(text, "scene      {}", escaped(&scene_line(stage)))?;
-    // A scene's first material is its own grey, whether a file has more or not.
+    // Every scene has a grey material first, in addition to the file's.
     let (materials, objects) = (stage.scene.materials().len() - 1, stage.scene.object_count());
     let textured = stage.scene.materials().iter().filter(|material| material.texture.is_some()).count();
     writeln!(

@@ -1,4 +1,4 @@
-//! A file for each command: what it takes, what it does, and what it says at the end.
+//! One file for each command: its arguments, its work and its summary.
 
 pub(crate) mod compare;
 pub(crate) mod dataset;

@@ -1,4 +1,4 @@
-//! Where the eyes stand in each of many pictures.
+//! Camera motion of `sequence` and `dataset`: an orbit or a path of key frames.
 
 use std::{error::Error, f32::consts::TAU, path::PathBuf};
 
@@ -7,16 +7,17 @@ use stereotrace::{CameraPath, StereoCamera};
 
 use crate::{arguments::Subject, shown};
 
-/// Pictures at most: names have as many digits as numbers up to here.
+/// Maximum number of pictures, so that the digits of file names suffice.
 const MOST: u32 = 1_000_000;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Motion")]
 pub(super) struct MotionArguments {
-    /// Go once around the target in N pictures
+    /// Move the camera once around its target in N pictures
     #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     pub(super) orbit: Option<u32>,
-    /// JSON file with a list of cameras: as those of --cameras, each with its `frame` if it is a key frame; without, one a picture
+    /// JSON file with a list of cameras, in the format of --cameras. With `frame` a camera is a key frame; without it,
+    /// each camera makes one picture
     #[arg(long, value_name = "FILE")]
     pub(super) path: Option<PathBuf>,
 }
@@ -28,7 +29,7 @@ pub(super) enum Motion {
 }
 
 impl MotionArguments {
-    /// The motion that is asked for.
+    /// Returns the motion that the options give, if any.
     pub(super) fn motion(&self, subject: &Subject, camera: StereoCamera) -> Result<Option<Motion>, Box<dyn Error>> {
         let Some(file) = &self.path else {
             return Ok(self.orbit.map(|frames| Motion::Orbit(camera, frames)));

@@ -1,4 +1,4 @@
-//! `render`: a stereo pair.
+//! `render`: renders one stereo pair.
 
 use std::{
     error::Error,
@@ -18,29 +18,30 @@ use crate::{
     target::{EyesArguments, Target, add_pair, is_open_exr},
 };
 
-/// Between two looks at the files that are watched.
+/// Interval at which --watch checks the files.
 const GLANCE: Duration = Duration::from_millis(250);
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// File to write: as .png or .jpg the anaglyph, or the packing that is asked for; as .jps, .mpo or .exr both eyes. Or a folder, for left, right,
-    /// anaglyph and what else is asked for
+    /// File or folder to write. A .png or .jpg file holds the anaglyph or the --packing; a .jps, .mpo or .exr file
+    /// holds both views. A folder gets the left view, right view, anaglyph and all other requested files
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
-    /// Render by naive too, and say how exact the right eye is
+    /// Also render by naive, and report the right eye's errors against it
     #[arg(long)]
     compare: bool,
-    /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map, its shadow map where a bracket
-    /// method made it, and both eyes' time views (PNG); into a folder
+    /// Write depths and primitive ids of both eyes (PFM), the right eye's re-trace map, its shadow map if a bracket
+    /// method made it, and the cost of each pixel (PNG). --out must be a folder
     #[arg(long)]
     dump: bool,
-    /// Write what stereo vision asks for: disparities, who sees what, depths, distances, normals, ids, calibration; into a folder
+    /// Write ground truth for stereo vision: disparity, occlusion, depth, distance, normals, ids and calibration. --out
+    /// must be a folder
     #[arg(long)]
     ground_truth: bool,
-    /// Render again whenever a file that is read changes, until you stop it
+    /// Render again whenever an input file changes, until interrupted
     #[arg(long)]
     watch: bool,
-    /// Width in metres of the display for which comfort is judged
+    /// Width in metres of the display that comfort is computed for
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     pub(super) display_width: f32,
     #[command(flatten)]
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// An option that is given and asks for many files.
+    /// Returns the name of a given option that needs a folder.
     fn folder_option(&self) -> Option<&'static str> {
         let options = [(self.dump, "--dump"), (self.ground_truth, "--ground-truth")];
         options.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
@@ -68,7 +69,8 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     once(arguments, &target, global)
 }
 
-/// Renders now and after each change, until the program is stopped. What fails is said, and the next change is waited for.
+/// Renders now and after each change of an input file, until the program is stopped. Errors are printed, and the loop
+/// waits for the next change.
 fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let files = arguments.subject.files();
     if files.is_empty() {
@@ -111,7 +113,7 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     let mut batch = Batch::new();
     match target {
         Target::File(file) => {
-            // Ground truth is that of pixels' own surfaces, which not all methods show.
+            // Ground truth belongs to the surfaces at pixel centres, which not all methods show.
             let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_));
             let truth =
                 (is_open_exr && is_exact).then(|| stage.renderer.ground_truth(&stage.uploaded, &stage.scene, &pair));
@@ -129,7 +131,7 @@ fn once(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summa
     Ok(report.summary())
 }
 
-/// Adds all that a folder gets.
+/// Adds the pictures of a folder: both views, the anaglyph, the packing and the maps of --dump.
 fn add_pictures(
     batch: &mut Batch,
     arguments: &Arguments,
@@ -151,8 +153,8 @@ fn add_pictures(
     Ok(())
 }
 
-/// Adds all that is known of both views. KITTI's disparities only of parallel cameras: off-axis they are below 0 behind the screen, which
-/// these files can't hold.
+/// Adds the ground truth of both views. KITTI's disparities are added for parallel cameras only: with a finite screen
+/// they are negative behind it, which these files can't hold.
 fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<(), Box<dyn Error>> {
     for (n, eye) in [&truth.left, &truth.right].into_iter().enumerate() {
         let (width, height) = (eye.width, eye.height);
@@ -176,7 +178,7 @@ fn add_truth(batch: &mut Batch, truth: &GroundTruth, folder: &Path) -> Result<()
     Ok(batch.add_camera_json(folder.join("camera.json"), &truth.pose)?)
 }
 
-/// Adds what shows how the pair came about.
+/// Adds the maps of --dump: re-traced pixels, shadows, cost, depth and primitive ids.
 fn add_maps(
     batch: &mut Batch,
     pair: &StereoPair,
@@ -187,7 +189,7 @@ fn add_maps(
     if let Some(picture) = pair.shadow_picture() {
         batch.add_png(folder.join("shadows.png"), &picture)?;
     }
-    // One scale for both eyes: white is what all but a thousandth of the left pixels stay below.
+    // Both eyes have one scale: white is the cost that 99.9% of the left pixels stay below.
     let mut costs = pair.left.cost.clone();
     costs.sort_unstable();
     let white = costs.get(costs.len() * 999 / 1000).copied().unwrap_or(1);

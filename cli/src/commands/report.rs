@@ -1,4 +1,4 @@
-//! The table at the end: what was rendered, what it cost, how comfortable it is, and the files.
+//! The table at the end: scene, camera, method, cost, comfort and written files.
 
 use std::{
     fmt::{self, Display, Formatter},
@@ -16,7 +16,7 @@ use stereotrace::{
 use super::render::Arguments;
 use crate::{arguments::Stage, summary::Summary};
 
-/// Time on the clock.
+/// Elapsed wall-clock times.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallTimes {
     /// Reading or making the scene.
@@ -27,13 +27,13 @@ pub(crate) struct WallTimes {
     pub(crate) render: Duration,
 }
 
-/// What [`Display`] shows.
+/// Data of the table. [`Display`] prints it as text.
 pub(crate) struct Report<'a> {
     pub(crate) arguments: &'a Arguments,
     pub(crate) stage: &'a Stage,
     pub(crate) pair: &'a StereoPair,
     pub(crate) wall: WallTimes,
-    /// The right eye against `naive`'s, where it was asked for.
+    /// Difference between the right view and `naive`'s, with --compare.
     pub(crate) difference: Option<Difference>,
     pub(crate) files: &'a [PathBuf],
 }
@@ -77,7 +77,7 @@ impl Report<'_> {
         Summary { text: self.to_string(), json: self.json(), to_stderr: false }
     }
 
-    /// The same for programs: lengths in world units, times in milliseconds.
+    /// Returns the report as JSON: lengths in world units, times in milliseconds.
     fn json(&self) -> Value {
         let (pose, statistics, scene) = (&self.pair.pose, &self.pair.statistics, &self.stage.scene);
         let passes = statistics.times.as_ref().map(|times| {
@@ -204,7 +204,7 @@ pub(super) fn difference_json(difference: &Difference) -> Value {
         "identical_percent": difference.identical_percent,
         "wrong_surface_percent": difference.wrong_surface_percent,
         "mse": difference.mse,
-        // JSON has no infinity: pictures that are the same have none.
+        // JSON has no infinity, which identical pictures would need.
         "psnr": Some(difference.psnr).filter(|psnr| psnr.is_finite()),
         "p999": difference.p999,
         "surface_percent": difference.surface_percent,
@@ -213,7 +213,7 @@ pub(super) fn difference_json(difference: &Difference) -> Value {
     })
 }
 
-/// What is in a scene.
+/// Returns a line with the scene's name and its counts of primitives and lights.
 pub(super) fn scene_line(stage: &Stage) -> String {
     let scene = &stage.scene;
     let dropped = match scene.degenerate_count() {
@@ -232,13 +232,13 @@ pub(super) fn scene_line(stage: &Stage) -> String {
     format!("{}: {triangles}{dropped}, {spheres}{ellipsoids}{planes}, {lights}", stage.name)
 }
 
-/// A line of the table. Names of scenes and files must not steer the terminal.
+/// Writes a line of the table. Control characters in names of scenes and files are escaped.
 fn line(f: &mut Formatter<'_>, heading: &str, text: impl Display) -> fmt::Result {
     writeln!(f, "{heading:<11}{}", escaped(&text.to_string()))
 }
 
 fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Result {
-    // Rounded down: 100.00% are all of them.
+    // Rounded down, so that 100.00% means all pixels.
     let down = |percent: f64| (100.0 * percent).floor() / 100.0;
     let (identical, wrong) = (down(difference.identical_percent), difference.wrong_surface_percent);
     let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");

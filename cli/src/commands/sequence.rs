@@ -1,4 +1,4 @@
-//! `sequence`: many pairs in one process, along a path or around an object. What is there is not rendered again.
+//! `sequence`: renders many pairs in one process, along a path or around an object. Existing pictures are kept.
 
 use std::{
     error::Error,
@@ -24,20 +24,20 @@ use crate::{
     target::{EyesArguments, Target, add_pair, is_open_exr},
 };
 
-/// What a folder's pictures were made with.
+/// File that records what a folder's pictures were made with.
 const RECORD: &str = "sequence.json";
-/// Pictures of an orbit, which is what there is where nothing is said.
+/// Pictures of the default motion, an orbit.
 const ORBIT: u32 = 72;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Render only these pictures of the sequence, as 0..24 for the first 24
+    /// Render only these pictures of the sequence, such as 0..24 for the first 24
     #[arg(long, value_name = "FROM..TO", value_parser = frames)]
     frames: Option<Range<u32>>,
-    /// A folder, for left_0000.png, right_0000.png and anaglyph_0000.png (or a packing) of each; or names with a number for one picture
-    /// each, like film/frame_%04d.png; or - for raw RGB pictures on standard output, one behind the other
+    /// A folder for left_0000.png, right_0000.png and anaglyph_0000.png (or the --packing) of each pair; or a name with
+    /// a number for one picture of each, such as film/frame_%04d.png; or - for raw RGB pictures on standard output
     #[arg(long, short, value_name = "DIR|NAMES|-", default_value = "out")]
     out: PathBuf,
-    /// Render pictures again that are there, whatever they were made with
+    /// Replace existing pictures, whatever they were made with
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         let pair =
             stage.renderer.render_with(&stage.uploaded, &camera, &stage.options, &mut |now| progress.show(now))?;
         size = match names.write(&pair, frame, &arguments.eyes) {
-            // The signal may have ended the one who reads the pipe, too.
+            // The signal may have ended the reader of the pipe too.
             Err(_) if names == Names::Stdout && stop.is_asked_for() => return Err(interrupted().into()),
             written => written?,
         };
@@ -117,14 +117,14 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: names == Names::Stdout })
 }
 
-/// What the pictures are called.
+/// Names of the pictures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Names {
-    /// Several a pair, in this folder.
+    /// Several files for each pair, in this folder.
     Folder(PathBuf),
-    /// One a pair: the folder, what stands before the number, its digits, and what stands behind it.
+    /// One file for each pair. `before` and `behind` are the parts of its name around the number.
     Numbered { folder: PathBuf, before: String, digits: usize, behind: String },
-    /// None.
+    /// Raw pictures on standard output.
     Stdout,
 }
 
@@ -155,7 +155,7 @@ impl Names {
         }
     }
 
-    /// The files of a pair.
+    /// Returns the files of a pair.
     fn files(&self, frame: u32, eyes: &EyesArguments) -> Vec<PathBuf> {
         match self {
             Self::Folder(folder) => {
@@ -174,7 +174,7 @@ impl Names {
         self.files(frame, eyes).iter().all(|file| file.exists())
     }
 
-    /// Writes a pair, all its files or none, and says how large the picture of both eyes is.
+    /// Writes all files of a pair, or none. Returns width and height of the picture of both eyes.
     fn write(&self, pair: &StereoPair, frame: u32, eyes: &EyesArguments) -> Result<[u32; 2], Box<dyn Error>> {
         let both = eyes.picture(&pair.left, &pair.right);
         let mut batch = Batch::new();
@@ -196,8 +196,9 @@ impl Names {
     }
 }
 
-/// Writes what the pictures are made with, unless the folder has the same already: then the pictures that are there are this sequence's. No others may be there, unless they are to be
-/// overwritten; then they go first, so that an interrupted sequence has none of them.
+/// Writes the record of what the pictures are made with. If the folder has the same record, its pictures are kept.
+/// Other pictures are an error, or with `overwrite` are removed first, so that an interrupted sequence has none of
+/// them.
 fn keep(
     record: &Value,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! `views`: any number of views of one scene from left to right, as pictures of their own or as a quilt for a light-field display.
+//! `views`: renders any number of views from left to right, as files or as a quilt for a light-field display.
 
 use std::{error::Error, fmt::Write, path::PathBuf, time::Instant};
 
@@ -21,26 +21,27 @@ use crate::{
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// How many views, the interaxial between neighbours [default: as many as the quilt has, or 8]
+    /// Number of views. Neighbours are one interaxial apart [default: as many as the quilt holds, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     views: Option<u32>,
-    /// Put them into one picture for light-field displays, so many across and down, the first at the bottom left
+    /// Write a quilt for light-field displays: one picture of C columns and R rows, with the first view at the bottom
+    /// left
     #[arg(long, value_name = "CxR", value_parser = size, allow_hyphen_values = true)]
     quilt: Option<[u32; 2]>,
-    /// A folder, in which a quilt gets the name that displays expect (NAME_qsCxRaASPECT.png); or the quilt's file
+    /// A folder, where a quilt gets the name that displays expect (NAME_qsCxRaASPECT.png); or the quilt's file
     #[arg(long, short, value_name = "FILE|DIR", default_value = "out")]
     out: PathBuf,
-    /// Of JPEG files, 1 to 100
+    /// Quality of JPEG files, 1 to 100
     #[arg(long, value_name = "Q", default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: u8,
-    /// Render by naive too, and say how exact the views are
+    /// Also render by naive, and report the views' errors against it
     #[arg(long)]
     compare: bool,
     #[command(flatten)]
     subject: Subject,
 }
 
-/// Views where nothing says how many.
+/// Default number of views.
 const VIEWS: u32 = 8;
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
@@ -115,7 +116,10 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     Ok(Summary { text, json, to_stderr: false })
 }
 
-/// How many views are asked for, which fill the quilt.
+/// Returns the number of views.
+///
+/// # Errors
+/// If the number does not fill the quilt, or a quilt has more than 1024 views.
 fn count(arguments: &Arguments) -> Result<u32, String> {
     let Some([columns, rows]) = arguments.quilt else { return Ok(arguments.views.unwrap_or(VIEWS)) };
     let places = columns.checked_mul(rows).filter(|places| (1..=1024).contains(places));
@@ -128,12 +132,12 @@ fn count(arguments: &Arguments) -> Result<u32, String> {
     }
 }
 
-/// How far views are from those of `naive`: all together, and the worst one.
+/// Difference between views and those of `naive`.
 struct Compared {
-    /// Pixels with the same colour, percent, of all views.
+    /// Mean percentage of pixels with the same colour, over all views; `least` is that of the worst view.
     mean: f64,
     least: f64,
-    /// Pixels that show another surface, percent, of the view with most of them.
+    /// Percentage of pixels that show another surface, in the worst view.
     wrong: f64,
 }
 

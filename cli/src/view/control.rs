@@ -1,4 +1,4 @@
-//! Where the eyes are, and how mouse and keys move them.
+//! The pose of the eyes, and how mouse and keys move it.
 
 use std::{error::Error, f64::consts::PI};
 
@@ -7,34 +7,34 @@ use stereotrace::{
     glam::{DQuat, DVec3},
 };
 
-/// The least angle between the view and the direction that is up, radians: the horizon is lost where they meet.
+/// Minimum angle between the view and the up direction, in radians. The picture's right is undefined where they meet.
 const LEAST_SLANT: f64 = 0.03;
-/// What a step of the wheel leaves of the distance to the screen.
+/// Factor of the screen distance for one step of the wheel.
 const ZOOM: f64 = 0.9;
 
-/// Where the eyes are and how they look, in f64, so that many small moves add up to what they are. The middle of the screen, where
-/// parallax is zero, is what they look at and turn around.
+/// Pose of the eyes in world coordinates. It is in f64, so that many small moves do not add up rounding errors. The
+/// eyes look at the middle of the screen, where parallax is zero, and orbit around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     eye: DVec3,
-    /// Unit length.
+    /// View direction, of unit length.
     forward: DVec3,
-    /// What is up in the world, unit length.
+    /// Up direction of the world, of unit length.
     axis: DVec3,
-    /// To what the eyes look at and turn around: the middle of the screen, or of parallel cameras their target.
+    /// Distance to the orbit's centre in world units: the middle of the screen, or the target of parallel cameras.
     reach: f64,
-    /// Infinite where the cameras are parallel.
+    /// Screen distance in world units, infinite for parallel cameras.
     screen_distance: f64,
     interaxial: f64,
-    /// Vertical, degrees.
+    /// Vertical field of view in degrees.
     fov: f32,
 }
 
 impl Place {
-    /// Where a camera is.
+    /// Returns the place of a camera.
     ///
     /// # Errors
-    /// For a camera whose picture is not centred before it: what a calibration says of it would be lost where it moves.
+    /// If pixels are not square or the principal point is off the picture's middle: a move would lose the calibration.
     pub(super) fn of(camera: &StereoCamera) -> Result<Self, Box<dyn Error>> {
         let pose = camera.pose()?;
         let Pose { eye, forward, screen_distance, subject_distance, interaxial, size, .. } = pose;
@@ -59,7 +59,7 @@ impl Place {
         })
     }
 
-    /// The camera here; its size and its direction up stay.
+    /// Returns the camera moved to this place. Its size and up direction stay.
     pub(super) fn camera(&self, camera: StereoCamera) -> StereoCamera {
         let camera = camera.eye(self.eye()).target(self.target()).vertical_fov_degrees(self.fov);
         camera.screen_distance(self.screen_distance()).interaxial(self.interaxial())
@@ -69,7 +69,7 @@ impl Place {
         self.eye
     }
 
-    /// The middle of the screen.
+    /// Returns the middle of the screen.
     pub(super) fn target(&self) -> DVec3 {
         self.middle()
     }
@@ -82,7 +82,7 @@ impl Place {
         self.interaxial as f32
     }
 
-    /// Vertical field of view in degrees.
+    /// Returns the vertical field of view in degrees.
     pub(super) fn fov(&self) -> f32 {
         self.fov
     }
@@ -95,7 +95,7 @@ impl Place {
         self.forward.cross(self.axis).normalize()
     }
 
-    /// Turns the view, to the left and upwards, in radians; the eyes stay.
+    /// Turns the view to the left and upwards, in radians. The eyes stay.
     pub(super) fn look(&mut self, left: f64, up: f64) {
         let slant = self.forward.angle_between(self.axis);
         let (lowest, highest) = (slant + LEAST_SLANT - PI, slant - LEAST_SLANT);
@@ -104,22 +104,23 @@ impl Place {
         self.forward = (DQuat::from_axis_angle(self.axis, left) * raised).normalize();
     }
 
-    /// The same turn around the middle of the screen, which stays.
+    /// Turns the view as [`Place::look`] does, and moves the eyes so that the middle of the screen stays.
     pub(super) fn orbit(&mut self, left: f64, up: f64) {
         let middle = self.middle();
         self.look(left, up);
         self.eye = middle - self.forward * self.reach;
     }
 
-    /// Moves the eyes so that what is on the screen goes to the right and downwards by so many pixels of a picture of this height.
+    /// Moves the eyes so that points on the screen plane move right and down by these pixels, in a picture of this
+    /// height.
     pub(super) fn pan(&mut self, right: f64, down: f64, height: u32) {
         let pixel = 2.0 * self.reach * (0.5 * f64::from(self.fov)).to_radians().tan() / f64::from(height.max(1));
         let up = self.right().cross(self.forward);
         self.eye += pixel * (up * down - self.right() * right);
     }
 
-    /// Goes towards the middle of the screen by so many steps of the wheel. The interaxial shrinks with the distance, so that
-    /// what is seen there keeps its depth.
+    /// Moves towards the middle of the screen by steps of the wheel. The interaxial scales with the distance, so that
+    /// the object there keeps its apparent depth.
     pub(super) fn zoom(&mut self, steps: f64) {
         let (middle, factor) = (self.middle(), ZOOM.powf(steps));
         self.reach *= factor;
@@ -128,17 +129,17 @@ impl Place {
         self.eye = middle - self.forward * self.reach;
     }
 
-    /// Moves the eyes to the right, upwards and ahead, in distances to what is looked at.
+    /// Moves the eyes right, up and ahead, in units of the distance to the orbit's centre.
     pub(super) fn fly(&mut self, [right, up, ahead]: [f64; 3]) {
         self.eye += self.reach * (self.right() * right + self.axis * up + self.forward * ahead);
     }
 
-    /// Moves the eyes apart or together.
+    /// Multiplies the interaxial.
     pub(super) fn spread(&mut self, factor: f64) {
         self.interaxial *= factor;
     }
 
-    /// Moves the screen away from the eyes or towards them; from infinity it comes to what is looked at.
+    /// Multiplies the screen distance. A screen at infinity moves to the orbit's centre if `factor` is below 1.
     pub(super) fn move_screen(&mut self, factor: f64) {
         if self.screen_distance.is_finite() {
             self.screen_distance *= factor;

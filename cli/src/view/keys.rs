@@ -1,10 +1,10 @@
-//! What keys do.
+//! Keys and their actions.
 
 use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 
 use super::settings::Mode;
 
-/// What a key asks for.
+/// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Action {
     Show(Mode),
@@ -19,7 +19,7 @@ pub(super) enum Action {
     },
     /// Multiplies the interaxial.
     Spread(f64),
-    /// Multiplies the screen's distance.
+    /// Multiplies the screen distance.
     MoveScreen(f64),
     Reset,
     Fullscreen,
@@ -29,11 +29,11 @@ pub(super) enum Action {
     Quit,
 }
 
-/// A step of interaxial or screen distance, and a fine one.
+/// Factors of interaxial and screen distance for one step, and for a fine step.
 const STEP: f64 = 1.1;
 const FINE: f64 = 1.01;
 
-/// Keys and what they do, as the window lists them.
+/// Keys and their descriptions, as the window lists them.
 pub(super) const HELP: [(&str, &str); 19] = [
     ("left drag", "turn around the middle of the screen"),
     ("right drag", "look around"),
@@ -56,7 +56,7 @@ pub(super) const HELP: [(&str, &str); 19] = [
     ("Esc", "end"),
 ];
 
-/// What a key asks for, by its name: a character, or one like `left`, `f1` or `ctrl+s`.
+/// Returns the action of a key by its name: a character, or a name such as `left`, `f1` or `ctrl+s`.
 pub(super) fn action(name: &str, shift: bool) -> Option<Action> {
     let step = if shift { FINE } else { STEP };
     Some(match name {
@@ -83,7 +83,7 @@ pub(super) fn action(name: &str, shift: bool) -> Option<Action> {
     })
 }
 
-/// A key's name, as [`action`] reads it.
+/// Returns a key's name, as [`action`] reads it.
 pub(super) fn name(key: &Key, ctrl: bool) -> Option<String> {
     let name = match key {
         Key::Character(text) => text.to_lowercase(),
@@ -100,7 +100,8 @@ pub(super) fn name(key: &Key, ctrl: bool) -> Option<String> {
     Some(if ctrl { format!("ctrl+{name}") } else { name })
 }
 
-/// Where a key flies to while it is held: right, up and ahead. By its place, so that other keyboards have the same cross.
+/// Returns the direction that a held key flies in: right, up and ahead. It depends on the key's place, so that the
+/// layout is the same on all keyboards.
 pub(super) fn flight(key: PhysicalKey) -> Option<[f64; 3]> {
     let PhysicalKey::Code(code) = key else { return None };
     let letter = match code {
@@ -115,7 +116,7 @@ pub(super) fn flight(key: PhysicalKey) -> Option<[f64; 3]> {
     flight_of(letter)
 }
 
-/// The same by the letter on a keyboard that says QWERTY.
+/// Returns the direction by the key's letter on a QWERTY keyboard.
 pub(super) fn flight_of(letter: char) -> Option<[f64; 3]> {
     Some(match letter {
         'w' => [0.0, 0.0, 1.0],

@@ -1,11 +1,13 @@
 //! `view`: a window with a live pair.
 //!
-//! Two threads with a device each: `work` renders and never draws, `window` draws and never renders, so the window answers however long a
-//! frame takes, and each device may be lost on its own. Frames go through the host, which is a copy of some megabytes and lets every option be
-//! shown, whatever adapter renders. `control` moves the eyes, `settings` says what is shown, `show` shows it, `screen` is the surface,
-//! `panel` the text and `status` what it says, `save` writes pictures, `replay` takes a person's place.
+//! Two threads have one device each: `work` renders, and `window` draws. So the window responds however long a frame
+//! takes, and each device can be lost and replaced alone. Frames pass through the host, which copies some megabytes and
+//! works for every option and adapter.
 //!
-//! The text is of a bitmap font: a library of panels and sliders would be twenty crates more, want a newer Rust, and bring fonts
+//! `control` moves the eyes, `settings` holds the state, and `show` draws it on the surface of `screen`. `panel` draws
+//! the text of `status`, `save` writes pictures, and `replay` performs recorded input.
+//!
+//! The text uses a bitmap font. A library of widgets would add some twenty crates, need a newer Rust, and bring fonts
 //! under licences of their own.
 
 mod control;
@@ -38,27 +40,27 @@ use crate::{
     target::EyesArguments,
 };
 
-/// The largest side of a window that is asked for.
+/// Maximum side of a window in pixels.
 const MOST: u32 = 16_384;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder for the pictures that the key P writes
+    /// Folder for pictures that the key P writes
     #[arg(long, short, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Width in metres of the display for which comfort is judged
+    /// Width in metres of the display that comfort is computed for
     #[arg(long, value_name = "METRES", default_value_t = 0.6, value_parser = above_zero, allow_hyphen_values = true)]
     display_width: f32,
-    /// Begin without text over the picture
+    /// Hide the text over the picture
     #[arg(long)]
     no_text: bool,
-    /// Close the window after N whole pictures
+    /// Close the window after N whole pictures (drafts do not count)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Write what the window then shows, as PNG
+    /// Write what the window shows when it closes, as PNG
     #[arg(long, value_name = "FILE", requires = "frames")]
     screenshot: Option<PathBuf>,
-    /// Do what a file says in place of mouse and keys (docs/VIEW.md)
+    /// Perform the steps of a file instead of mouse and key input (docs/VIEW.md)
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -68,7 +70,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// What is shown and how.
+    /// Returns the subject and the arguments of both eyes.
     #[cfg(test)]
     fn parts(&self) -> (&Subject, &EyesArguments) {
         (&self.subject, &self.eyes)
@@ -84,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         return Err(format!("--size {}x{}: a window has at most {MOST} pixels a side", size[0], size[1]).into());
     }
     let origin = Origin::new(std::env::args_os(), subject.lights_stand_by_camera())?;
-    // Before what takes long: where there is no display, that is known at once.
+    // Opened first, so that a missing display is reported before the scene is read.
     let events = EventLoop::with_user_event().build().map_err(|error| {
         let hint = if cfg!(target_os = "linux") { "; is DISPLAY or WAYLAND_DISPLAY set?" } else { "" };
         format!("no window can be opened: {error}{hint}")
@@ -92,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let stage = subject.open(global)?;
     let settings = Settings::new(&stage, &arguments.eyes, size)?;
     let proxy = events.create_proxy();
-    let say = move |said: Said| drop(proxy.send_event(said)); // a window that is closed hears nothing
+    let say = move |said: Said| drop(proxy.send_event(said)); // fails if the window is closed
     let worker = Worker::new((stage.renderer, stage.uploaded), stage.scene.clone(), global.clone(), say)?;
     let name = if stage.name.is_empty() { "view".into() } else { stage.name };
     let output = Output { folder: arguments.out.clone(), name, origin, scene: stage.scene, quiet: global.quiet };

@@ -1,20 +1,20 @@
-//! Text over the picture, drawn on the host by a bitmap font: some hundred characters, anew where they change.
+//! Text over the picture, drawn on the host with a bitmap font.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use stereotrace::output::Picture;
 
 const TEXT: [u8; 4] = [240, 240, 240, 255];
 const GROUND: [u8; 4] = [0, 0, 0, 160];
-/// Around the text, in shares of a character's width.
+/// Margin around the text, in widths of a character.
 const MARGIN: usize = 1;
 
-/// Of one size, for displays of one scale.
+/// Draws text in one font size.
 pub(super) struct Panel {
     size: RasterHeight,
 }
 
 impl Panel {
-    /// For a display whose pixels are so many to a point.
+    /// Chooses the font size for a display's scale factor.
     pub(super) fn new(scale: f64) -> Self {
         let size = match scale {
             scale if scale < 1.25 => RasterHeight::Size16,
@@ -24,7 +24,7 @@ impl Panel {
         Self { size }
     }
 
-    /// Lines of text, broken where they don't fit into a window of a size; what is below its edge is left out.
+    /// Draws lines of text. Lines are broken at the width of the window, and cut at its height.
     pub(super) fn picture(&self, lines: &[String], [width, height]: [u32; 2]) -> Picture {
         let (w, h) = (get_raster_width(FontWeight::Regular, self.size), self.size.val());
         let margin = MARGIN * w;
@@ -47,7 +47,7 @@ impl Panel {
         Picture::new(size[0] as u32, size[1] as u32, pixels)
     }
 
-    /// Draws a character from the first pixel on.
+    /// Draws a character with its top left corner at the first pixel. `stride` is the length of a row in pixels.
     fn draw(&self, character: char, pixels: &mut [[u8; 4]], stride: usize) {
         let raster = |character| get_raster(character, FontWeight::Regular, self.size);
         let Some(raster) = raster(character).or_else(|| raster('?')) else { return };
@@ -59,13 +59,13 @@ impl Panel {
     }
 }
 
-/// A share of 255 of the way from one to the other.
+/// Interpolates two colours; `share` is 0 to 255.
 fn between(from: [u8; 4], to: [u8; 4], share: u8) -> [u8; 4] {
     let mixed = |a: u8, b: u8| (u32::from(a) * (255 - u32::from(share)) + u32::from(b) * u32::from(share)) / 255;
     [0, 1, 2, 3].map(|channel| mixed(from[channel], to[channel]) as u8)
 }
 
-/// A line in parts of so many columns at most, broken at spaces where there are some; what follows is indented.
+/// Breaks a line into parts of at most this many columns, at spaces if possible. Later parts are indented.
 fn broken(line: &str, columns: usize) -> Vec<Vec<char>> {
     const INDENT: usize = 2;
     if columns <= 2 * INDENT {

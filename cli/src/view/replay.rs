@@ -1,6 +1,6 @@
-//! Events from a file, for tests and for demonstrations: they go the way of a person's.
+//! Input events from a file, for tests and demonstrations. They take the same path as a person's input.
 //!
-//! A line is a step, and `#` begins a comment:
+//! Each line is a step, and `#` begins a comment:
 //!
 //! ```text
 //! wait                    until the whole picture is shown
@@ -18,10 +18,10 @@ use std::{collections::VecDeque, fs, path::Path, path::PathBuf};
 use super::keys::{Action, action, flight_of};
 use crate::{arguments::size, shown};
 
-/// The largest file that is read.
+/// Maximum size of the file.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// A button of the mouse that drags.
+/// Mouse button of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Button {
     Left,
@@ -34,7 +34,7 @@ pub(super) enum Step {
     Wait,
     Drag(Button, [f64; 2]),
     Wheel(f64),
-    /// The key's direction, and seconds.
+    /// Direction of the key, and duration in seconds.
     Fly([f64; 3], f64),
     Key(Action),
     Size([u32; 2]),
@@ -43,7 +43,7 @@ pub(super) enum Step {
     LoseWindow,
 }
 
-/// Reads a file's steps.
+/// Reads the steps of a file.
 pub(super) fn read(path: &Path) -> Result<VecDeque<Step>, String> {
     let fault = |error: &dyn std::fmt::Display| format!("{}: {error}", shown(path));
     let data = fs::metadata(path).map_err(|error| fault(&error))?;

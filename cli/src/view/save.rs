@@ -1,4 +1,4 @@
-//! Writes the picture that is shown, and says by which command line it is made again.
+//! Writes the shown picture, and prints the command line that makes it again.
 
 use std::{
     error::Error,
@@ -14,7 +14,7 @@ use stereotrace::{Light, LightShape, Scene, StereoPair, message, output::Batch};
 use super::settings::{Mode, Settings};
 use crate::arguments::Cli;
 
-/// Arguments that are said anew, or say nothing of the picture.
+/// Arguments that the printed command line replaces, or that do not affect the picture.
 const REPLACED: [&str; 16] = [
     "size_said",
     "method",
@@ -33,31 +33,31 @@ const REPLACED: [&str; 16] = [
     "quiet",
     "json",
 ];
-/// Those that are too where the camera was moved.
+/// Arguments that are also replaced if the camera was moved.
 const CAMERA: [&str; 10] =
     ["eye", "target", "up", "fov", "screen", "interaxial", "interaxial_px", "comfort", "calib", "calib_scale"];
-/// And those where lights were placed around the camera as it was.
+/// Arguments that are also replaced if lights were placed around the first camera.
 const LIGHT: [&str; 4] = ["light", "lights", "light_radius", "ambient"];
 
-/// An argument as it was given.
+/// A given argument.
 #[derive(Debug)]
 struct Given {
     id: String,
-    /// With its dashes; none for what has no name.
+    /// Option name with its dashes; `None` for a positional argument.
     option: Option<String>,
     values: Vec<OsString>,
 }
 
-/// What is known of the command line.
+/// The command line that the window was opened with.
 #[derive(Debug)]
 pub(super) struct Origin {
     given: Vec<Given>,
-    /// The lights stand where the camera had them placed.
+    /// Whether lights were placed around the first camera.
     lights_by_camera: bool,
 }
 
 impl Origin {
-    /// Of a command line, the program's name first.
+    /// Parses a command line, which begins with the program's name.
     pub(super) fn new(words: impl IntoIterator<Item = OsString>, lights_by_camera: bool) -> Result<Self, clap::Error> {
         let mut command = Cli::command();
         command.build();
@@ -77,7 +77,7 @@ impl Origin {
         Ok(Self { given: given.collect(), lights_by_camera })
     }
 
-    /// The command line that makes the picture of these settings in a file or folder.
+    /// Returns the command line that renders these settings into a file or folder.
     pub(super) fn command(&self, settings: &Settings, scene: &Scene, out: &Path) -> Vec<OsString> {
         let moved = settings.is_moved();
         let lights = (moved && self.lights_by_camera).then(|| light_words(scene)).flatten();
@@ -138,7 +138,8 @@ fn point([x, y, z]: [impl Display; 3]) -> String {
     format!("{x},{y},{z}")
 }
 
-/// A scene's lights as options; nothing where one is of a shape that has none: that one was not placed around a camera.
+/// Returns a scene's lights as options. Returns `None` if a light has a shape without an option; such a light was not
+/// placed around a camera.
 fn light_words(scene: &Scene) -> Option<Vec<(&'static str, String)>> {
     let word = |light: &Light| {
         let (place, intensity) = (point(light.position.to_array()), point(light.intensity.to_array()));
@@ -156,7 +157,7 @@ fn light_words(scene: &Scene) -> Option<Vec<(&'static str, String)>> {
     Some(words)
 }
 
-/// A command line as a shell reads it.
+/// Returns a command line quoted for a shell.
 pub(super) fn quoted(words: &[OsString]) -> String {
     let words = words.iter().map(|word| {
         let text = word.to_string_lossy();
@@ -178,8 +179,8 @@ pub(super) fn quoted(words: &[OsString]) -> String {
     Vec::from_iter(words).join(" ")
 }
 
-/// Writes a pair as its mode shows it: one picture, or a folder of both eyes where one is shown at a time. Each time under a new
-/// name, whole or not at all.
+/// Writes a pair as its mode shows it: one picture, or a folder of both eyes if the mode shows one at a time. Each call
+/// takes a new name. Either all files are written, or none.
 pub(super) fn write(
     settings: &Settings,
     pair: &StereoPair,
@@ -245,7 +246,7 @@ mod tests {
         }
     }
 
-    /// Of a command line of `view`, what is shown after the eyes moved; and what the command line says that is then printed.
+    /// Returns the picture that `view` writes after `change`, and the picture that the printed command line makes.
     fn shown_and_made_again(line: &[&str], change: impl FnOnce(&mut Settings)) -> [image::RgbaImage; 2] {
         let folder = Folder::new("view");
         let line = [&["stereotrace", "view", "--adapter", "software"], line].concat();
@@ -273,7 +274,7 @@ mod tests {
         assert!(shown == again, "{line:?}: another picture");
     }
 
-    /// What a person may have done.
+    /// Moves the eyes as a person may do.
     fn moved(settings: &mut Settings) {
         settings.move_eyes(|place| place.orbit(0.31, -0.12)).unwrap();
         settings.move_eyes(|place| place.zoom(0.7)).unwrap();

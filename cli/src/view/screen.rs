@@ -1,4 +1,5 @@
-//! The window's surface and the device that draws into it: another than the one that renders, so that neither waits for the other.
+//! The window's surface, and the device that draws into it. Rendering has another device, so that neither waits for the
+//! other.
 
 use std::{
     error::Error,
@@ -13,7 +14,7 @@ use winit::{event_loop::OwnedDisplayHandle, window::Window};
 
 use super::show::{Look, Show};
 
-/// What windows may take, the best first.
+/// Surface formats in order of preference.
 const FORMATS: [TextureFormat; 4] = [
     TextureFormat::Bgra8UnormSrgb,
     TextureFormat::Rgba8UnormSrgb,
@@ -21,18 +22,18 @@ const FORMATS: [TextureFormat; 4] = [
     TextureFormat::Rgba8Unorm,
 ];
 
-/// After so many failures in a row a device counts as lost: not every driver says so.
+/// With more failures in a row than this the device counts as lost, since not every driver reports a loss.
 const PATIENCE: u32 = 8;
 
-/// What became of a picture.
+/// Result of drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Drawn {
     Shown,
-    /// It is to be drawn again.
+    /// The picture must be drawn again.
     Again,
-    /// Nobody sees the window.
+    /// The window is not visible.
     Hidden,
-    /// The device is gone: a new screen is needed.
+    /// The device is lost, and a new screen is needed.
     Lost,
 }
 
@@ -45,7 +46,7 @@ pub(super) struct Screen {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
     lost: Arc<AtomicBool>,
-    /// How often in a row nothing could be drawn.
+    /// Number of failures in a row.
     failures: u32,
 }
 
@@ -67,7 +68,7 @@ impl Screen {
         let lost = Arc::new(AtomicBool::new(false));
         let (flag, wake) = (lost.clone(), Arc::downgrade(&window));
         device.set_device_lost_callback(move |reason, message| {
-            // Also where it is dropped: then nobody reads the flag.
+            // Also called when the device is dropped. Then nobody reads the flag.
             log::info!("the window's device is gone ({reason:?}): {message}");
             flag.store(true, Ordering::Relaxed);
             if let Some(window) = wake.upgrade() {
@@ -87,13 +88,13 @@ impl Screen {
         Ok(screen)
     }
 
-    /// The window's size as far as pictures reach, pixels; a side is 0 where it is minimised.
+    /// Returns the window's size in pixels, at most the maximum size of a texture. A side is 0 if it is minimised.
     pub(super) fn size(&self) -> [u32; 2] {
         let (size, most) = (self.window.inner_size(), self.device.limits().max_texture_dimension_2d);
         [size.width.min(most), size.height.min(most)]
     }
 
-    /// Fits the surface to the window, unless that has no pixels.
+    /// Fits the surface to the window, unless the window has no pixels.
     pub(super) fn configure(&mut self) {
         let [width, height] = self.size();
         if width > 0 && height > 0 {
@@ -102,7 +103,7 @@ impl Screen {
         }
     }
 
-    /// Draws and shows it.
+    /// Draws the pair and presents it.
     pub(super) fn draw(&mut self, look: Look) -> Drawn {
         if self.lost.load(Ordering::Relaxed) || self.failures > PATIENCE {
             return Drawn::Lost;
@@ -135,7 +136,7 @@ impl Screen {
     }
 
     fn configure_again(&mut self) -> Drawn {
-        let _ = self.device.poll(wgpu::PollType::Poll); // which tells of a loss
+        let _ = self.device.poll(wgpu::PollType::Poll); // runs the callback of a lost device
         if self.lost.load(Ordering::Relaxed) {
             return Drawn::Lost;
         }
@@ -144,7 +145,7 @@ impl Screen {
         Drawn::Again
     }
 
-    /// Takes the device away, for tests.
+    /// Destroys the device, for tests.
     pub(super) fn lose_device(&self) {
         self.device.destroy();
     }

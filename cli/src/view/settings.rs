@@ -1,4 +1,4 @@
-//! What is shown and how: what keys and mouse change, and what a frame is made of.
+//! State of the window: what keys and mouse change, and what a frame is rendered with.
 
 use stereotrace::{Method, Options, StereoCamera, output::Packing};
 
@@ -8,27 +8,30 @@ use super::{
 };
 use crate::{arguments::Stage, target::EyesArguments};
 
-/// Numbers of samples that there are.
+/// Possible numbers of samples a pixel.
 const SAMPLES: [u32; 8] = [1, 4, 9, 16, 25, 36, 49, 64];
 
-/// How both eyes come to the eyes of who looks.
+/// How the window shows both views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Anaglyph,
     SideBySide,
     CrossEyed,
-    /// One after the other.
+    /// Both views in turn.
     Wiggle,
     Left,
     Right,
 }
 
 impl Mode {
-    /// Every mode, as the number keys have them.
+    /// All modes, in the order of the number keys.
     pub(super) const ALL: [Self; 6] =
         [Self::Anaglyph, Self::SideBySide, Self::CrossEyed, Self::Wiggle, Self::Left, Self::Right];
 
-    /// The mode that shows what a packing is.
+    /// Returns the mode of a packing, or anaglyph without one.
+    ///
+    /// # Errors
+    /// For a packing that the window can't show.
     pub(super) fn of(packing: Option<Packing>) -> Result<Self, String> {
         match packing {
             None => Ok(Self::Anaglyph),
@@ -58,18 +61,18 @@ impl Mode {
     }
 }
 
-/// What is shown and how.
+/// Everything that the picture in the window depends on.
 #[derive(Clone, Debug)]
 pub(super) struct Settings {
     pub(super) mode: Mode,
-    /// Colours, and whether the eyes are exchanged; its packing is the mode's.
+    /// Anaglyph colours, and whether the eyes are exchanged. Its packing is unused: `mode` replaces it.
     pub(super) eyes: EyesArguments,
     pub(super) options: Options,
-    /// Of the window, pixels; a side is 0 where it is minimised.
+    /// Size of the window in pixels. A side is 0 if the window is minimised.
     pub(super) window: [u32; 2],
-    /// Where the eyes are.
+    /// Pose of the eyes.
     pub(super) place: Place,
-    /// As the command line says it.
+    /// Settings of the command line.
     begin: Begin,
 }
 
@@ -77,7 +80,7 @@ pub(super) struct Settings {
 struct Begin {
     camera: StereoCamera,
     place: Place,
-    /// Of an eye's picture.
+    /// Size of an eye's picture in pixels.
     size: [u32; 2],
     options: Options,
 }
@@ -95,7 +98,7 @@ impl Settings {
         Ok(Self { mode, eyes: eyes.clone(), options, window, place, begin })
     }
 
-    /// How eyes are shown, in wiggle mode the right one in its turn.
+    /// Returns how to draw the views. In wiggle mode, `turn` selects the right one.
     pub(super) fn look(&self, turn: bool) -> Look {
         match self.mode {
             Mode::Anaglyph => Look::Anaglyph(self.eyes.anaglyph),
@@ -107,32 +110,36 @@ impl Settings {
         }
     }
 
-    /// Of an eye's picture, pixels.
+    /// Returns the size of an eye's picture in pixels.
     pub(super) fn size(&self) -> [u32; 2] {
         eye_size(self.look(false), self.window)
     }
 
-    /// Whether the camera is the command line's no more.
+    /// Returns whether the camera or the picture's size differs from the command line's.
     pub(super) fn is_moved(&self) -> bool {
         self.place != self.begin.place || self.size() != self.begin.size
     }
 
-    /// The camera of a whole frame. Where nothing has been moved it is the command line's own, so that pictures are the same to the bit.
+    /// Returns the camera of a whole picture. If nothing has moved, it is the command line's own, so that pictures are
+    /// the same to the bit.
     pub(super) fn camera(&self) -> StereoCamera {
         if self.is_moved() { self.camera_of(self.size()) } else { self.begin.camera }
     }
 
-    /// The same view in another number of pixels.
+    /// Returns the camera of the same view with another size in pixels.
     pub(super) fn camera_of(&self, [width, height]: [u32; 2]) -> StereoCamera {
         self.place.camera(self.begin.camera).size(width, height)
     }
 
-    /// How both eyes become what is written.
+    /// Returns the arguments that pictures are written with.
     pub(super) fn eyes_written(&self) -> EyesArguments {
         EyesArguments { packing: self.mode.packing(), ..self.eyes.clone() }
     }
 
-    /// Moves the eyes, unless there is no picture from there: then it says why.
+    /// Moves the eyes.
+    ///
+    /// # Errors
+    /// If the moved camera is invalid. The eyes then stay.
     pub(super) fn move_eyes(&mut self, by: impl FnOnce(&mut Place)) -> Result<(), String> {
         let mut place = self.place;
         by(&mut place);
@@ -142,13 +149,13 @@ impl Settings {
         Ok(())
     }
 
-    /// Back to where the command line begins.
+    /// Resets camera and options to those of the command line.
     pub(super) fn reset(&mut self) {
         self.place = self.begin.place;
         self.options = self.begin.options.clone();
     }
 
-    /// The next method, or the one before.
+    /// Selects the next method, or the previous one.
     pub(super) fn step_method(&mut self, back: bool) {
         let all = Method::ALL;
         let at = all.iter().position(|method| *method == self.options.method);
@@ -160,7 +167,7 @@ impl Settings {
         self.options.method = all[next];
     }
 
-    /// More samples, or fewer. They take the place of adaptive ones.
+    /// Selects more samples a pixel, or fewer. They replace adaptive ones.
     pub(super) fn step_samples(&mut self, fewer: bool) {
         let above = SAMPLES.partition_point(|samples| *samples <= self.options.samples);
         let next = if fewer { above.saturating_sub(2) } else { above.min(SAMPLES.len() - 1) };
@@ -168,7 +175,7 @@ impl Settings {
         self.options.samples = SAMPLES[next];
     }
 
-    /// The next kind of anaglyph.
+    /// Selects the next kind of anaglyph.
     pub(super) fn step_anaglyph(&mut self) {
         let all = stereotrace::output::Anaglyph::ALL;
         let at = all.iter().position(|kind| *kind == self.eyes.anaglyph).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Shows a pair and text over it: one pass of show.wgsl, into a window or into a picture.
+//! Draws a pair with text over it, by one pass of show.wgsl, into a window or a picture.
 
 use bytemuck::{Pod, Zeroable};
 use stereotrace::{
@@ -8,23 +8,23 @@ use stereotrace::{
 };
 
 const SHADER: &str = include_str!("show.wgsl");
-/// Of what is read, decoded by the shader.
+/// Format of the textures that the shader reads and decodes.
 const TEXTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// Of pictures that are drawn for files.
+/// Format of pictures that are drawn for files.
 const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// How both eyes are shown.
+/// How both views are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
-    /// Mixed for coloured glasses.
+    /// Mixed for anaglyph glasses.
     Anaglyph(Anaglyph),
-    /// One beside the other, the left eye on the left unless they are crossed.
+    /// Side by side, with the left view on the left unless `crossed`.
     Beside { crossed: bool },
-    /// One of them.
+    /// One view alone.
     One { right: bool },
 }
 
-/// As show.wgsl has it: a column of a matrix has four words.
+/// Uniforms with the layout of show.wgsl, where a column of a matrix has four words.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Shown {
@@ -36,7 +36,7 @@ struct Shown {
     encoded: u32,
 }
 
-/// The size of one eye's picture in a window of a size.
+/// Returns the size of one eye's picture in a window of this size, in pixels.
 pub(super) fn eye_size(look: Look, [width, height]: [u32; 2]) -> [u32; 2] {
     match look {
         Look::Beside { .. } => [(width / 2).max(1), height],
@@ -52,7 +52,7 @@ impl Shown {
             Look::Beside { .. } | Look::One { right: false } => (one(1.0), one(0.0)),
             Look::One { right: true } => (one(0.0), one(1.0)),
         };
-        // The library has rows.
+        // The library's matrices are by rows.
         let columns =
             |rows: [[f32; 3]; 3]| [0, 1, 2].map(|column| [rows[0][column], rows[1][column], rows[2][column], 0.0]);
         let beside = u32::from(matches!(look, Look::Beside { .. }));
@@ -68,7 +68,7 @@ impl Shown {
     }
 }
 
-/// Linear light of each sRGB-encoded byte (IEC 61966-2-1).
+/// Returns the linear light of each sRGB-encoded byte (IEC 61966-2-1).
 fn decoded() -> [f32; 256] {
     std::array::from_fn(|byte| {
         let encoded = byte as f64 / 255.0;
@@ -77,12 +77,12 @@ fn decoded() -> [f32; 256] {
     })
 }
 
-/// What is shown, on a device.
+/// Textures and pipeline of the shown pair, on one device.
 pub(super) struct Show {
     device: wgpu::Device,
     queue: wgpu::Queue,
     module: wgpu::ShaderModule,
-    /// For the window's format.
+    /// Pipeline for the window's format.
     pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
     uniforms: wgpu::Buffer,
@@ -92,7 +92,7 @@ pub(super) struct Show {
 }
 
 impl Show {
-    /// Nothing, black, to be shown in a format.
+    /// Makes a black picture, to be drawn into a target of this format.
     pub(super) fn new(device: wgpu::Device, queue: wgpu::Queue, format: wgpu::TextureFormat) -> Self {
         let source = wgpu::ShaderSource::Wgsl(SHADER.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("show"), source });
@@ -114,7 +114,7 @@ impl Show {
         Self { device, queue, module, pipeline, format, uniforms, sampler, eyes, panel }
     }
 
-    /// Shows another pair, its eyes exchanged if that is asked for.
+    /// Uploads another pair, with its eyes exchanged if `swap`.
     pub(super) fn set_pair(&mut self, pair: &StereoPair, swap: bool) {
         let eyes = if swap { [&pair.right, &pair.left] } else { [&pair.left, &pair.right] };
         for (to, View { width, height, rgba8, .. }) in self.eyes.iter_mut().zip(eyes) {
@@ -122,7 +122,7 @@ impl Show {
         }
     }
 
-    /// Shows another text.
+    /// Uploads another text.
     pub(super) fn set_panel(&mut self, Picture { width, height, rgba8, .. }: &Picture) {
         fill(&self.device, &self.queue, &mut self.panel, ("panel", [*width, *height]), rgba8);
     }
@@ -133,7 +133,7 @@ impl Show {
         self.queue.submit([commands.finish()]);
     }
 
-    /// What a window of a size shows, as a picture.
+    /// Reads back what a window of this size shows.
     pub(super) fn picture(&self, look: Look, size: [u32; 2]) -> Result<Picture, stereotrace::Error> {
         self.picture_in(look, size, PICTURE)
     }
@@ -151,7 +151,7 @@ impl Show {
         });
         let pipeline = pipeline(&self.device, &self.module, format);
         let mut commands = self.encode(look, &target, &pipeline, format);
-        // Rows of copies are multiples of 256 bytes.
+        // Rows of a copied texture are padded to multiples of 256 bytes.
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture"),
@@ -216,7 +216,7 @@ impl Show {
     }
 }
 
-/// Puts pixels into a texture, a new one where they are more or fewer.
+/// Uploads pixels into a texture, which is replaced if its size differs.
 fn fill(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -289,7 +289,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [93, 40];
 
-    /// A pair whose pixels are anything, and a device to show it on.
+    /// Returns a pair of random pixels, and a device to draw it on.
     fn setting() -> &'static (StereoPair, Gpu) {
         static SETTING: OnceLock<(StereoPair, Gpu)> = OnceLock::new();
         SETTING.get_or_init(|| {
@@ -317,7 +317,7 @@ mod tests {
         show.picture(look, size).unwrap()
     }
 
-    /// The largest difference of a channel.
+    /// Returns the largest difference of any channel.
     fn difference(a: &Picture, b: &Picture) -> u8 {
         assert_eq!((a.width, a.height), (b.width, b.height));
         let channels = a.rgba8.iter().flatten().zip(b.rgba8.iter().flatten());

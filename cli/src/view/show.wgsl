@@ -1,18 +1,18 @@
-// What a pixel of the window shows: both eyes mixed by two matrices, or beside each other, and text over them.
+// Draws a pixel of the window: both views mixed by two matrices, or side by side, with text over them.
 //
-// reads   left, right   [height * width]  the views, sRGB-encoded; stretched where they have another size than the window
-// reads   panel         text with its alpha, sRGB-encoded, from the window's top left corner on
+// reads   left, right   [height * width]  the views, sRGB-encoded; stretched to the window if their size differs
+// reads   panel         text with alpha, sRGB-encoded, at the window's top left corner
 
 struct Shown {
-    // What each encoded byte is in linear light, four to a vector. Drivers decode textures by approximations, and where matrices subtract
-    // one channel from another in the dark, these show.
+    // Linear light of each encoded byte, four to a vector. Drivers decode sRGB textures by approximations, whose errors
+    // show where a matrix subtracts dark channels.
     decoded: array<vec4f, 64>,
     of_left: mat3x3f,
     of_right: mat3x3f,
-    // The window's pixels, or of views beside each other those of one eye.
+    // Size of the window in pixels, or of one eye's half if views are side by side.
     size: vec2u,
     beside: u32,
-    // The target takes encoded values, not light.
+    // 1 if the target takes sRGB-encoded values, 0 if it takes linear light.
     encoded: u32,
 }
 
@@ -37,7 +37,7 @@ fn decode(encoded: vec3f) -> vec3f {
 }
 
 fn light(eye: texture_2d<f32>, place: vec2u) -> vec3f {
-    // What has the same size is shown to the bit.
+    // A view of the same size is shown to the bit.
     if all(textureDimensions(eye) == shown.size) { return decode(textureLoad(eye, place, 0).rgb); }
     return decode(textureSampleLevel(eye, stretch, (vec2f(place) + 0.5) / vec2f(shown.size), 0.0).rgb);
 }
@@ -51,7 +51,7 @@ fn show(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var place = vec2u(position.xy);
     let second = shown.beside != 0u && place.x >= shown.size.x;
     if second { place.x -= shown.size.x; }
-    // Of a window of odd width, one column belongs to no eye.
+    // In a window of odd width, one column belongs to no eye.
     if any(place >= shown.size) { return vec4f(0.0, 0.0, 0.0, 1.0); }
     var color: vec3f;
     if shown.beside == 0u {

@@ -1,4 +1,4 @@
-//! What the text over the picture says.
+//! The text over the picture.
 
 use stereotrace::{Method, StereoPair};
 
@@ -8,23 +8,23 @@ use super::{
     work::Frame,
 };
 
-/// What it is about.
+/// Data of the text.
 pub(super) struct Status<'a> {
     pub(super) settings: &'a Settings,
     pub(super) frame: Option<&'a Frame>,
     pub(super) adapter: Option<&'a str>,
-    /// The frame is of what is set now.
+    /// Whether the frame shows the current settings.
     pub(super) is_current: bool,
     pub(super) note: Option<&'a str>,
     pub(super) display_width: f32,
 }
 
-/// Keys and what they do.
+/// Returns the lines that list all keys.
 pub(super) fn help() -> Vec<String> {
     HELP.iter().map(|(key, does)| format!("{key:<13}{does}")).collect()
 }
 
-/// The lines over the picture.
+/// Returns the lines over the picture.
 pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
     let settings = status.settings;
     let mut lines = vec![shown(settings)];
@@ -42,7 +42,7 @@ pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
     lines.push(format!("{w}x{h}, {}, {ms:.0} ms{state}", samples(settings, frame)));
     lines.push(method(settings.options.method, pair));
     let pose = &pair.pose;
-    let px = pose.interaxial_px * settings.size()[0] as f32 / pose.size[0] as f32; // of a draft, the whole picture's
+    let px = pose.interaxial_px * settings.size()[0] as f32 / pose.size[0] as f32; // a draft has fewer pixels
     lines.push(format!("e {:.4} ({px:.1} px), d {:.4}", pose.interaxial, pose.screen_distance));
     let ranges = [&pair.left, &pair.right].map(|view| view.depth_range());
     let (nearest, farthest) = (ranges[0].0.min(ranges[1].0), ranges[0].1.max(ranges[1].1));

@@ -1,4 +1,4 @@
-//! The window: its events, and when what is rendered and drawn.
+//! The window: its events, and the times at which pictures are rendered and drawn.
 
 use std::{
     collections::VecDeque,
@@ -28,30 +28,30 @@ use super::{
     work::{Frame, Said, Wanted, Worker},
 };
 
-/// How long a wiggling picture shows an eye.
+/// Time for which wiggle mode shows each eye.
 const WIGGLE: Duration = Duration::from_millis(130);
-/// Between two steps of a flight.
+/// Interval between steps of a flight.
 const TICK: Duration = Duration::from_millis(16);
-/// Speed of a flight, in distances to the screen a second, and with Shift.
+/// Speed of a flight, without and with Shift, in screen distances a second.
 const SPEED: [f64; 2] = [0.4, 1.6];
-/// Pixels of a touchpad that are a step of the wheel.
+/// Touchpad pixels that equal one step of the wheel.
 const WHEEL_PIXELS: f64 = 40.0;
-/// How long a window may take to get the size that a replay asks for.
+/// Maximum time for the window to take the size that a replay requests.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A window's device that is lost more often in a row is given up.
+/// Number of losses in a row after which another loss of the window's device is an error.
 const MOST_LOSSES: u32 = 3;
 
-/// What is done without anybody at the window.
+/// Input and end of an unattended window.
 pub(super) struct Plan {
     pub(super) steps: VecDeque<Step>,
-    /// The window closes after so many whole pictures.
+    /// Number of whole pictures after which the window closes.
     pub(super) frames: Option<u32>,
-    /// The last of them, as it is shown.
+    /// File for the last of them, as the window shows it.
     pub(super) screenshot: Option<PathBuf>,
 }
 
-/// Where pictures go.
+/// Where and how pictures are written.
 pub(super) struct Output {
     pub(super) folder: PathBuf,
     pub(super) name: String,
@@ -60,13 +60,13 @@ pub(super) struct Output {
     pub(super) quiet: bool,
 }
 
-/// What there is to tell at the end.
+/// Counts and files for the summary.
 #[derive(Default)]
 pub(super) struct Tally {
-    /// Pictures shown, drafts among them.
+    /// Number of drafts received, and of whole pictures shown.
     pub(super) drafts: u32,
     pub(super) whole: u32,
-    /// The longest time in which the window answered nothing.
+    /// Longest time in which the window did not respond.
     pub(super) longest: Duration,
     pub(super) files: Vec<PathBuf>,
     pub(super) fault: Option<String>,
@@ -83,27 +83,27 @@ pub(super) struct App {
     panel: Panel,
     adapter: Option<String>,
     frame: Option<Box<Frame>>,
-    /// Of what is wanted; the last whole picture's that was shown.
+    /// Version that is wanted, and version of the last whole picture that was shown.
     version: u64,
     shown: u64,
-    /// Something to say until something else happens.
+    /// Message that is shown until the next action.
     note: Option<String>,
     text: bool,
     help: bool,
-    /// The picture is to be written once it is whole.
+    /// Whether to write the picture once it is whole.
     write: bool,
-    /// Of wiggling: when the eyes change next, and whose turn it is.
+    /// Wiggle mode: time of the next change, and whether the right eye is shown.
     turn: (Instant, bool),
     modifiers: ModifiersState,
     buttons: Vec<Button>,
     pointer: Option<PhysicalPosition<f64>>,
     flying: Vec<(PhysicalKey, [f64; 3])>,
     tick: Instant,
-    /// How often in a row the window's device was lost.
+    /// Number of losses of the window's device in a row.
     losses: u32,
-    /// Of an event, what waited for the window's device where nobody was there: for a shot.
+    /// Time of the current event that a replay's shot waited for the device, which `Tally::longest` leaves out.
     excused: Duration,
-    /// When a replay began to wait for the window's size.
+    /// Time at which a replay began to wait for the window's size.
     waiting: Option<Instant>,
 }
 
@@ -150,7 +150,7 @@ impl App {
         event_loop.exit();
     }
 
-    /// Opens the window, or what draws into it anew.
+    /// Opens the window, or opens its lost device again.
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Box<dyn std::error::Error>> {
         let window = match self.screen.take() {
             Some(old) => old.window.clone(),
@@ -172,7 +172,7 @@ impl App {
         Ok(())
     }
 
-    /// Takes over the window's size.
+    /// Adopts the window's size.
     fn resize(&mut self) {
         let Some(screen) = &mut self.screen else { return };
         screen.configure();
@@ -184,7 +184,7 @@ impl App {
         self.refresh();
     }
 
-    /// Asks for a picture of what is now set.
+    /// Requests a picture of the current settings.
     fn change(&mut self) {
         self.version += 1;
         let size = self.settings.size();
@@ -198,7 +198,7 @@ impl App {
         });
     }
 
-    /// Writes the text anew and draws.
+    /// Updates the text and requests a redraw.
     fn refresh(&mut self) {
         let lines = match (self.text, self.help) {
             (_, true) => status::help(),
@@ -268,12 +268,12 @@ impl App {
         self.refresh();
     }
 
-    /// Nobody is there to read a note.
+    /// Returns whether the window is unattended, so that errors must end it.
     fn is_automatic(&self) -> bool {
         self.plan.frames.is_some()
     }
 
-    /// Moves the eyes by what a person did.
+    /// Moves the eyes and requests a picture. A fault becomes the note.
     fn move_eyes(&mut self, by: impl FnOnce(&mut super::control::Place)) {
         self.note = self.settings.move_eyes(by).err();
         self.change();
@@ -282,7 +282,7 @@ impl App {
 
     fn drag(&mut self, button: Button, [x, y]: [f64; 2]) {
         let height = self.settings.size()[1].max(1);
-        // Half a turn for the window's height.
+        // A drag over the window's height is half a turn.
         let angle = std::f64::consts::PI / f64::from(height);
         match button {
             Button::Left => self.move_eyes(|place| place.orbit(-x * angle, -y * angle)),
@@ -336,7 +336,7 @@ impl App {
         self.refresh();
     }
 
-    /// Writes the picture if that was asked for and it is there.
+    /// Writes the picture if that was requested and the whole picture is ready.
     fn write_if_whole(&mut self) {
         let version = self.version;
         let Some(frame) = self.frame.as_ref().filter(|frame| self.write && frame.whole && frame.version == version)
@@ -359,7 +359,7 @@ impl App {
         }
     }
 
-    /// Writes what the window shows.
+    /// Writes what the window shows as PNG.
     fn shot(&mut self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let Some(screen) = &self.screen else { return Ok(()) };
         let begin = Instant::now();
@@ -371,7 +371,7 @@ impl App {
         Ok(())
     }
 
-    /// Does the next steps of a replay, as far as they need no waiting, and ends where all is done.
+    /// Performs the next steps of a replay until one has to wait. Closes the window at the end if --frames is given.
     fn replay(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Box<dyn std::error::Error>> {
         if self.screen.is_none() {
             return Ok(());
@@ -411,7 +411,10 @@ impl App {
         Ok(())
     }
 
-    /// Whether the window has a size, which is asked for where it has not.
+    /// Returns whether the window has this size, and requests the size if not.
+    ///
+    /// # Errors
+    /// If the window does not take the size within [`PATIENCE`].
     fn has_size(&mut self, size: [u32; 2]) -> Result<bool, String> {
         let Some(screen) = &self.screen else { return Ok(false) };
         if self.settings.window == size {
@@ -426,7 +429,7 @@ impl App {
             Some(_) => Ok(false),
             None => {
                 self.waiting = Some(Instant::now());
-                // Where it is there at once, no event says so.
+                // If the size is set at once, no event reports it.
                 if screen.window.request_inner_size(PhysicalSize::new(size[0], size[1])).is_some() {
                     self.resize();
                 }
@@ -484,7 +487,7 @@ impl App {
         if state == ElementState::Pressed {
             self.buttons.push(button);
         } else {
-            // Shift may have been let go of in between: whatever drags, ends.
+            // Shift may have been released in between, so a release ends every drag.
             self.buttons.clear();
         }
     }
@@ -520,7 +523,7 @@ impl App {
                 }
             }
             WindowEvent::Focused(false) => {
-                // What is let go of elsewhere, nobody tells.
+                // No event reports keys and buttons that are released outside the window.
                 self.flying.clear();
                 self.buttons.clear();
             }
@@ -528,7 +531,7 @@ impl App {
         }
     }
 
-    /// What goes on by itself; when it does next.
+    /// Advances replay, flight and wiggle. Returns when to wake up next.
     fn go_on(&mut self, event_loop: &ActiveEventLoop) -> ControlFlow {
         if let Err(error) = self.replay(event_loop) {
             self.fail(event_loop, error.to_string());
@@ -539,7 +542,7 @@ impl App {
         if !self.flying.is_empty() {
             if now >= self.tick + TICK {
                 let sum = self.flying.iter().fold([0.0; 3], |sum, (_, by)| [0, 1, 2].map(|axis| sum[axis] + by[axis]));
-                // Not farther than a draft would show, whatever kept the window.
+                // A long pause of the window must not become a long jump.
                 let seconds = (now - self.tick).min(Duration::from_millis(250)).as_secs_f64();
                 self.tick = now;
                 self.fly(sum, seconds);
@@ -556,7 +559,7 @@ impl App {
         next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil)
     }
 
-    /// Notes how long something took in which the window answered nothing.
+    /// Runs `work` and records how long the window did not respond.
     fn timed<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let begin = Instant::now();
         self.excused = Duration::ZERO;
@@ -589,7 +592,7 @@ impl ApplicationHandler<Said> for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The window goes first: the thread may need a while to end.
+        // The window closes first, since the thread may take a while to end.
         self.screen = None;
         self.worker = None;
     }

@@ -1,7 +1,7 @@
-//! The thread that renders, on a device of its own: however long a frame takes, the window answers.
+//! The thread that renders. It has its own device, so the window responds however long a frame takes.
 //!
-//! While things move it makes drafts: a sample a pixel, few rays of soft light, and as many pixels as fit [`DRAFT`]. When they have stood still
-//! for [`STILL`] comes the whole picture, which whatever moves next ends.
+//! During motion it renders drafts: one sample a pixel, few rays to soft lights, and as many pixels as fit [`DRAFT`].
+//! After a rest of [`STILL`] it renders the whole picture, which the next motion cancels.
 
 use std::{
     ops::ControlFlow,
@@ -17,45 +17,45 @@ use stereotrace::{
 
 use crate::arguments::Global;
 
-/// How long a draft may take.
+/// Target time of a draft.
 const DRAFT: Duration = Duration::from_millis(80);
-/// What has not changed for so long stands still.
+/// Time without changes after which the whole picture is rendered.
 const STILL: Duration = Duration::from_millis(150);
-/// By what sides of drafts are divided.
+/// Divisors of a draft's sides.
 const DIVISORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
-/// Rays to each soft light of a draft.
+/// Maximum number of rays to each soft light in a draft.
 const DRAFT_RAYS: u32 = 4;
 
-/// A frame that is wanted.
+/// A requested frame.
 #[derive(Clone, Debug)]
 pub(super) struct Wanted {
-    /// Higher for each change.
+    /// Number of the request, which grows with each change.
     pub(super) version: u64,
-    /// Of the whole picture.
+    /// Camera of the whole picture.
     pub(super) camera: StereoCamera,
-    /// The same camera for a draft, whose size is set.
+    /// Camera of drafts, whose size is set when they are rendered.
     pub(super) draft: StereoCamera,
     pub(super) size: [u32; 2],
     pub(super) options: Options,
 }
 
-/// A frame that is there.
+/// A finished frame.
 pub(super) struct Frame {
     pub(super) version: u64,
-    /// The picture that was asked for; else a draft of it.
+    /// Whether it is the whole picture, and not a draft.
     pub(super) whole: bool,
     pub(super) pair: StereoPair,
     pub(super) time: Duration,
 }
 
-/// What the thread says.
+/// Message of the thread to the window.
 pub(super) enum Said {
-    /// The scene is on the device of this name.
+    /// The scene is uploaded to the adapter of this name.
     Ready(String),
     Frame(Box<Frame>),
-    /// This version can't be rendered.
+    /// This version can't be rendered, for this reason.
     Failed(u64, String),
-    /// Nothing can: the thread has ended.
+    /// The thread has ended by an error.
     Ended(String),
 }
 
@@ -78,21 +78,21 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether a version is not wanted any more.
+    /// Returns whether a version is no longer wanted.
     fn is_over(&self, version: u64) -> bool {
         let state = self.lock();
         state.quit || state.wanted.as_ref().is_some_and(|wanted| wanted.version != version)
     }
 }
 
-/// The thread. It ends with this.
+/// Handle of the thread, which ends when it is dropped.
 pub(super) struct Worker {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Worker {
-    /// A thread that renders a scene, at first by this renderer, which holds it.
+    /// Starts a thread that renders a scene. It begins with this renderer, to which the scene is uploaded.
     pub(super) fn new(
         (renderer, uploaded): (Renderer, UploadedScene),
         scene: Scene,
@@ -103,7 +103,7 @@ impl Worker {
         let soft = scene.lights.iter().any(|light| light.shape != LightShape::Point);
         let work = Work { shared: shared.clone(), renderer, scene, global, soft, cost: None };
         let run = move || {
-            // A window that waits for a thread that is gone would wait for ever.
+            // Without this message the window would wait for the thread for ever.
             if panic::catch_unwind(AssertUnwindSafe(|| work.run(uploaded, &say))).is_err() {
                 say(Said::Ended("the thread that renders has ended by a fault of its own".into()));
             }
@@ -112,7 +112,7 @@ impl Worker {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Asks for a frame in place of the one before.
+    /// Requests a frame, which replaces the previous request.
     pub(super) fn want(&self, wanted: Wanted) {
         let mut state = self.shared.lock();
         state.wanted = Some(wanted);
@@ -120,7 +120,7 @@ impl Worker {
         self.shared.changed.notify_all();
     }
 
-    /// Takes the device away before the next frame, for tests.
+    /// Destroys the device before the next frame, for tests.
     pub(super) fn lose_device(&self) {
         self.shared.lock().lose_device = true;
     }
@@ -131,18 +131,18 @@ impl Drop for Worker {
         self.shared.lock().quit = true;
         self.shared.changed.notify_all();
         if let Some(thread) = self.thread.take() {
-            let _ = thread.join(); // what it had to say of its end is said
+            let _ = thread.join(); // a panic was reported by `Said::Ended`
         }
     }
 }
 
-/// How well a frame is to be.
+/// Quality of a frame, in rising order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
-    /// Nothing of it is there.
+    /// No frame yet.
     Nothing,
     Draft,
-    /// A draft of all its pixels.
+    /// A draft with all pixels.
     FullDraft,
     Whole,
 }
@@ -152,9 +152,9 @@ struct Work {
     renderer: Renderer,
     scene: Scene,
     global: Global,
-    /// Some light is no point.
+    /// Whether the scene has lights that are not points.
     soft: bool,
-    /// Seconds a pixel of a draft, once there was one.
+    /// Seconds for each pixel of a draft, once one was rendered.
     cost: Option<f64>,
 }
 
@@ -180,7 +180,8 @@ impl Work {
         }
     }
 
-    /// Waits for what is to be rendered next, given how far a version is; nothing where all is over.
+    /// Waits for the next frame to render, given the stage that a version has reached. Returns `None` when the thread
+    /// must end.
     fn next(&self, version: u64, stage: Stage) -> Option<(Wanted, Stage)> {
         let mut state = self.shared.lock();
         loop {
@@ -198,7 +199,7 @@ impl Work {
             let still = state.since.map_or(Duration::ZERO, |since| STILL.saturating_sub(since.elapsed()));
             let wait = match stage {
                 Stage::Whole => Duration::MAX,
-                Stage::Nothing => Duration::ZERO, // as quick as a draft
+                Stage::Nothing => Duration::ZERO, // the whole picture is as quick as a draft
                 Stage::Draft | Stage::FullDraft => still,
             };
             if wait.is_zero() {
@@ -219,12 +220,12 @@ impl Work {
         }
     }
 
-    /// Whether the whole picture is what a draft would be.
+    /// Returns whether a draft would equal the whole picture.
     fn is_quick(&self, wanted: &Wanted) -> bool {
         self.divisor(wanted) == 1 && wanted.options == draft_options(&wanted.options, self.soft)
     }
 
-    /// By what the sides of a draft are divided.
+    /// Returns the divisor of a draft's sides, so that it fits [`DRAFT`] by the cost of the last one.
     fn divisor(&self, wanted: &Wanted) -> u32 {
         let software = self.renderer.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu;
         let Some(cost) = self.cost else { return if software { 4 } else { 1 } };
@@ -233,7 +234,7 @@ impl Work {
         DIVISORS.iter().find(fits).copied().unwrap_or(DIVISORS[DIVISORS.len() - 1])
     }
 
-    /// A frame, on a new device where the old one was lost.
+    /// Renders a frame, on a new device if the old one was lost.
     fn render(&mut self, uploaded: &mut UploadedScene, wanted: &Wanted, stage: Stage) -> Result<Frame, Error> {
         if std::mem::take(&mut self.shared.lock().lose_device) {
             self.renderer.gpu().device().destroy();
@@ -260,7 +261,7 @@ impl Work {
         };
         let (version, shared) = (wanted.version, self.shared.clone());
         let mut go_on = |_| {
-            // A draft that something moving ends would never be there.
+            // Motion does not cancel drafts, or none would ever be finished.
             let over = if stage == Stage::Draft { shared.lock().quit } else { shared.is_over(version) };
             if over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
@@ -275,7 +276,7 @@ impl Work {
     }
 }
 
-/// What drafts are rendered with, of a scene with lights that are not points or without.
+/// Returns the options of drafts. `soft` says whether the scene has lights that are not points.
 fn draft_options(options: &Options, soft: bool) -> Options {
     let few = |rays: u32| rays.min(DRAFT_RAYS);
     let mut draft = options.clone().samples(1).adaptive(None).count(false);
@@ -316,7 +317,7 @@ mod tests {
         (worker, said)
     }
 
-    /// What is said from now on, up to the whole picture of a version.
+    /// Returns the frames from now on, up to the whole picture of a version.
     fn until_whole(said: &mpsc::Receiver<Said>, version: u64) -> Vec<Frame> {
         let mut frames = Vec::new();
         loop {

@@ -70,9 +70,9 @@ def _interrupted(*_: object) -> None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Returns 0 if all is there, 1 if something is missing or wrong, 130 if it was interrupted."""
+    """Returns the exit status: 0 if the data set is complete, 1 if a part is missing or wrong, 130 if interrupted."""
     given = parser().parse_args(arguments)
-    # What ends a process cleanly removes what is half written.
+    # SIGTERM raises an exception, so that unfinished files are removed.
     signal.signal(signal.SIGTERM, _interrupted)
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s: %(message)s")
     try:

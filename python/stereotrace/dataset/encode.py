@@ -1,4 +1,4 @@
-"""Pairs as files: names and bytes."""
+"""Encodes pairs as files, and shards as tar or Parquet files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from .store import Written
 
 
 def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, bytes]:
-    """A pair's files by the ends of their names: PNG for colours and maps of bytes, NPY for all else, as they are or by gzip, and JSON of its camera and record."""
+    """Returns a pair's files: bytes by the part of the name after the pair's key.
+
+    Colours and uint8 maps are PNG. All other arrays are NPY, or NPY with gzip. JSON has the camera and the record."""
     found = {}
     for eye, output in eye_outputs(spec["outputs"]):
         array = getattr(pair.left if eye == "left" else pair.right, output)
@@ -27,7 +29,7 @@ def files(pair: StereoPair, spec: Spec, record: dict[str, Any]) -> dict[str, byt
         elif array.dtype == np.uint8:
             found[f"{eye}.{output}.png"] = encode_png(array)
         elif spec["compress"]:
-            # By its quickest level, which saves nearly as much as the others.
+            # The fastest level saves nearly as much as the others.
             found[f"{eye}.{output}.npy.gz"] = gzip.compress(_npy(array), compresslevel=1, mtime=0)
         else:
             found[f"{eye}.{output}.npy"] = _npy(array)
@@ -43,7 +45,9 @@ def _npy(array: Any) -> bytes:
 
 
 class Tar:
-    """A shard as a tar file, as ``webdataset`` reads it: files that have a name in common up to its first dot are one sample. The same pairs make the same bytes."""
+    """A shard as a tar file for ``webdataset``, where files with the same name up to the first dot are one sample.
+
+    The same pairs make the same bytes."""
 
     def __init__(self, file: Written) -> None:
         self._tar = tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT)
@@ -60,7 +64,7 @@ class Tar:
 
 
 class Parquet:
-    """A shard as a Parquet file: a row a pair, a column of bytes for each of its files, named as in a tar file."""
+    """A shard as a Parquet file: one row for each pair, one column of bytes for each file, named as in a tar file."""
 
     def __init__(self, file: Written) -> None:
         self._parquet = needs("pyarrow.parquet", "parquet")
@@ -77,7 +81,7 @@ class Parquet:
         columns |= {name: pyarrow.array(data, pyarrow.binary()) for name, data in files.items()}
         table = pyarrow.table(columns)
         if self._writer is None:
-            # PNG does not get smaller, and NPY hardly.
+            # Compression would not shrink PNG, and NPY hardly.
             file = pyarrow.PythonFile(self._file, "w")
             self._writer = self._parquet.ParquetWriter(file, table.schema, compression="none")
         self._writer.write_table(table)

@@ -1,5 +1,4 @@
-"""Specs as files: YAML 1.2's plain values, or JSON. What either leaves open is refused: a key that stands twice,
-nesting without an end."""
+"""Reads spec files: YAML 1.2 with its core schema, or JSON. Duplicate keys and deep nesting are refused."""
 
 from __future__ import annotations
 
@@ -12,13 +11,13 @@ from typing import Any
 from .._needs import needs
 
 MOST_LEVELS = 32
-"""How deep a spec's lists and mappings may be nested."""
+"""Maximum nesting of a spec's lists and mappings."""
 MOST_BYTES = 2**25
-"""How large a spec's file may be."""
+"""Maximum size of a spec's file."""
 
 
 class SpecError(ValueError):
-    """A spec that says something wrong; the text names the key."""
+    """An invalid spec. The text names the key."""
 
 
 _SHORT = reprlib.Repr()
@@ -26,17 +25,18 @@ _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 80, 80, 
 
 
 def shown(value: Any) -> str:
-    """A value as messages show it; of a large one only a part is ever written."""
+    """Returns a value as messages show it. A large value is cut before it is formatted."""
     try:
         text = _SHORT.repr(value)
-    except ValueError:  # Python refuses to write a number of thousands of digits
+    except ValueError:  # Python refuses to format a number of thousands of digits
         text = "a number of too many digits"
     return text if len(text) <= 80 else text[:79] + "…"
 
 
 def read(path: Path) -> Any:
-    """What a spec's file says: JSON where its name ends in ``.json``, else YAML. Raises ``SpecError``, naming the line,
-    and ``OSError``."""
+    """Reads a spec's file: JSON if its name ends in ``.json``, else YAML.
+
+    Raises ``SpecError``, which names the line, for invalid content, and ``OSError`` if the file can't be read."""
     if not path.is_file() and path.exists():
         raise SpecError("it is no regular file")
     with path.open("rb") as file:
@@ -63,7 +63,7 @@ def _json(text: str) -> Any:
         return json.loads(text, object_pairs_hook=mapping)
     except SpecError:
         raise
-    except ValueError as error:  # a number of thousands of digits, too
+    except ValueError as error:  # also for a number of thousands of digits
         raise SpecError(f"no JSON: {error}") from error
     except RecursionError:
         raise SpecError(f"its lists and mappings are nested over {MOST_LEVELS} levels deep") from None
@@ -78,15 +78,14 @@ def _yaml(text: str) -> Any:
 
 
 def _loader(yaml: Any) -> Any:
-    """YAML's loader of plain values, as YAML 1.2's core schema has them: ``1:30`` is no number of seconds, ``no`` no
-    truth value, ``010`` is ten."""
+    """Returns a YAML loader for the core schema of YAML 1.2: ``1:30`` and ``no`` are strings, ``010`` is ten."""
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}
         level = 0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
             self.level += 1
-            if self.level > MOST_LEVELS + 1:  # the values in the deepest list, too
+            if self.level > MOST_LEVELS + 1:  # values in the deepest list are one level more
                 line = self.peek_event().start_mark.line + 1
                 raise SpecError(f"line {line}: lists and mappings are nested over {MOST_LEVELS} levels deep")
             try:
@@ -98,7 +97,7 @@ def _loader(yaml: Any) -> Any:
             node = super().compose_mapping_node(anchor)
             seen = set()
             for key, _ in node.value:
-                # Values of merged mappings are meant to be replaced.
+                # Keys may replace values of merged mappings.
                 if not isinstance(key, yaml.ScalarNode) or key.tag == "tag:yaml.org,2002:merge":
                     continue
                 if (key.tag, key.value) in seen:

@@ -1,4 +1,4 @@
-"""What a pair of a data set is: each of its values follows from the spec, the pair's number and the value's own name."""
+"""Draws the values of a pair. A value depends only on the spec, the pair's number and the value's name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stereotrace import Camera, Light, Material, Scene
 from .spec import DISPARITY_SHARE, LARGEST_DISPARITY, Spec
 
 PLACES = 16
-"""Places among which lights are put."""
+"""Number of places that random lights are chosen from."""
 
 
 class Item:
@@ -25,12 +25,12 @@ class Item:
         self.number = number
 
     def unit(self, name: str) -> float:
-        """A number from 0 to 1, below 1, that belongs to this name: whatever else the spec draws, it stays the same."""
+        """Returns the random number of this name, from 0 up to but not including 1. Other draws do not affect it."""
         text = f"{self.spec['seed']}/{self.number}/{name}"
         return (int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 11) / 2**53
 
     def draw(self, value: Any, name: str) -> Any:
-        """A value of the spec: as it is, or drawn."""
+        """Returns a value of the spec, drawn if the spec gives a distribution."""
         if not isinstance(value, Mapping):
             return value
         ((kind, given),) = value.items()
@@ -38,15 +38,15 @@ class Item:
         if kind == "choice":
             return given[int(unit * len(given))]
         low, high = given
-        if isinstance(low, int):  # whole numbers, as the spec's checks leave them
+        if isinstance(low, int):  # the spec's checks keep whole numbers as int
             drawn = low + unit * (high + 1 - low) if kind == "uniform" else low * ((high + 1) / low) ** unit
             return min(int(drawn), high)
         drawn = low + unit * (high - low) if kind == "uniform" else math.exp(math.log(low) + unit * math.log(high / low))
-        # As many digits as f32 has: the last bits of exp and log are not the same on all machines.
+        # Rounded to f32's digits, since the last bits of exp and log differ between machines.
         return float(f"{drawn:.7g}")
 
     def scene(self) -> int:
-        """Its scene, by the scenes' weights."""
+        """Draws the scene by the scenes' weights, and returns its index."""
         weights = [scene["weight"] for scene in self.spec["scenes"]]
         left = self.unit("scene") * sum(weights)
         for index, weight in enumerate(weights):
@@ -57,7 +57,7 @@ class Item:
 
     @staticmethod
     def camera_of(spec: Spec, place: int, scene: Scene) -> Camera:
-        """The camera that a scene of a spec has or is given."""
+        """Returns the camera that the spec gives for a scene, or the scene's own."""
         given = spec["scenes"][place].get("camera", {})
         camera = scene.camera(given.get("name"), size=spec["size"])
         if "eye" in given:
@@ -65,7 +65,7 @@ class Item:
         return camera.replace(up=given["up"]) if "up" in given else camera
 
     def given_camera(self, scene: Scene) -> Camera:
-        """The camera that the scene has or is given, with the item's rig: where poses begin."""
+        """Returns the scene's camera with the item's rig, from which poses are drawn."""
         rig = self.spec["rig"]
         camera = self.camera_of(self.spec, self.scene(), scene)
         fields = {name: self.draw(value, f"rig.{name}") for name, value in rig.items()}
@@ -77,7 +77,7 @@ class Item:
             cx, cy = lens.pop("cx", width / 2), lens.pop("cy", height / 2)
             fields["intrinsics"] = {**lens, "cx0": cx, "cy": cy}
             if "interaxial_px" not in fields:
-                fields.setdefault("interaxial", camera.interaxial)  # in pixels it would be that of another focal length
+                fields.setdefault("interaxial", camera.interaxial)  # pixels would depend on the focal length
         if self.spec.is_layout:
             fields.setdefault("screen_distance", "inf")
         if fields.get("screen_distance") == "inf":
@@ -85,7 +85,7 @@ class Item:
         return camera.replace(**fields) if fields else camera
 
     def camera(self, renderer: stereotrace.Renderer, scene: Scene) -> tuple[Camera, int]:
-        """Its camera, and how many places were tried for it."""
+        """Returns the item's camera, and the number of tries to find it."""
         given, poses = self.given_camera(scene), self.spec["poses"]
         if poses["kind"] == "fixed":
             return given, 1
@@ -103,7 +103,7 @@ class Item:
         )
 
     def _orbited(self, camera: Camera) -> Camera:
-        """Turned and raised about its target, in degrees, and so many times as far from it."""
+        """Orbits the camera about its target by ``turn`` and ``rise`` in degrees, and scales its distance."""
         poses = self.spec["poses"]
         turn, rise, distance = (self.draw(poses[name], f"poses.{name}") for name in ("turn", "rise", "distance"))
         eye, target = (np.array(point, np.float64) for point in (camera.eye, camera.target))
@@ -116,7 +116,9 @@ class Item:
         return camera.replace(eye=_rounded(target + distance * turned))
 
     def lights(self, scene: Scene, own: list[Light], camera: Camera) -> list[Light]:
-        """What lights it: drawn, or given with the scene, or the scene's own; three around the camera where there are none."""
+        """Returns the lights: drawn ones, or those that the spec gives for the scene, or the scene's own.
+
+        Without any of these it places three lights around the camera."""
         drawn, given = self.spec["randomise"].get("lights"), self.spec["scenes"][self.scene()].get("lights")
         if drawn is not None:
             return self._drawn_lights(drawn, scene, camera)
@@ -141,16 +143,16 @@ class Item:
         return lights
 
     def ambient(self) -> Any:
-        """Light from all around, or ``None`` for the scene's own."""
+        """Returns the ambient light, or ``None`` for the scene's own."""
         drawn = self.draw(self.spec["randomise"].get("ambient"), "ambient")
         return self.spec["scenes"][self.scene()].get("ambient") if drawn is None else drawn
 
     def exposure(self) -> float:
-        """Stops."""
+        """Returns the exposure in stops."""
         return float(self.draw(self.spec["randomise"].get("exposure", 0), "exposure"))
 
     def material(self, place: int, own: Material) -> Material:
-        """What becomes of a material of its scene, by its number there."""
+        """Returns the scene's material ``place``, with its drawn fields."""
         drawn = self.spec["randomise"].get("materials")
         if drawn is None or self.unit(f"materials.{place}.share") >= drawn["share"]:
             return own
@@ -175,11 +177,11 @@ def _light(given: Mapping[str, Any]) -> Light:
 
 
 def _turned(vector: Any, axis: Any, angle: float) -> Any:
-    """About an axis of unit length (Rodrigues)."""
+    """Rotates a vector about an axis of unit length, by an angle in radians (Rodrigues' formula)."""
     cos, sin = math.cos(angle), math.sin(angle)
     return vector * cos + np.cross(axis, vector) * sin + axis * np.dot(axis, vector) * (1 - cos)
 
 
 def _rounded(point: Any) -> list[float]:
-    """To f32's digits: the last bits of sine and cosine are not the same on all machines."""
+    """Rounds to f32's digits, since the last bits of sine and cosine differ between machines."""
     return [float(f"{value:.7g}") for value in point]

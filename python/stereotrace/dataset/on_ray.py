@@ -1,4 +1,5 @@
-"""Data sets made by many machines, on Ray: https://docs.ray.io. Ray has the machines, hands out the shards and replaces workers that die."""
+"""Makes data sets on many machines with Ray: https://docs.ray.io. Ray distributes the shards and replaces workers that
+die."""
 
 from __future__ import annotations
 
@@ -23,14 +24,16 @@ from .worker import SCENE_MEMORY, Worker
 log = logging.getLogger("stereotrace.dataset")
 
 MOST_TRIES = 3
-"""Workers that may die of a shard before it is given up: one that needs more memory than there is would kill them all."""
+"""Maximum number of workers that try a shard. A shard that needs too much memory would kill them all."""
 
 
 class ShardMaker:
-    """An actor of Ray Data: makes shards, one a call. It opens its device with the first one, and keeps it and the scenes that it has read."""
+    """An actor of Ray Data, which makes one shard for each call.
+
+    The first call opens its device. The actor keeps the device and the scenes that it has read."""
 
     def __init__(self, values: dict[str, Any], folder: str, hashes: list[str | None], out: str, storage_options: dict[str, Any], adapter: str | None, cpus: float, run: str, scene_memory: int) -> None:
-        # Drivers and trees take as many threads as the worker has cores; Mesa's software driver would take all there are.
+        # Limits drivers and tree builds to the worker's cores. Mesa's software driver would take all cores otherwise.
         threads = str(max(1, round(cpus)))
         for variable in ("LP_NUM_THREADS", "RAYON_NUM_THREADS"):
             os.environ.setdefault(variable, threads)
@@ -60,18 +63,20 @@ class ShardMaker:
             record = self._worker.shard(shard, self._store)
             return {**record, "worker": _here(), "tries": tries, "memory": peak_memory(), "ended": time.time()}
         except DeviceLostError as error:
-            self._worker = None  # the next shard opens another one
+            self._worker = None  # the next shard opens a new device
             return failure(name, error)
         except AdapterError as error:
-            # There is nothing to render with here, so that no shard can be made: the run must stop.
+            # This worker has no adapter and can make no shard, so the run must stop.
             return {**failure(name, error), "error": f"worker on {socket.gethostname()}: {error}", "stop": True}
         except OSError as error:
             return failure(name, error)
 
     def _count_try(self, name: str) -> int:
-        """How many workers began this shard in this run, with this one. A worker that dies leaves its mark."""
+        """Returns the number of workers that began this shard in this run, including this one.
+
+        Each worker writes a mark, which stays if it dies."""
         tries = 1
-        # Each mark by its name: a list of the marks of all shards would be as long as there are shards, once a shard.
+        # Marks are queried by name. Listing the marks of all shards for each shard would take quadratic time.
         while tries <= MOST_TRIES and self._store.exists(f"{_marks(self._run)}/{name}.{tries}"):
             tries += 1
         self._store.mark(f"{_marks(self._run)}/{name}.{tries}")
@@ -79,7 +84,7 @@ class ShardMaker:
 
 
 def _here() -> str:
-    """This worker, by its host, Ray's name of the node, and process."""
+    """Returns this worker's name: host, Ray's id of the node, and process id."""
     import ray
 
     return f"{socket.gethostname()}:{ray.get_runtime_context().get_node_id()[:8]}:{os.getpid()}"
@@ -90,16 +95,16 @@ def _marks(run: str) -> str:
 
 
 CLUSTERS = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
-"""Ray's own switch between a node that other machines may join and one that listens on the loopback interface alone."""
+"""Ray's switch between a node that other machines may join and one that listens on the loopback interface only."""
 
 
 def _start(ray: Any, address: str | None) -> None:
-    """Connects to a cluster, or starts a Ray of this machine, which listens on the loopback interface alone."""
+    """Connects to a cluster, or starts Ray on this machine, listening on the loopback interface only."""
     options = {"include_dashboard": False, "log_to_driver": False, "logging_level": logging.WARNING}
     if address not in (None, "local") or (address is None and "RAY_ADDRESS" in os.environ) or CLUSTERS in os.environ:
         ray.init(address=address, **options)
         return
-    # Ray reads its switch when it is imported, which has happened, and its processes read it when they start.
+    # Ray read its switch when it was imported, and its processes read it when they start. So both values are changed.
     constants = ray._private.ray_constants
     before = constants.ENABLE_RAY_CLUSTER
     constants.ENABLE_RAY_CLUSTER, os.environ[CLUSTERS] = False, "0"
@@ -124,12 +129,14 @@ def make(
     progress: bool = False,
     scene_memory: int = SCENE_MEMORY,
 ) -> Report:
-    """Makes a data set on Ray, or goes on with it: ``workers`` actors of ``num_cpus`` cores and ``num_gpus`` GPUs each make a shard after the other. Without an
-    ``address``, and where Ray is not initialised yet, a Ray of this machine is started, which other machines can't
-    reach. ``out`` must be a place that all machines reach, and so must the spec's scene files. ``scene_memory`` is a
-    worker's: see ``stereotrace.dataset.make``.
+    """Makes a data set on Ray, or resumes it.
 
-    Raises what ``stereotrace.dataset.make`` does. What is wrong with a pair or a shard is in the report, and in the manifest."""
+    ``workers`` actors with ``num_cpus`` cores and ``num_gpus`` GPUs each make one shard after the other. Without an
+    ``address``, and if Ray is not initialised yet, Ray starts on this machine, and other machines can't reach it. All
+    machines must reach ``out`` and the spec's scene files. ``scene_memory`` is that of each worker in bytes: see
+    ``stereotrace.dataset.make``.
+
+    Raises as ``stereotrace.dataset.make`` does. The report and the manifest contain errors of pairs and shards."""
     ray, _ = needs("ray", "ray"), needs("ray.data", "ray")
     began, clock = time.monotonic(), time.time()
     if "://" not in out:
@@ -152,7 +159,7 @@ def make(
         ShardMaker,
         fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run, scene_memory),
         batch_size=1,
-        # One at a time: a shard that waits for a worker at the end would be the last one done.
+        # A worker gets one shard at a time. A queued shard would wait behind a slow one while other workers are idle.
         compute=ray.data.ActorPoolStrategy(size=workers, max_tasks_in_flight_per_actor=1),
         num_cpus=num_cpus,
         num_gpus=num_gpus,

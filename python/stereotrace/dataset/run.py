@@ -1,4 +1,4 @@
-"""A data set from its beginning to its manifest: what has been made, what is to be made, and the run on this machine."""
+"""Data sets in a store: finished and pending shards, the manifest, and runs on this machine."""
 
 from __future__ import annotations
 
@@ -30,35 +30,35 @@ log = logging.getLogger("stereotrace.dataset")
 HEAD = "dataset.json"
 MANIFEST = "manifest.jsonl"
 ROUNDS = 5
-"""How often a manifest is put together anew where other runs made shards meanwhile. They write it too, at their
-ends."""
+"""Maximum number of times that a manifest is rebuilt because other runs made shards meanwhile. Each run writes it at
+its end."""
 
 
 class OtherDataSet(ValueError):
-    """What lies in the folder was made with other files, another spec or another version."""
+    """The data set in the folder was made with other files, another spec or another version."""
 
 
 @dataclass
 class Report:
-    """What a run did."""
+    """Result of a run."""
 
     made: int = 0
-    """Shards that were made."""
+    """Number of shards that were made."""
     kept: int = 0
-    """Shards that were there already."""
+    """Number of shards that existed already."""
     pairs: int = 0
-    """Pairs in the shards that were made."""
+    """Number of pairs in the shards that were made."""
     errors: list[dict[str, Any]] = field(default_factory=list)
-    """Pairs of all shards that could not be made, now or before: ``item`` and ``error``."""
+    """Pairs of all shards that could not be made, in this run or before: ``item`` and ``error``."""
     failed: list[dict[str, Any]] = field(default_factory=list)
-    """Shards that could not be made or written: ``shard`` and ``error``. A run that goes on makes them."""
+    """Shards that could not be made or written: ``shard`` and ``error``. The next run tries them again."""
     seconds: float = 0.0
     first_pair_seconds: float | None = None
-    """From the start of the run to its first pair; on Ray to the first shard's end, less its other pairs' share."""
+    """Seconds from the start to the first pair; on Ray to the first shard's end, less the share of its other pairs."""
     retried: int = 0
-    """On Ray: shards that were made by another worker than the first one that began them."""
+    """On Ray: number of shards that a second or later worker made, after the first one died."""
     workers: dict[str, int | None] = field(default_factory=dict)
-    """The most memory that each worker took, in bytes, by its host and process."""
+    """Peak memory of each worker in bytes, by its host and process."""
 
     def summary(self) -> str:
         text = f"{self.pairs} pairs in {self.made} shards: {self.seconds:.1f} s"
@@ -80,17 +80,19 @@ class Report:
 
 
 class DataSet:
-    """A spec and the place where its shards lie. Opening one begins the data set or goes on with it. It reads the
-    scenes, to know them by their hashes: those whose files are as they were when the data set was last opened are not
-    read.
+    """A spec and the store of its shards.
 
-    Raises ``OtherDataSet`` where another one lies there, and ``OSError`` where the place can't be reached or written."""
+    Opening begins or resumes the data set. It reads and hashes the scenes, but for those whose files have not changed
+    since the data set was last opened.
+
+    Raises ``OtherDataSet`` if another data set is in the store, and ``OSError`` if the store can't be reached or
+    written."""
 
     def __init__(self, spec: Spec, store: Store, scene_memory: int = 0) -> None:
         self.spec = spec
         self.store = store
         self.opened: dict[int, Scene] = {}
-        """Scenes that were read to be known, up to ``scene_memory``: for a worker of this process."""
+        """Scenes that were read for their hashes, up to ``scene_memory``, for a worker of this process."""
         self._scene_memory = scene_memory
         store.make_folder()
         there = self._there()
@@ -98,7 +100,7 @@ class DataSet:
         self._begin(there)
 
     def _there(self) -> dict[str, Any] | None:
-        """The head of the data set that lies there, if one does."""
+        """Reads the head of the data set in the store, if there is one."""
         if not self.store.exists(HEAD):
             return None
         try:
@@ -112,8 +114,9 @@ class DataSet:
         return dict(there)
 
     def _head(self, there: dict[str, Any] | None) -> tuple[dict[str, Any], list[str | None]]:
-        """What the data set is made with, and what its scenes' files are known by. A scene that can't be read has its
-        error in place of a hash."""
+        """Returns the data set's head, and for each scene a hash of its files' names, sizes and times.
+
+        A scene that can't be read has its error in place of a hash."""
         scenes: list[dict[str, Any]] = []
         files: list[str | None] = []
         known_files: list[Any] = []
@@ -136,7 +139,7 @@ class DataSet:
             except (ValueError, OSError) as error:
                 log.warning("%s", error)
                 known["error"] = str(error)
-                found = None  # it is to be read again
+                found = None  # the next run reads it again
             scenes.append(known)
             files.append(found)
         head = {
@@ -159,7 +162,7 @@ class DataSet:
             raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
         if differing:
             raise OtherDataSet(f"{self.store.place(HEAD)}: the data set there has another {differing}; take another folder")
-        # A scene that can't be read now is still the one that it was; one that could not be read then is known from now on.
+        # A scene that can't be read now keeps its old hash. One that could not be read before gets its hash now.
         for then, now in zip(there["scenes"], self.head["scenes"]):
             if "sha256" in then:
                 now["sha256"] = then["sha256"]
@@ -187,11 +190,11 @@ class DataSet:
         return [scene.get("sha256") for scene in self.head["scenes"]]
 
     def record(self, shard: int) -> dict[str, Any] | None:
-        """A shard's record, if the shard is there."""
+        """Returns a shard's record, or ``None`` if the shard does not exist."""
         return next(self.records([shard]))
 
     def records(self, shards: list[int]) -> Iterator[dict[str, Any] | None]:
-        """The records of shards, ``None`` of one that is not there; several are read at once."""
+        """Yields the records of shards, or ``None`` for a missing one. Several are read at once."""
         for data in self.store.read_all([f"{self.spec.shard_name(shard)}.json" for shard in shards]):
             try:
                 found = None if data is None else json.loads(data)
@@ -200,7 +203,9 @@ class DataSet:
             yield found if isinstance(found, dict) else None
 
     def pending(self, shards: Iterable[int], retry_errors: bool = False) -> list[int]:
-        """The shards of these that are not there, or not whole; with ``retry_errors`` those too in which a pair is missing."""
+        """Returns those of the shards that are missing or incomplete.
+
+        With ``retry_errors`` this includes shards in which a pair is missing."""
         names, asked = self.store.names(), list(shards)
         there = [shard for shard in asked if self.spec.data_name(shard) in names and f"{self.spec.shard_name(shard)}.json" in names]
         if retry_errors:
@@ -209,25 +214,26 @@ class DataSet:
         return [shard for shard in asked if shard not in kept]
 
     def clear(self, shards: Iterable[int]) -> None:
-        """Removes what processes that were killed left of these shards, and of the manifest."""
+        """Removes unfinished files of these shards and of the manifest, which killed processes left."""
         names = [self.spec.shard_name(shard) for shard in shards]
         self.store.remove_parts([*names, HEAD.partition(".")[0], MANIFEST.partition(".")[0]])
 
     def write_manifest(self, failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """Puts the manifest together from the shards' records: a line of JSON for the data set, one for each shard, each pair, each pair that
-        could not be made, and each shard that failed and is not there yet. It is not written where it would be what it
-        is. Returns the lines of all pairs that could not be made."""
+        """Builds the manifest from the shards' records, and writes it if it changed.
+
+        It has one line of JSON for the data set, each shard, each pair, each pair that could not be made, and each
+        failed shard that does not exist yet. Returns the lines of all pairs that could not be made."""
         missing: list[dict[str, Any]] = []
         before = self._stamps()
         for _ in range(ROUNDS):
-            # On this machine's disk: that of a million pairs is 500 MB.
+            # Built on this machine's disk, since the manifest of a million pairs has 500 MB.
             with tempfile.TemporaryFile(prefix="stereotrace-") as file:
                 missing = self._put_together(file, sorted(before), failed)
                 if not self._is_written(file):
                     file.seek(0)
                     with self.store.writing(MANIFEST) as written:
                         shutil.copyfileobj(file, written)
-            # A run that ended meanwhile wrote what this one has just replaced.
+            # A run that ended meanwhile wrote a manifest that this one has just replaced.
             after = self._stamps()
             if before == after:
                 break
@@ -235,7 +241,7 @@ class DataSet:
         return missing
 
     def _stamps(self) -> dict[int, str]:
-        """The shards whose records are there, and what tells each record from another."""
+        """Returns the shards whose records exist, with a stamp that changes if the record does."""
         found = {}
         for name, stamp in self.store.stamps().items():
             number = name.removesuffix(".json").rpartition("-")[2]
@@ -244,7 +250,7 @@ class DataSet:
         return found
 
     def _put_together(self, file: IO[bytes], there: list[int], failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """Writes the manifest's lines of shards that are there."""
+        """Writes the manifest's lines to ``file``. Returns the lines of pairs that could not be made."""
         missing = []
 
         def add(line: dict[str, Any]) -> None:
@@ -266,7 +272,7 @@ class DataSet:
         return missing
 
     def _failed_before(self, known: set[str]) -> Iterator[dict[str, Any]]:
-        """Shards that failed in other runs, of those that nothing is known of."""
+        """Yields the rows of shards that failed in other runs and are not in ``known``."""
         for line in self.store.lines(MANIFEST):
             if b'"error"' not in line or b'"item"' in line:
                 continue
@@ -279,7 +285,7 @@ class DataSet:
                 yield row
 
     def _is_written(self, file: IO[bytes]) -> bool:
-        """Whether the manifest that is there is the one in this file."""
+        """Returns whether the store's manifest equals this file."""
         hashes = []
         file.seek(0)
         for lines in (file, self.store.lines(MANIFEST)):
@@ -290,7 +296,7 @@ class DataSet:
         return hashes[0] == hashes[1]
 
     def run(self, rows: Iterable[dict[str, Any]], kept: int, began: float) -> Report:
-        """Takes shards' records, or their errors, as they come; the manifest is written at the end, however that comes."""
+        """Collects records and errors of shards into a report. Writes the manifest at the end, even after an error."""
         report = Report(kept=kept)
         try:
             for row in rows:
@@ -300,18 +306,18 @@ class DataSet:
                     continue
                 report.made += 1
                 report.pairs += len(row["pairs"])
-                report.errors += row["errors"]  # until the manifest tells of all shards
+                report.errors += row["errors"]  # replaced by those of all shards once the manifest is built
         finally:
             report.seconds = time.monotonic() - began
             try:
                 report.errors = self.write_manifest(report.failed)
-            except OSError as error:  # a full disk; what led here is the error to tell
+            except OSError as error:  # such as a full disk; an earlier error is the one to raise
                 log.error("%s: %s", self.store.place(MANIFEST), error)
         return report
 
 
 def peak_memory() -> int | None:
-    """The most memory that this process has taken so far, in bytes; ``None`` where that is not known."""
+    """Returns the peak memory of this process in bytes, or ``None`` if that is unknown."""
     if sys.platform == "win32":
         return None
     import resource
@@ -321,7 +327,7 @@ def peak_memory() -> int | None:
 
 
 def failure(shard: str, error: BaseException) -> dict[str, Any]:
-    """The row of a shard that failed."""
+    """Returns the row of a failed shard."""
     return {"shard": shard, "error": str(error) or type(error).__name__, "kind": type(error).__name__}
 
 
@@ -336,11 +342,14 @@ def make(
     progress: bool = False,
     scene_memory: int = SCENE_MEMORY,
 ) -> Report:
-    """Makes a data set on this machine, in this process, or goes on with it. ``shards`` takes some of them alone; the others may be made elsewhere.
-    ``scene_memory`` is how many bytes of scenes are kept, here and on the device together; the scene at hand always is.
+    """Makes a data set in this process, or resumes it.
 
-    Raises ``OtherDataSet`` where another data set lies there, ``OSError`` where nothing can be written there, and ``AdapterError`` where there is nothing to render with. What is wrong with a
-    pair or a shard is in the report, and in the manifest."""
+    ``shards`` limits the run to some shards; other runs may make the others. ``scene_memory`` limits the scenes that
+    are kept, in bytes, here and on the device together. The current scene is always kept.
+
+    Raises ``OtherDataSet`` if another data set is in the folder, ``OSError`` if it can't be written, ``AdapterError``
+    if there is no adapter, and ``ValueError`` for shards out of range. The report and the manifest contain errors of
+    pairs and shards."""
     began = time.monotonic()
     asked = list(range(spec.shards) if shards is None else shards)
     if wrong := [shard for shard in asked if not 0 <= shard < spec.shards]:
@@ -357,7 +366,7 @@ def make(
                 assert worker is not None
                 yield worker.shard(shard, data_set.store, tell)
             except (OSError, DeviceLostError) as error:
-                # Another process may have made it meanwhile, and renamed or removed what this one wrote.
+                # Another process may have made the shard meanwhile, and replaced the files of this one.
                 yield data_set.record(shard) or failure(spec.shard_name(shard), error)
 
     count = sum(len(spec.shard_items(shard)) for shard in pending)
@@ -374,7 +383,7 @@ def make(
 
 
 class _Bar:
-    """A progress bar at the terminal, or nothing."""
+    """A progress bar on the terminal, if ``shown``."""
 
     def __init__(self, count: int, shown: bool) -> None:
         self._bar: Any = None

@@ -1,4 +1,4 @@
-"""The spec of a data set: what it says, checked, in one form whatever way it was given."""
+"""The spec of a data set: checks, defaults and one canonical form."""
 
 from __future__ import annotations
 
@@ -19,35 +19,39 @@ from .file import shown as _shown
 FORMATS = ("webdataset", "parquet", *stereotrace.LAYOUTS)
 POSES = ("free", "orbit", "fixed")
 DRAWS = ("uniform", "log_uniform", "choice")
-"""How a value may be drawn, a dict of one of these: ``{"uniform": [low, high]}``, ``{"log_uniform": [low, high]}``, ``{"choice": [...]}``."""
+"""Distributions of drawn values: ``{"uniform": [low, high]}``, ``{"log_uniform": [low, high]}`` or
+``{"choice": [...]}``."""
 
 PARALLEL_LAYOUTS = ("kitti", "sceneflow")
-"""Layouts that take parallel cameras alone. The others have them where nothing is said."""
+"""Layouts that accept parallel cameras only. Parallel cameras are the default of all layouts."""
 ENDINGS = {"webdataset": ".tar", "parquet": ".parquet"}
-"""Of shards that are files, by their format."""
+"""File endings of shards, by format."""
 ONE_ROOT = {"kitti": "training"}
-"""Layouts whose pairs all lie in one folder, whatever their shards, and its name."""
+"""Layouts that put the pairs of all shards into one folder, and its name."""
 LARGEST_DISPARITY = {"kitti": 256.0}
-"""What disparities a layout's files hold, in pixels."""
+"""Limit of disparities in a layout's files, in pixels."""
 DISPARITY_SHARE = 0.2
-"""Largest disparity where nothing is said, as a share of the width."""
+"""Default limit of disparities, as a share of the width."""
 MOST_PAIRS = 2**31 - 1
 MOST_VALUES = 1_000_000
-"""How many values a spec may have, those of an alias each time that it stands there."""
+"""Maximum number of values of a spec. Each use of an alias counts."""
 
 
 @dataclass(frozen=True)
 class Spec:
-    """A data set's spec, checked. ``values`` is all that it says, with defaults filled in, in plain JSON types; ``folder`` is where the paths of its scene
-    files begin, and is no part of what the data set is."""
+    """The checked spec of a data set.
+
+    ``values`` are its keys and values in plain JSON types, with defaults filled in. Paths of scene files are relative
+    to ``folder``, which is not part of the data set's identity."""
 
     values: dict[str, Any]
     folder: Path = field(compare=False)
 
     @staticmethod
     def load(source: str | Path | Mapping[str, Any]) -> Spec:
-        """Reads a spec from a YAML or JSON file, or takes a dict. Raises ``SpecError`` for what is wrong in it, naming the key, and
-        ``OSError`` for a file that can't be read."""
+        """Reads a spec from a YAML or JSON file, or takes a dict.
+
+        Raises ``SpecError``, which names the key, for an invalid spec, and ``OSError`` if the file can't be read."""
         if isinstance(source, Mapping):
             return Spec(_checked(source), Path.cwd())
         path = Path(source)
@@ -64,56 +68,56 @@ class Spec:
 
     @property
     def shards(self) -> int:
-        """How many shards there are."""
+        """Number of shards."""
         return -(-int(self["pairs"]) // int(self["shard_pairs"]))
 
     def shard_name(self, shard: int) -> str:
-        """The name of a shard, without its ending."""
+        """Returns the name of a shard, without its ending."""
         return f"{self['name']}-{shard:06d}"
 
     def data_name(self, shard: int) -> str:
-        """A shard's file, or its folder; of a layout of one root that of all pairs."""
+        """Returns the name of a shard's file or folder, or of the folder that all shards share."""
         if self["format"] in ONE_ROOT:
             return ONE_ROOT[self["format"]]
         return self.shard_name(shard) + ENDINGS.get(self["format"], "")
 
     def shard_items(self, shard: int) -> range:
-        """The numbers of a shard's pairs."""
+        """Returns the numbers of a shard's pairs."""
         begin = shard * int(self["shard_pairs"])
         return range(begin, min(begin + int(self["shard_pairs"]), int(self["pairs"])))
 
     def scene_name(self, scene: int) -> str:
-        """A scene as records name it."""
+        """Returns a scene's name in records."""
         entry = self["scenes"][scene]
         return str(entry.get("file") or f"builtin:{entry['builtin']}")
 
     def scene_path(self, scene: int) -> Path | None:
-        """A scene's file, or ``None`` for a built-in one."""
+        """Returns a scene's file, or ``None`` for a built-in scene."""
         file = self["scenes"][scene].get("file")
         return None if file is None else self.folder / file
 
     @property
     def is_layout(self) -> bool:
-        """Whether shards are folders of files, in the place of one file."""
+        """Whether a shard is a folder of files rather than one file."""
         return self["format"] in stereotrace.LAYOUTS
 
     def sha256(self) -> str:
-        """A hash of all that the spec says."""
+        """Returns a hash of all values of the spec."""
         return hashlib.sha256(canonical(self.values).encode()).hexdigest()
 
 
 def canonical(value: Any) -> str:
-    """JSON of one form."""
+    """Returns canonical JSON."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
-# --- Checks: each takes a value and the key's path, and returns the value as it is kept ---
+# --- Checks: each takes a value and the key's path, and returns the value to keep ---
 
 Check = Callable[[Any, str], Any]
 
 
 def _keys(value: Any, at: str, known: Mapping[str, tuple[Check, Any]]) -> dict[str, Any]:
-    """A mapping of known keys. What is left out has its default, and is left out where that is ``None``."""
+    """Checks a mapping of known keys. Missing keys get their defaults, or stay missing if the default is ``None``."""
     if not isinstance(value, Mapping):
         raise SpecError(f"{at or 'the spec'}: {_shown(value)} must be a mapping of keys to values")
     unknown = [key for key in value if key not in known]
@@ -137,7 +141,7 @@ def _join(at: str, key: str) -> str:
 
 
 def _number(value: Any, at: str) -> float:
-    # YAML reads 1e-3 as text.
+    # The value may be a string, since YAML 1.1 loaders read 1e-3 as text.
     if isinstance(value, str):
         try:
             value = float(value)
@@ -183,7 +187,7 @@ def _within(low: float, high: float = math.inf) -> Check:
 
 
 def _above(low: float, high: float = math.inf) -> Check:
-    """Between two values that are not among those that it takes."""
+    """Returns a check for numbers strictly between two values."""
 
     def check(value: Any, at: str) -> float:
         number = _finite(value, at)
@@ -220,7 +224,7 @@ def _color(value: Any, at: str) -> list[float]:
 
 
 def _drawn(of: Check) -> Check:
-    """A value, or a way to draw one."""
+    """Returns a check for a value or a distribution of values."""
 
     def check(value: Any, at: str) -> Any:
         if not isinstance(value, Mapping):
@@ -237,7 +241,7 @@ def _drawn(of: Check) -> Check:
         if _finite(low, f"{at}.{kind}[0]") > _finite(high, f"{at}.{kind}[1]") or (kind == "log_uniform" and _finite(low, at) <= 0):
             positive = " above 0" if kind == "log_uniform" else ""
             raise SpecError(f"{at}.{kind}: {_shown(given)} must be a low and a high number{positive}")
-        # Both ends must be values that may be drawn.
+        # Both ends must be valid values.
         return {kind: [of(low, f"{at}.{kind}[0]"), of(high, f"{at}.{kind}[1]")]}
 
     return check
@@ -262,7 +266,7 @@ def _name(value: Any, at: str) -> str:
 
 
 def _distance(value: Any, at: str) -> Any:
-    """A length, or ``"inf"``: JSON has no infinity."""
+    """Checks a length. Infinity is kept as ``"inf"``, since JSON has no infinity."""
     number = math.inf if isinstance(value, str) and value in ("inf", ".inf") else _number(value, at)
     return "inf" if number == math.inf else _above(0)(number, at)
 
@@ -311,7 +315,7 @@ def _lights(value: Any, at: str) -> Any:
 
 
 def _sky(value: Any, at: str) -> Any:
-    """A colour, a picture's file, or ``procedural``."""
+    """Checks a sky: a colour, a picture's file, or ``procedural``."""
     try:
         return _color(value, at)
     except SpecError:
@@ -326,7 +330,7 @@ def _origin(value: Any, at: str) -> Any:
     return _list(3, _finite)(value, at)
 
 
-# Options of scenes that are files.
+# Options of scene files.
 _OF_FILES = ("crease_angle", "missing_textures", "origin", "outside_files")
 
 
@@ -462,7 +466,7 @@ def _outputs(value: Any, at: str) -> list[str]:
 
 
 def _check_extent(value: Any) -> None:
-    """Refuses what is nested too deep or has too many values, before anything walks through all of it."""
+    """Refuses specs with too deep nesting or too many values, before anything else walks through them."""
     waiting, count = [(value, 1)], 0
     while waiting:
         part, level = waiting.pop()
@@ -509,12 +513,12 @@ def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
 
 
 EXACT_METHODS = ("auto", "naive", "bracket", "verified", "bracket-rays")
-"""Methods whose pixels show their own centres, of which there is ground truth."""
+"""Methods whose pixels show the surfaces at their centres, to which ground truth belongs."""
 _TRUTH = ("distance", "occlusion", "normal", "geometric_normal", "material")
 
 
 def _check_together(found: Mapping[str, Any]) -> None:
-    """What no pair could be made with, though each of it is right."""
+    """Refuses valid values that contradict each other."""
     method = found["render"].get("method", "auto")
     outputs = [name.rpartition(".")[2] for name in found.get("outputs", ["occlusion"])]
     truth = [output for output in outputs if output in _TRUTH]
@@ -523,7 +527,7 @@ def _check_together(found: Mapping[str, Any]) -> None:
     if "shadow_source" in outputs and (method == "naive" or method not in EXACT_METHODS):
         raise SpecError(f"outputs: shadow_source is known by brackets, not by {method}")
     rig = found["rig"]
-    # Cameras with one cx for both eyes are parallel, unless it is said where their screen is.
+    # Cameras with one cx for both eyes are parallel, unless a screen distance is given.
     distance = rig.get("screen_distance", "inf" if found["format"] in stereotrace.LAYOUTS or "fx" in rig else None)
     distances = distance["choice"] if isinstance(distance, dict) and "choice" in distance else [distance]
     if found["format"] in PARALLEL_LAYOUTS and any(one != "inf" for one in distances):
@@ -533,7 +537,7 @@ def _check_together(found: Mapping[str, Any]) -> None:
 
 
 def eye_outputs(outputs: Sequence[str]) -> list[tuple[str, str]]:
-    """Eye and output of each array, in order: a name without an eye is of both."""
+    """Returns eye and output of each array, in order. A name without an eye means both eyes."""
     found: list[tuple[str, str]] = []
     for name in outputs:
         eye, _, output = name.rpartition(".")

@@ -1,4 +1,4 @@
-"""Where a data set lies: a folder, or any place that fsspec knows. Files are there whole or not at all."""
+"""The store of a data set: a folder, or any location that fsspec supports. Files are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from typing import Any
 from .._needs import needs
 
 PART = ".part-"
-"""In the names of what is not whole yet."""
+"""Part of the names of unfinished files."""
 
 
 READERS = 32
-"""Files that are read at once."""
+"""Number of files that are read in parallel."""
 READ_AHEAD = 256
-"""Files that are held at once while many are read."""
+"""Maximum number of files in memory while many are read."""
 
 
 class Written(io.RawIOBase):
-    """A file that counts its bytes and hashes them while they are written."""
+    """A file that counts and hashes its bytes as they are written."""
 
     def __init__(self, file: Any) -> None:
         self._file = file
@@ -38,7 +38,7 @@ class Written(io.RawIOBase):
 
     def write(self, data: Any) -> int:
         view = memoryview(data).cast("B")
-        # What writes files of several parts ends them even after a part could not be written.
+        # Writers of tar and Parquet files write an end even after an error. Then there is no file any more.
         if self._file is not None:
             self._hash.update(view)
             self._file.write(view)
@@ -49,11 +49,11 @@ class Written(io.RawIOBase):
         return self.bytes
 
     def abandon(self) -> None:
-        """What is still written goes nowhere."""
+        """Drops all further writes."""
         self._file = None
 
     def sha256(self) -> str:
-        """Of all that was written."""
+        """Returns the hash of all bytes written."""
         return self._hash.hexdigest()
 
 
@@ -61,29 +61,29 @@ class Store:
     """A folder of files."""
 
     def __init__(self, url: str, options: dict[str, Any] | None = None) -> None:
-        """``url`` is a path, or a place like ``s3://bucket/folder``; ``options`` are those of its fsspec file system."""
+        """``url`` is a path, or a URL like ``s3://bucket/folder``. ``options`` are those of its fsspec file system."""
         fsspec = needs("fsspec", "dataset")
         self.url = url
         self.options = options or {}
-        # A path is one, whatever is in it; fsspec would take its colons for a chain of file systems.
+        # fsspec would take colons in a path for a chain of file systems.
         self.is_local = "://" not in url
         if self.is_local:
             self._files, root = fsspec.filesystem("file", **self.options), os.path.abspath(url)
         else:
             self._files, root = fsspec.core.url_to_fs(url, **self.options)
-        # A listing that is kept would not show what other workers wrote.
+        # A cached listing would not show files of other workers.
         self._files.use_listings_cache = False
         self._root = str(root).rstrip("/")
 
     def place(self, name: str) -> str:
-        """The whole name of a file, for messages."""
+        """Returns the full name of a file, for messages."""
         return self._files.unstrip_protocol(self._path(name)) if not self.is_local else self._path(name)
 
     def _path(self, name: str) -> str:
         return posixpath.join(self._root, name)
 
     def names(self, folder: str = "") -> set[str]:
-        """What lies in a folder; nothing where it is not there."""
+        """Returns the names in a folder. A missing folder has none."""
         self._files.invalidate_cache()
         try:
             found = self._files.ls(self._path(folder).rstrip("/"), detail=False)
@@ -92,8 +92,7 @@ class Store:
         return {posixpath.basename(str(name).rstrip("/")) for name in found}
 
     def stamps(self) -> dict[str, str]:
-        """What lies in the folder, with what tells a file from another of its name: size, time, or the storage's own
-        tag."""
+        """Returns the names in the folder with stamps that change if the file does: size, time or the storage's tag."""
         self._files.invalidate_cache()
         try:
             found = self._files.ls(self._path("").rstrip("/"), detail=True)
@@ -110,7 +109,7 @@ class Store:
         return bytes(self._files.cat_file(self._path(name)))
 
     def read_all(self, names: Sequence[str]) -> Iterator[bytes | None]:
-        """Reads many files, several at once; ``None`` of one that is not there."""
+        """Reads many files in parallel. Yields ``None`` for a missing one."""
 
         def read(name: str) -> bytes | None:
             try:
@@ -123,7 +122,7 @@ class Store:
                 yield from readers.map(read, names[begin : begin + READ_AHEAD])
 
     def lines(self, name: str) -> Iterator[bytes]:
-        """The lines of a file; none where it is not there."""
+        """Yields the lines of a file. A missing file has none."""
         try:
             with self._files.open(self._path(name), "rb") as file:
                 yield from file
@@ -134,38 +133,38 @@ class Store:
         self._files.makedirs(self._root, exist_ok=True)
 
     def remove(self, name: str) -> None:
-        """A file or a folder; nothing where there is none."""
+        """Removes a file or a folder, if it exists."""
         if self.exists(name):
             self._files.rm(self._path(name), recursive=True)
 
     def remove_parts(self, names: Iterable[str]) -> None:
-        """What processes that were killed left of files of these names, whatever their endings."""
+        """Removes unfinished files of these names, with any ending, which killed processes left."""
         wanted = set(names)
         for part in self.names():
             if PART in part and part.partition(".")[0] in wanted:
                 self.remove(part)
 
     def write(self, name: str, data: bytes) -> None:
-        """A file, whole or not at all."""
+        """Writes a file, whole or not at all."""
         with self.writing(name) as file:
             file.write(data)
 
     def mark(self, name: str) -> None:
-        """An empty file, in a folder that is made."""
+        """Writes an empty file, and makes its folder."""
         path = self._path(name)
         self._files.makedirs(posixpath.dirname(path), exist_ok=True)
         self._files.pipe_file(path, b"")
 
     @contextmanager
     def writing(self, name: str) -> Iterator[Written]:
-        """A file that has its name only when all of it is written, and is not there if anything fails."""
+        """Opens a file for writing. It gets its name once it is complete, and is removed if anything fails."""
         part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
         written = None
         try:
             with self._files.open(part, "wb") as file:
                 written = Written(file)
                 yield written
-            # Of another run, or of a process that did not end after all: it has the same bytes.
+            # This may replace the file of another run, which has the same bytes.
             self._files.mv(part, self._path(name))
         except BaseException:
             if written is not None:
@@ -174,7 +173,7 @@ class Store:
             raise
 
     def put_folder(self, folder: Path, name: str) -> int:
-        """A folder of this machine, as a folder of this name; returns its bytes."""
+        """Copies a local folder to a folder of this name. Returns its size in bytes."""
         part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
         try:
             self._files.put(f"{folder}/", part, recursive=True)
@@ -187,8 +186,9 @@ class Store:
         return sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
 
     def put_into_root(self, folder: Path, name: str) -> int:
-        """All files of a folder of this machine, where they lie in it, each of them whole or not at all; returns their
-        bytes. ``name`` says whose they are, for what a process that is killed leaves."""
+        """Copies all files of a local folder to the same relative paths, each whole or not at all.
+
+        Unfinished files carry ``name``, so that ``remove_parts`` finds them. Returns the size in bytes."""
         files = sorted(file for file in folder.rglob("*") if file.is_file())
         if self.is_local:
             part = self._path(f"{name}{PART}{uuid.uuid4().hex}")
@@ -201,16 +201,16 @@ class Store:
             finally:
                 self._discard(part)
         else:
-            self.put_files(folder)  # an object is whole when it is there
+            self.put_files(folder)  # object stores write objects whole
         return sum(file.stat().st_size for file in files)
 
     def put_files(self, folder: Path) -> None:
-        """All files of a folder of this machine, where they lie in it."""
+        """Copies all files of a local folder to the same relative paths."""
         self._files.put(f"{folder}/", self._root, recursive=True)
 
     def _discard(self, path: str) -> None:
         try:
             if self._files.exists(path):
                 self._files.rm(path, recursive=True)
-        except Exception:  # the error that led here is the one to tell
+        except Exception:  # the error that led here is the one to raise
             pass

@@ -1,4 +1,4 @@
-"""What makes pairs and shards: a renderer and the scenes that were read, kept from shard to shard."""
+"""Makes pairs and shards, with a renderer and scenes that are kept from shard to shard."""
 
 from __future__ import annotations
 
@@ -23,25 +23,26 @@ from .store import Store
 
 log = logging.getLogger("stereotrace.dataset")
 
-# What a pair's files in a layout take of ground truth.
+# Outputs that the files of a layout need.
 LAYOUT_OUTPUTS = ["color", "disparity", "occlusion"]
 
 
 SCENE_MEMORY = 2**30
-"""Memory that a worker keeps scenes in, in bytes, where nothing is said. The scene at hand is always kept."""
+"""Default memory in bytes for the scenes that a worker keeps. The current scene is always kept."""
 COPIES = 3
-"""What a scene takes here and on a device that is this machine, as a multiple of ``Scene.memory``: 1.8 and 2.9 were
+"""Memory of a scene on the host and on a software device together, as a multiple of ``Scene.memory``. 1.8 and 2.9 were
 measured on a million triangles."""
 WAITING_MEMORY = 2**28
-"""Files of pairs that wait for their place in a shard are in memory up to this size, in bytes, then on disk."""
+"""Size in bytes from which files that wait for their place in a shard go to disk."""
 MOST_FILES = 10_000
-"""A folder with more files than this is not looked through: its scenes are read again each time."""
+"""Maximum number of files in a scene's folder. With more, scenes are read again instead of comparing the files."""
 
 
 def scene_files(spec: Spec, scene: int, leave_out: Path | None = None) -> str | None:
-    """A hash of names, sizes and times of the files that a scene may be read from: those in its folder and below, and
-    its sky. ``None`` where they can't be told, or are too many. ``leave_out`` is a folder that has none of them, such
-    as the data set's own."""
+    """Returns a hash of names, sizes and times of a scene's files: those in its folder and below, and its sky.
+
+    Returns ``None`` if a file can't be inspected or there are too many. ``leave_out`` is a folder to skip, such as the
+    data set's own."""
     path, sky = spec.scene_path(scene), spec["scenes"][scene].get("sky")
     found: list[tuple[str, int, int]] = []
     try:
@@ -65,7 +66,7 @@ def _stamp(path: Path) -> tuple[str, int, int]:
 
 
 def open_scene(spec: Spec, scene: int) -> Scene:
-    """A scene of a spec as it is before anything is drawn."""
+    """Opens a scene of a spec, without drawn values."""
     entry, path = spec["scenes"][scene], spec.scene_path(scene)
     if path is None:
         found = Scene.builtin(entry["builtin"])
@@ -88,17 +89,17 @@ def open_scene(spec: Spec, scene: int) -> Scene:
 
 
 def scene_hash(spec: Spec, scene: int, found: Scene) -> str:
-    """Of all that pictures of a scene depend on: what it shows, and the camera that it has for the spec."""
+    """Returns a hash of everything that pictures of a scene depend on: its content and its camera in the spec."""
     camera = Item.camera_of(spec, scene, found).to_json()
     return hashlib.sha256(f"{found.sha256()} {camera}".encode()).hexdigest()
 
 
 class SceneChanged(ValueError):
-    """A scene file is not what it was when the data set was begun."""
+    """A scene file has changed since the data set was begun."""
 
 
 class Stage:
-    """A scene that pairs are made of, one after the other."""
+    """A scene that pairs are rendered from, one after the other."""
 
     def __init__(self, spec: Spec, scene: int, sha256: str | None, opened: Scene | None) -> None:
         self.scene = open_scene(spec, scene) if opened is None else opened
@@ -110,7 +111,7 @@ class Stage:
         self._ambient = self.scene.given_ambient
 
     def dress(self, item: Item, camera: stereotrace.Camera) -> None:
-        """Gives the scene the item's lights and materials, whatever it had before."""
+        """Sets the item's lights, ambient light and materials, whatever the previous item set."""
         self.scene.lights = item.lights(self.scene, self._lights, camera)
         ambient = item.ambient()
         self.scene.ambient = self._ambient if ambient is None else ambient
@@ -143,14 +144,16 @@ class Waiting:
 
     def take(self, item: int) -> dict[str, bytes]:
         self._file.seek(self._places.pop(item))
-        files: dict[str, bytes] = pickle.load(self._file)  # of this process
+        files: dict[str, bytes] = pickle.load(self._file)  # trusted: this process wrote it
         return files
 
 
 class Worker:
-    """Makes pairs and shards of a spec. ``hashes`` are those of its scenes when the data set was begun; a scene that
-    can't be read has none. Scenes stay read, and on the device, up to ``scene_memory`` bytes of them, those that were
-    used last. ``opened`` are scenes that have these hashes already, which it takes."""
+    """Makes pairs and shards of a spec.
+
+    ``hashes`` are those of the scenes when the data set was begun, ``None`` for one that could not be read. The most
+    recently used scenes stay in memory and on the device, up to ``scene_memory`` bytes. ``opened`` are scenes that were
+    already read with these hashes, which the worker uses."""
 
     def __init__(
         self,
@@ -181,7 +184,7 @@ class Worker:
             try:
                 stage = Stage(self.spec, scene, self._hashes[scene], self._opened.pop(scene, None))
             except (ValueError, OSError) as error:
-                self._faults[scene] = error  # it is not read again for every pair
+                self._faults[scene] = error  # avoids reading it again for every pair
                 raise
         self._stages[scene] = stage
         while len(self._stages) > 1 and COPIES * sum(one.scene.memory for one in self._stages.values()) > self._scene_memory:
@@ -189,7 +192,7 @@ class Worker:
         return stage
 
     def pair(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
-        """A pair, and its record: where its camera stood and what it shows. Raises what rendering raises."""
+        """Renders a pair. Returns it with its record: camera, method, disparity range. Raises as rendering does."""
         item = Item(self.spec, number)
         place = item.scene()
         stage = self._stage(place)
@@ -201,7 +204,7 @@ class Worker:
         return pair, self._record(number, place, pair, tries)
 
     def outputs(self) -> list[str]:
-        """What is rendered: arrays' names without eyes, with those that the record needs."""
+        """Returns the outputs to render: the spec's arrays without eyes, and those that the record needs."""
         if self.spec.is_layout:
             return LAYOUT_OUTPUTS
         names = [name.rpartition(".")[2] for name in self.spec["outputs"]]
@@ -230,7 +233,7 @@ class Worker:
         return record
 
     def _pair_once_more(self, number: int) -> tuple[StereoPair, dict[str, Any]]:
-        """A pair; where the device is lost, by a new one."""
+        """Renders a pair. If the device is lost, tries once more on a new one."""
         try:
             return self.pair(number)
         except DeviceLostError as error:
@@ -239,11 +242,13 @@ class Worker:
             return self.pair(number)
 
     def shard(self, number: int, store: Store, done: Callable[[int], None] = lambda item: None) -> dict[str, Any]:
-        """Makes a shard and writes it, and then its record, which says that the shard is there. An error of a pair stands in the record, and the others are made; what
-        goes wrong with the storage is raised. ``done`` is told of each pair."""
+        """Makes and writes a shard, and then its record, which marks the shard as complete.
+
+        Errors of pairs go to the record, and the other pairs are made. Errors of the store are raised. ``done`` is
+        called with the number of each pair."""
         began = time.monotonic()
         name = self.spec.shard_name(number)
-        # While its data is replaced, no record says that it is there.
+        # No record may mark the shard as complete while its data is replaced.
         store.remove(f"{name}.json")
         record: dict[str, Any] = {
             "shard": name,
@@ -262,7 +267,7 @@ class Worker:
         return record
 
     def _by_scene(self, items: Iterable[int]) -> list[int]:
-        """Items in an order in which no scene is read twice: first those of scenes that are kept."""
+        """Returns the items sorted by scene, so that no scene is read twice. Kept scenes come first."""
         scenes = {item: Item(self.spec, item).scene() for item in items}
         first: dict[int, int] = {}
         for item, scene in scenes.items():
@@ -272,13 +277,14 @@ class Worker:
     def _each(
         self, number: int, record: dict[str, Any], done: Callable[[int], None], use: Callable[[int, StereoPair, dict[str, Any]], Any]
     ) -> Iterator[tuple[int, Any]]:
-        """Each pair of a shard, made and used, scene by scene: yields what its use gives. Errors of either go to the
-        shard's record, and yield ``None``."""
+        """Makes each pair of a shard, scene by scene, and yields the result of ``use``.
+
+        Errors of making or using a pair go to the shard's record, and yield ``None``."""
         for item in self._by_scene(self.spec.shard_items(number)):
             try:
                 pair, of_pair = self._pair_once_more(item)
             except Exception as error:
-                # Without a device there is nothing to make the others with.
+                # Without a device the other pairs can't be made either.
                 if isinstance(error, AdapterError) and not isinstance(error, LimitError):
                     raise
                 self._note(record, item, error)
@@ -287,7 +293,7 @@ class Worker:
                 continue
             try:
                 used = use(item, pair, of_pair)
-            except OSError:  # the disk's, not the pair's
+            except OSError:  # an error of the disk, not of the pair
                 raise
             except Exception as error:
                 self._note(record, item, error)
@@ -299,7 +305,7 @@ class Worker:
 
     @staticmethod
     def _note(record: dict[str, Any], item: int, error: Exception) -> None:
-        """An error of a pair, in its shard's record."""
+        """Adds a pair's error to its shard's record."""
         text = str(error) or type(error).__name__
         log.warning("item %d: %s", item, text)
         record["errors"].append({"item": item, "error": text, "kind": type(error).__name__})

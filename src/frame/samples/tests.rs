@@ -1,4 +1,4 @@
-//! Samples one by one, before they are filtered, against plain Rust and against `Naive`.
+//! Compares unfiltered samples with plain Rust and with `Naive`.
 
 use glam::Vec3;
 
@@ -14,12 +14,13 @@ use crate::{
 fn renderer() -> Renderer {
     let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
     let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
-    // Several bands even of small pictures.
+    // Several bands even for small pictures.
     renderer.band_pixels = 64 * 64;
     renderer
 }
 
-/// Triangles and balls in the unit cube, each with a colour of its own and none lit, so that a colour says what was hit.
+/// Returns triangles and balls in the unit cube, each with its own colour and unlit, so that a colour identifies the
+/// hit.
 fn colored(seed: u32, triangles: usize, balls: usize) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -45,7 +46,7 @@ fn camera(width: u32, height: u32) -> StereoCamera {
         .interaxial_pixels(width as f32 / 12.0)
 }
 
-/// The jittered samples of all views, so many a side of a pixel, as they are traced or carried over.
+/// Returns the jittered samples of all views, `side` a side of a pixel, whether traced or reused.
 fn samples(renderer: &mut Renderer, scene: &Scene, eyes: &Eyes, side: u32, options: &Options) -> Vec<ViewRows> {
     let uploaded = renderer.upload(scene).unwrap();
     let finer = eyes.with_samples(side).unwrap();
@@ -60,7 +61,7 @@ fn samples(renderer: &mut Renderer, scene: &Scene, eyes: &Eyes, side: u32, optio
     views
 }
 
-/// What samples hit, as twins have it.
+/// Returns the hits of samples, in the form of the twins.
 fn hits(rows: &ViewRows) -> Vec<(f32, u32)> {
     rows.view.depth.iter().map(|depth| depth.min(FAR)).zip(rows.view.primitive.iter().copied()).collect()
 }
@@ -76,7 +77,7 @@ fn jittered_samples_hit_what_plain_rust_hits_and_land_where_a_sequential_sweep_p
     let exact = is_exact(&renderer);
     let scenes = [colored(1, 120, 0), colored(2, 0, 40), colored(3, 60, 20)];
     for (scene, (side, seed)) in scenes.iter().zip([(2, 0), (3, 5), (4, 77)]) {
-        // Both ways: to an eye on the right, and to one on the left.
+        // Both ways: for an eye on the right, and for one on the left.
         for offsets in [[-0.5, 0.5], [0.5, -0.5]] {
             let pose = camera(33, 25).pose().unwrap();
             let eyes = Eyes { offsets: offsets.to_vec(), ..Eyes::pair(&pose) };
@@ -92,7 +93,7 @@ fn jittered_samples_hit_what_plain_rust_hits_and_land_where_a_sequential_sweep_p
             for (view, twin) in naive.iter().zip(&twins) {
                 assert!(differing(&hits(view), twin) <= allowed, "{side} {offsets:?}");
             }
-            // Without jitter it is another picture.
+            // Without jitter the picture differs.
             let still = trace_left(scene, &eyes.with_samples(side).unwrap().cpu_frame(1), Eye::Left);
             assert!(differing(&still, &twins[0]) > still.len() / 20);
 
@@ -138,8 +139,8 @@ fn jittered_shadow_bits_are_taken_over_as_plain_rust_does() {
     }
 }
 
-/// Of scenes of triangles and balls, large and a fraction of a sample, and of wires and slats: whatever is hit, and with all shadow rays the
-/// picture.
+/// Scenes of triangles and balls, large ones and some smaller than a sample, and of wires and slats. Hits must agree,
+/// and with all shadow rays the picture too.
 #[test]
 fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
     let mut renderer = renderer();
@@ -155,7 +156,7 @@ fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
                 samples(&mut renderer, &scene, &eyes, side, &Options::new(method).seed(side).count(count))
             };
             let naive = of(Method::Naive, false);
-            // What is counted has one ray a lane, which meets the primitives that may cover its own sample alone.
+            // Counting kernels have one ray a lane, which tests only the primitives that may cover its own sample.
             let methods = [Method::BRACKET_RAYS, Method::BRACKET, Method::VERIFIED].map(|method| (method, false));
             for (method, count) in methods.into_iter().chain([(Method::BRACKET_RAYS, true)]) {
                 let found = of(method, count);
@@ -171,7 +172,7 @@ fn what_jittered_samples_see_by_bracket_is_naive_s_to_the_last_bit() {
     }
 }
 
-/// Triangles smaller than a sample, dense enough that rays meet them.
+/// Returns triangles smaller than a sample, dense enough that rays hit them.
 fn dust(seed: u32) -> Scene {
     let mut random = Random::new(seed);
     let corners = (0..6000).flat_map(|_| {
@@ -185,7 +186,7 @@ fn dust(seed: u32) -> Scene {
     scene
 }
 
-/// The seed of noise may be each view's own; where samples stand may not.
+/// Each view may have its own seed of noise, but not its own sample offsets.
 #[test]
 fn views_share_their_samples_offsets_whatever_their_noise() {
     let mut renderer = renderer();

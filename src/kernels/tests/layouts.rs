@@ -1,4 +1,4 @@
-//! The host's structs and numbers against those of WGSL.
+//! Compares the host's structs and numbers with those of WGSL.
 
 use std::mem::offset_of;
 

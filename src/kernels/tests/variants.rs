@@ -1,4 +1,4 @@
-//! The kernels, and what each is specialised to in tests.
+//! The kernels, and the variants that tests use.
 
 use std::collections::BTreeSet;
 
@@ -86,13 +86,14 @@ pub(super) const ALL: [&Kernel; 54] = [
     &READ_TEXELS,
 ];
 
-/// Rows of choices, one below each of `counts`, such that any two choices for two options meet in some row.
+/// Returns rows of choices, each below its entry in `counts`, such that any two choices of two options occur together
+/// in some row.
 pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
     let choices = |option: usize| (0..counts[option]).map(move |choice| (option, choice));
     let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
     let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
     let mut rows = Vec::new();
-    // A row begins with a pair that has not met yet. Its other choices are those that make most such pairs meet.
+    // A row begins with a pair that has not occurred. Its other choices are those that add most such pairs.
     while let Some(&(first, second)) = open.first() {
         let mut row = vec![first, second];
         for option in (0..N).filter(|&option| option != first.0 && option != second.0) {
@@ -109,7 +110,7 @@ pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
     rows
 }
 
-/// Not all combinations, which are tens of thousands, but any two choices together.
+/// Returns variants in which any two choices occur together. All combinations would be tens of thousands.
 pub(super) fn variants() -> Vec<Variant> {
     let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
     let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
@@ -153,7 +154,7 @@ pub(super) fn variants() -> Vec<Variant> {
             ellipsoids,
             planes: [0, 1, 8][planes],
             normals,
-            // What a scene has none of, textures of balls, and of triangles, with and without the others.
+            // Scenes without any of these; textures on balls and on triangles, with and without the others.
             uv: [2, 5].contains(&surfaces),
             colors: [3, 5].contains(&surfaces),
             textures: ![0, 4, 6].contains(&surfaces),
@@ -163,7 +164,7 @@ pub(super) fn variants() -> Vec<Variant> {
             cutouts: triangles && cutouts == 1,
             lights: light > 0,
             shadows: shadows[light.saturating_sub(1)],
-            // No soft light, lights, occlusion, both, the sky, and with lights; what is never hidden among them.
+            // No soft light; lights; occlusion; both; the sky; the sky with lights. Some lights cast no shadows.
             soft_lights: soft % 2 == 1,
             casts: soft == 0 || light % 2 == 1,
             shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
@@ -186,13 +187,15 @@ pub(super) fn variants() -> Vec<Variant> {
                 .map(|rule| Reading::new(rule, 0b101)),
         }
     };
-    // What the scenes of spheres alone are paired with, a scene without primitives, or of planes alone, is paired with too.
+    // The choices paired with scenes of spheres alone are also paired with scenes without a tree: empty ones, or planes
+    // alone.
     let spheres_alone = rows.iter().filter(|row| row[1] == 0);
     let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
     rows.iter().map(with).chain(empty).collect()
 }
 
-/// Those of a kernel: `bracket`'s keep samples, mirrors' have mirrors, soft light's have such, and a scene without a tree has no tiles to bound and nothing to draw.
+/// Returns the variants of a kernel. Those of `bracket` keep samples, those of mirrors have mirrors, those of soft
+/// light have such light. A scene without a tree has no tiles to bound and nothing to draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
     if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {

@@ -1,4 +1,4 @@
-//! A vaulted hall of columns: 200,000 triangles in many layers.
+//! A vaulted hall with columns: 200,000 triangles in many layers.
 
 use std::f32::consts::PI;
 
@@ -10,12 +10,12 @@ use super::{
 };
 use crate::{MaterialId, Mesh, Scene, Sky, StereoCamera, random::pcg};
 
-/// Where the rows of columns stand (x, metres); the outermost are engaged in the walls.
+/// x of the rows of columns in metres; the outermost are engaged in the walls.
 const ROWS: [f32; 6] = [-12.0, -7.6, -3.2, 3.2, 7.6, 12.0];
-/// Columns of a row are this far apart (z); the first line across the hall, at z = 0, is in the wall behind the camera.
+/// Distance of a row's columns along z. The first line across the hall, at z = 0, is in the wall behind the camera.
 const BAY: f32 = 4.4;
 const BAYS: usize = 10;
-/// Height of the capitals' tops, where the arches spring, and how much the vaults rise above it.
+/// Height of the capitals' tops, where the arches spring, and the vaults' height above it.
 const SPRINGING: f32 = 4.7;
 const RISE: f32 = 2.8;
 
@@ -89,7 +89,7 @@ fn row_z(line: usize) -> f32 {
     -BAY * line as f32
 }
 
-/// The camera stands in the nave; the nearest base of a column is just behind half the screen's distance.
+/// Returns a camera in the nave. The nearest base of a column is just beyond half the screen's distance.
 pub(super) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, TARGET).screen_distance(SCREEN).vertical_fov_degrees(52.0)
 }
@@ -98,7 +98,7 @@ pub(super) fn scene() -> Scene {
     with_floor(|floor| floor)
 }
 
-/// The same with another floor than that.
+/// Builds the scene with a changed floor.
 pub(super) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     let mut scene = Scene::new();
     let stone = Stone::new(&mut scene);
@@ -117,7 +117,7 @@ pub(super) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     vaults(&mut scene, &stone);
     banners(&mut scene, &stone);
     furniture(&mut scene, &stone);
-    // No ray leaves the hall but through a seam's rounding.
+    // Rays only leave the hall through rounding at a seam.
     scene.sky = Sky::Constant(Vec3::new(0.3, 0.26, 0.2));
     scene.ambient = Some(Vec3::splat(0.15));
     scene.lights = vec![
@@ -144,7 +144,7 @@ fn floor(stone: &Stone) -> Shape {
     floor
 }
 
-/// They go up behind the vaults; a painted dado runs below.
+/// Adds walls up to behind the vaults, with a painted dado below.
 fn walls(scene: &mut Scene, stone: &Stone) {
     const DADO: f32 = 1.1;
     let (left, right) = (ROWS[0], ROWS[ROWS.len() - 1]);
@@ -162,7 +162,7 @@ fn walls(scene: &mut Scene, stone: &Stone) {
     }
 }
 
-/// Plinth, base, fluted shaft, capital and impost, as high as the arches' springing.
+/// Adds plinth, base, fluted shaft, capital and impost, up to the arches' springing.
 fn column(shape: &mut Shape, stone: &Stone, shaft: MaterialId) {
     const AROUND: usize = 26;
     const BASE_TOP: f32 = 0.62;
@@ -175,11 +175,11 @@ fn column(shape: &mut Shape, stone: &Stone, shaft: MaterialId) {
     shape.lathe([AROUND, 6], torus(0.36, 0.26, 0.1), trim);
     shape.lathe([AROUND, 4], torus(0.35, 0.46, 0.06), trim);
     shape.lathe([AROUND, 1], |t| Vec2::new(0.37 - 0.02 * t, 0.57 + 0.05 * t), trim);
-    // A column narrows the faster the higher (entasis).
+    // The taper increases with height (entasis).
     let profile = |t: f32| Vec2::new(0.345 - 0.06 * t * t, BASE_TOP + (SHAFT_TOP - BASE_TOP) * t);
     shape.fluted_shaft([18, 4, 4], 0.03, profile, shaft);
     shape.lathe([AROUND, 4], torus(0.27, SHAFT_TOP, 0.05), trim);
-    // The capital's bell opens in a quarter ellipse, from the ring to the abacus.
+    // The capital's bell is a quarter ellipse from the ring to the abacus.
     let bell = |t: f32| {
         let (sin, cos) = (0.5 * PI * t).sin_cos();
         Vec2::new(0.45 - 0.17 * cos, SHAFT_TOP + 0.1 + 0.5 * sin)
@@ -189,18 +189,18 @@ fn column(shape: &mut Shape, stone: &Stone, shaft: MaterialId) {
     slab(shape, 0.4, SHAFT_TOP + 0.7, SPRINGING);
 }
 
-/// An arch over every side of every bay, of brick and stone in turn.
+/// Adds an arch on every side of every bay, of brick and stone alternately.
 fn arches(scene: &mut Scene, stone: &Stone) {
     const STONES: usize = 15;
     const HALF_THICKNESS: f32 = 0.3;
-    /// Its underside stands this far from the columns' axes and the vault's edge.
+    /// Distance of an arch's underside from the columns' axes and the vault's edge.
     const WIDTH: f32 = 0.36;
     let mut arch = |name: String, from: Vec3, to: Vec3| {
         let half = 0.5 * (to - from);
         let along = half - half.normalize() * WIDTH;
         let across = along.cross(Vec3::Y).normalize() * HALF_THICKNESS;
         let mut shape = Shape::new(name, from.midpoint(to) + Vec3::Y * SPRINGING);
-        // At the crown it ends a little above the vault's edge; at its feet it meets the next arch.
+        // At the crown the arch ends slightly above the vault's edge; at its feet it meets the next arch.
         shape.arch(along, across, RISE - WIDTH, [WIDTH, WIDTH + 0.04], STONES, |k| stone.voussoirs[k % 2]);
         add(scene, shape);
     };
@@ -230,7 +230,7 @@ fn vaults(scene: &mut Scene, stone: &Stone) {
     }
 }
 
-/// Cloths without thickness: on poles at the columns of the nave, and in the arches of the aisles.
+/// Adds cloths without thickness: on poles at the columns of the nave, and in the arches of the aisles.
 fn banners(scene: &mut Scene, stone: &Stone) {
     for line in 2..BAYS {
         for (side, row) in [(1.0, 2), (-1.0, 3)] {
@@ -256,7 +256,7 @@ fn banners(scene: &mut Scene, stone: &Stone) {
     }
 }
 
-/// A hanging cloth with folds, a border, chevrons and a pointed lower edge.
+/// Returns a hanging cloth with folds, a border, chevrons and a pointed lower edge.
 fn banner(name: String, corner: Vec3, across: Vec3, drop: f32, cloth: MaterialId, gold: MaterialId) -> Shape {
     const PATCHES: [usize; 2] = [16, 24];
     let depth = across.cross(Vec3::Y).normalize() * 0.045;
@@ -270,7 +270,7 @@ fn banner(name: String, corner: Vec3, across: Vec3, drop: f32, cloth: MaterialId
         },
         |column, row| {
             let border = column == 1 || column == 14 || row == 22;
-            // Rows follow the lower edge, so bars of them are chevrons.
+            // Rows follow the pointed lower edge, so bars along them are chevrons.
             let chevron = (4..12).contains(&column) && matches!(row, 7 | 8 | 11 | 12 | 15 | 16);
             if border || chevron { gold } else { cloth }
         },
@@ -278,7 +278,7 @@ fn banner(name: String, corner: Vec3, across: Vec3, drop: f32, cloth: MaterialId
     shape
 }
 
-/// A carpet that leads to steps and a round window at the far end, and urns beside it.
+/// Adds a carpet that leads to steps and a round window at the far end, with urns beside it.
 fn furniture(scene: &mut Scene, stone: &Stone) {
     let far = row_z(BAYS);
     add(scene, carpet(stone, far));
@@ -348,13 +348,13 @@ fn round_window(stone: &Stone, far: f32) -> Shape {
     window
 }
 
-/// An urn on its pedestal, left or right of the carpet, between a line of columns and the one before it.
+/// Returns an urn on a pedestal, left or right of the carpet, between a line of columns and the previous one.
 fn urn(stone: &Stone, line: usize, side: f32) -> Shape {
     let at = Vec3::new(side * 2.0, 0.0, row_z(line) - 0.5 * BAY);
     let mut urn = Shape::new(format!("urn {line} {}", if side < 0.0 { "left" } else { "right" }), at);
     urn.cuboid(Vec3::new(-0.28, -0.1, -0.28), Vec3::new(0.28, 0.55, 0.28), stone.trim);
     urn.cuboid(Vec3::new(-0.33, 0.54, -0.33), Vec3::new(0.33, 0.63, 0.33), stone.trim);
-    // From the foot over the belly to the neck and the lip.
+    // The profile goes from the foot over the belly to the neck and the lip.
     let profile = |t: f32| Vec2::new(0.12 + 0.17 * (PI * t.powf(0.8)).sin().powi(2) + 0.1 * t.powi(6), 0.62 + 0.75 * t);
     urn.lathe([32, 20], profile, |_, row| if row == 9 || row == 15 { stone.gold } else { stone.bronze });
     urn

@@ -1,18 +1,18 @@
-//! A hall with what pictures can show besides: marble that mirrors a little, metals that shine, balls of glass and chrome, lamps that throw soft
-//! shadows.
+//! A hall with further materials: slightly reflecting marble, shining metals, spheres of glass and chrome, and lamps
+//! with soft shadows.
 
 use glam::{Vec2, Vec3};
 
 use super::hall;
 use crate::{Finish, LightShape, Material, MaterialId, Mesh, Scene, Sphere, Texture, TextureId, random::pcg};
 
-/// Metres of floor that one picture of marble covers, and its pixels a side.
+/// Side of a marble picture on the floor in metres, and in pixels.
 const SLAB: f32 = 3.2;
 const SIDE: u32 = 256;
-/// Radius of a lamp's globe, metres.
+/// Radius of a lamp's globe in metres.
 const GLOBE: f32 = 0.12;
 
-/// The built-in hall, finished. Its floor has texture coordinates of its own.
+/// Builds the hall with finished materials. Its floor has texture coordinates.
 pub(super) fn hall() -> Scene {
     let mut scene = hall::with_floor(with_uv);
     let marble = scene.add_texture(marble());
@@ -27,7 +27,7 @@ pub(super) fn hall() -> Scene {
     scene
 }
 
-/// Seen from above.
+/// Adds texture coordinates, as seen from above.
 fn with_uv(floor: Mesh) -> Mesh {
     let corner = |place: u32| {
         let at = floor.positions[place as usize];
@@ -53,7 +53,7 @@ fn finish(material: Material, marble: TextureId) -> Material {
     }
 }
 
-/// In the aisle, where the first lamp lights them.
+/// Adds spheres of glass and chrome in the aisle, where the first lamp lights them.
 fn balls(scene: &mut Scene) {
     let glass = Finish::Glass { index: 1.5, transmission: Vec3::new(0.93, 0.97, 0.95), fresnel: true };
     let glass = Material::new(Vec3::ZERO).name("glass ball").specular(Vec3::splat(0.04)).finish(glass);
@@ -67,10 +67,10 @@ fn balls(scene: &mut Scene) {
     }
 }
 
-/// Bright stone with darker veins; its borders fit each other.
+/// Returns bright stone with darker veins, which tiles seamlessly.
 fn marble() -> Texture {
     let vein = |at: Vec2| {
-        // Veins are where waves cross, bent by noise of several sizes.
+        // Veins are at the zeros of a wave that noise of several sizes distorts.
         let bent = (0..4).map(|octave| noise(at, 4 << octave) / (1 << octave) as f32).sum::<f32>();
         let wave = (std::f32::consts::TAU * (at.x + 2.0 * at.y) + 5.0 * bent).sin();
         (1.0 - wave.abs()).powi(6)
@@ -84,7 +84,7 @@ fn marble() -> Texture {
     Texture::image(SIDE, SIDE, (0..SIDE * SIDE).map(pixel).collect()).expect("it has as many pixels as its sides say")
 }
 
-/// Smooth noise, 0 to 1, with so many grid points a side of the picture.
+/// Returns smooth noise, 0 to 1, with `points` grid points per side of the picture.
 fn noise(at: Vec2, points: u32) -> f32 {
     let at = at * points as f32;
     let (cell, within) = (at.floor(), at - at.floor());

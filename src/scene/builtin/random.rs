@@ -1,23 +1,23 @@
-//! Ellipsoids and spheres at random over a checkerboard, as in the random scenes of Adelson and Hodges 1993.
+//! Ellipsoids and spheres at random positions over a checkerboard, as in the random scenes of Adelson and Hodges 1993.
 
 use glam::{Mat3, Quat, Vec3};
 
 use super::{lamp, paint};
 use crate::{Ellipsoid, Finish, MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera, random::Random};
 
-/// Half the sides of the box that objects fill, and its centre; the floor is below it, and the camera before it.
+/// Half the sides of the box with the objects, and its centre. The floor is below it, and the camera in front of it.
 const HALF_BOX: Vec3 = Vec3::new(4.5, 2.6, 3.5);
 const CENTER: Vec3 = Vec3::new(0.0, 2.7, 0.0);
-/// Squares of the floor, on each side.
+/// Number of the floor's squares per side.
 const SQUARES: usize = 14;
 const SQUARE_SIDE: f32 = 1.5;
-/// The longest semi-axis, as a share of the side of the cube that each object has to itself: objects fill a tenth of the box, however
-/// many they are.
+/// Longest semi-axis, as a share of the side of the cube that each object has on average. Objects fill a tenth of the
+/// box at any count.
 const LONGEST: f32 = 0.36;
-/// An object that finds no room so often stands where another is.
+/// Number of tries for a free place. After these an object may overlap another.
 const TRIES: usize = 2000;
 
-/// A random scene: `count` spheres and ellipsoids, turned at random, that fill a box over a checkerboard.
+/// A random scene: `count` spheres and ellipsoids with random rotations, which fill a box over a checkerboard.
 ///
 /// ```
 /// use stereotrace::scene::builtin::RandomObjects;
@@ -28,38 +28,38 @@ const TRIES: usize = 2000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RandomObjects {
-    /// How many objects there are. Each is kept apart from all others: thousands take a while.
+    /// Number of objects. Each is checked against all others, so thousands take a while.
     pub count: usize,
-    /// Where the random numbers begin.
+    /// Seed of the random numbers.
     pub seed: u32,
-    /// The share of spheres, 0 to 1: exactly so many, rounded. The rest are ellipsoids.
+    /// Share of spheres, 0 to 1; their number is exact up to rounding. The rest are ellipsoids.
     pub sphere_share: f32,
-    /// The shares of objects that mirror and of those that are of glass, 0 to 1 together; the rest are diffuse. Their materials are named
+    /// Share of mirrors. Mirrors and glass make up 0 to 1 together; the rest are diffuse. The materials' names are
     /// `reflective`, `refractive` and `diffuse`.
     pub reflective_share: f32,
-    /// See `reflective_share`.
+    /// Share of glass objects, see `reflective_share`.
     pub refractive_share: f32,
 }
 
 impl RandomObjects {
-    /// So many ellipsoids, all diffuse.
+    /// Makes a scene of `count` diffuse ellipsoids.
     pub fn new(count: usize, seed: u32) -> Self {
         Self { count, seed, sphere_share: 0.0, reflective_share: 0.0, refractive_share: 0.0 }
     }
 
-    /// With a share of spheres, 0 to 1.
+    /// Sets the share of spheres, 0 to 1.
     pub fn sphere_share(mut self, share: f32) -> Self {
         self.sphere_share = share;
         self
     }
 
-    /// With shares of reflective and refractive objects, 0 to 1 together.
+    /// Sets the shares of reflective and refractive objects, 0 to 1 together.
     pub fn shares(mut self, reflective: f32, refractive: f32) -> Self {
         (self.reflective_share, self.refractive_share) = (reflective, refractive);
         self
     }
 
-    /// The scene, the same one each time. Where objects stand does not depend on the shares of materials.
+    /// Builds the scene. It is the same each time. The objects' places do not depend on the shares of materials.
     pub fn scene(self) -> Scene {
         const PALETTE: [[u8; 3]; 8] = [
             [200, 60, 60],
@@ -91,7 +91,7 @@ impl RandomObjects {
                 id
             })
         });
-        // The hash of the seed: neighbouring seeds would otherwise share all numbers but one.
+        // The seed is hashed. Otherwise neighbouring seeds would share all numbers but one.
         let mut random = Random(crate::random::pcg(self.seed));
         let spheres = (self.sphere_share.clamp(0.0, 1.0) * self.count as f32).round() as usize;
         let mut placed = Vec::with_capacity(self.count);
@@ -123,7 +123,7 @@ impl RandomObjects {
         scene
     }
 
-    /// A place for another object, within the box and apart from the others, and its longest semi-axis.
+    /// Returns a place for another object, within the box and apart from the others, and its longest semi-axis.
     fn place(&self, random: &mut Random, placed: &[(Vec3, f32)]) -> (Vec3, f32) {
         let side = (8.0 * HALF_BOX.x * HALF_BOX.y * HALF_BOX.z / self.count as f32).cbrt();
         let longest = LONGEST * side * random.between(0.6, 1.0);
@@ -141,14 +141,15 @@ impl RandomObjects {
     }
 }
 
-/// The camera of these scenes; the eyes are as far apart as those of the other built-in ones.
+/// Returns the camera of these scenes. Its interaxial is that of the other built-in scenes.
 pub(super) fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 4.2, 13.0), Vec3::new(0.0, 2.3, 0.0))
         .screen_distance(12.0)
         .vertical_fov_degrees(38.0)
 }
 
-/// A rotation, all alike: a point of the ball in four dimensions, made as long as 1. Written out, so that every machine rounds alike.
+/// Returns a uniformly distributed rotation: a normalised point of the 4D unit ball. The arithmetic is explicit, so
+/// that every machine rounds alike.
 fn random_turn(random: &mut Random) -> Quat {
     loop {
         let [x, y, z, w] = [(); 4].map(|()| random.between(-1.0, 1.0));
@@ -160,7 +161,7 @@ fn random_turn(random: &mut Random) -> Quat {
     }
 }
 
-/// Two triangles a square, in two materials by turns.
+/// Adds two triangles per square, in alternating materials.
 fn add_floor(scene: &mut Scene) {
     let materials = [paint(scene, "light square", [215, 210, 200]), paint(scene, "dark square", [70, 75, 85])];
     let corner = |index: usize| {

@@ -1,4 +1,4 @@
-//! Shapes made of triangles, for the scenes in code.
+//! Triangle shapes for the scenes in code.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,18 +6,18 @@ use glam::{Vec2, Vec3};
 
 use crate::{MaterialId, Mesh};
 
-/// Tangents are taken a little inside a patch, so that a crease between two patches stays sharp and an edge that
-/// shrinks to a point still has a normal; and over this share of the patch.
+/// Offset of tangents into a patch, and their length, as shares of the patch. The offset keeps creases between patches
+/// sharp and gives edges that shrink to a point a normal.
 const TANGENT_START: f32 = 0.02;
 const TANGENT_STEP: f32 = 0.05;
 
-/// A mesh that grows, in coordinates of its own.
+/// A mesh under construction, in its own coordinates.
 pub(in crate::scene) struct Shape {
     origin: Vec3,
     mesh: Mesh,
 }
 
-/// How the patches of a sheet are shaded.
+/// Shading of a sheet's patches.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::scene) enum Shading {
     Flat,
@@ -25,7 +25,7 @@ pub(in crate::scene) enum Shading {
 }
 
 impl Shape {
-    /// An object whose points are given relative to `origin`.
+    /// Begins an object whose points are relative to `origin`.
     pub(in crate::scene) fn new(name: impl Into<String>, origin: Vec3) -> Self {
         Self { origin, mesh: Mesh::default().name(name.into()) }
     }
@@ -34,7 +34,7 @@ impl Shape {
         self.mesh
     }
 
-    /// Adds a triangle, unless two of its corners are one.
+    /// Adds a triangle, unless two of its corners coincide.
     fn triangle(&mut self, corners: [Vec3; 3], normals: [Vec3; 3], material: MaterialId) {
         let corners = corners.map(|corner| corner + self.origin);
         let [a, b, c] = corners;
@@ -48,13 +48,13 @@ impl Shape {
         self.mesh.materials.push(material);
     }
 
-    /// Two flat triangles; the corners go around.
+    /// Adds two flat triangles. Corners are in order around the quad.
     pub(in crate::scene) fn quad(&mut self, [a, b, c, d]: [Vec3; 4], material: MaterialId) {
         self.triangle([a, b, c], [Vec3::ZERO; 3], material);
         self.triangle([a, c, d], [Vec3::ZERO; 3], material);
     }
 
-    /// A box along the axes.
+    /// Adds a box along the axes.
     pub(in crate::scene) fn cuboid(&mut self, low: Vec3, high: Vec3, material: MaterialId) {
         let corner = |bits: usize| {
             let pick = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
@@ -65,7 +65,8 @@ impl Shape {
         }
     }
 
-    /// A surface `point(s, t)`, s and t from 0 to 1, cut into patches; `material(column, row)` is a patch's own.
+    /// Adds a surface `point(s, t)`, with s and t from 0 to 1, divided into patches. `material(column, row)` returns a
+    /// patch's material.
     pub(in crate::scene) fn sheet(
         &mut self,
         [columns, rows]: [usize; 2],
@@ -76,7 +77,7 @@ impl Shape {
         let [width, height] = [1.0 / columns as f32, 1.0 / rows as f32];
         for row in 0..rows {
             for column in 0..columns {
-                // (0, 0), (1, 0), (1, 1), (0, 1): around the patch.
+                // Corners are in order around the patch.
                 let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, up)| {
                     let (s, t) = ((column + right) as f32 * width, (row + up) as f32 * height);
                     let (inward_s, inward_t) = (width * (1.0 - 2.0 * right as f32), height * (1.0 - 2.0 * up as f32));
@@ -96,7 +97,7 @@ impl Shape {
         }
     }
 
-    /// A surface of revolution about the y axis: `profile(t)` is (radius, height).
+    /// Adds a surface of revolution about the y axis; `profile(t)` is (radius, height).
     pub(in crate::scene) fn lathe(
         &mut self,
         [around, rows]: [usize; 2],
@@ -110,7 +111,7 @@ impl Shape {
         self.sheet([around, rows], Shading::Smooth, point, material);
     }
 
-    /// A column's shaft with `flutes` hollows, each of `facets` patches and `depth` deep.
+    /// Adds a column's shaft with `flutes` hollows, each of `facets` patches and `depth` deep.
     pub(in crate::scene) fn fluted_shaft(
         &mut self,
         [flutes, facets, rows]: [usize; 3],
@@ -125,9 +126,9 @@ impl Shape {
         self.sheet([flutes * facets, rows], Shading::Smooth, point, |_, _| material);
     }
 
-    /// The parts of a half-elliptic arch that can be seen: its underside and two faces. `along` is half its span and
-    /// `across` half its thickness (horizontal), `rise` its height above the origin; `feet` and `crown` are how long
-    /// its stones are there.
+    /// Adds the visible parts of a half-elliptic arch: its underside and two faces. `along` is half its span and
+    /// `across` half its thickness (horizontal), `rise` its height above the origin. `feet` and `crown` are the lengths
+    /// of its stones there.
     pub(in crate::scene) fn arch(
         &mut self,
         along: Vec3,
@@ -152,8 +153,8 @@ impl Shape {
         }
     }
 
-    /// A groin vault over a rectangle, seen from below: two crossing half-elliptic barrels, the higher one counts.
-    /// The origin is above the rectangle's centre at the height where the vault springs.
+    /// Adds a groin vault over a rectangle, seen from below: the higher one of two crossing half-elliptic barrels. The
+    /// origin is above the rectangle's centre, at the height where the vault springs.
     pub(in crate::scene) fn groin_vault(&mut self, half: Vec2, rise: f32, patches: [usize; 2], material: MaterialId) {
         for quarter in 0..4 {
             let point = |s: f32, t: f32| {
@@ -168,14 +169,15 @@ impl Shape {
     }
 }
 
-/// The point at `radius` and `height`, `turn` (0 to 1) of the way around the y axis.
+/// Returns the point at `radius` and `height`, `turn` (0 to 1) of the way around the y axis.
 fn spin(radius: f32, turn: f32, height: f32) -> Vec3 {
-    // Both ends of the circle are one point, to the last bit.
+    // `fract` makes both ends of the circle equal to the last bit.
     let (sin, cos) = (TAU * turn.fract()).sin_cos();
     Vec3::new(radius * cos, height, -radius * sin)
 }
 
-/// The profile of a round moulding: a half circle of `radius` that bulges from `inner`, its lower end at `bottom`.
+/// Returns the profile of a round moulding: a half circle of `radius` that bulges from `inner`, with its lower end at
+/// `bottom`.
 pub(in crate::scene) fn torus(inner: f32, bottom: f32, radius: f32) -> impl Fn(f32) -> Vec2 {
     move |t| {
         let (sin, cos) = (PI * t).sin_cos();

@@ -1,4 +1,4 @@
-//! A cloud of a thousand spheres, at rest and turned; and three on an infinite ground.
+//! A cloud of a thousand spheres, fixed or turned, and three spheres on an infinite ground.
 
 use glam::Vec3;
 
@@ -7,16 +7,17 @@ use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, ran
 
 pub(super) const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
-/// The cloud is a cylinder around the y axis, which may turn about it and stay as far from the eyes.
+/// The cloud fills a cylinder around the y axis, so turning it about this axis does not bring it nearer to the eyes.
 const CLOUD_RADIUS: f32 = 6.0;
 const CLOUD_HALF_HEIGHT: f32 = 4.2;
 /// The screen is at the cloud's axis, so the cloud begins at half its distance.
 pub(super) const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 
-/// [`Builtin::Spheres`](super::Builtin::Spheres), turned about the y axis by an angle in radians: the frames of a film.
+/// Returns [`Builtin::Spheres`](super::Builtin::Spheres), turned about the y axis by an angle in radians, for the
+/// frames of a film.
 ///
 /// # Errors
-/// [`Error::Scene`] for an angle that is no finite number.
+/// [`Error::Scene`] for an angle that is not finite.
 pub fn spheres_turned(angle: f32) -> Result<Scene, Error> {
     if !angle.is_finite() {
         return Err(Error::Scene { element: "spheres".into(), reason: format!("turned by {angle}, no finite number") });
@@ -49,7 +50,7 @@ pub(super) fn spheres() -> Scene {
     let mut random = Random(2012);
     let mut placed: Vec<Sphere> = Vec::with_capacity(SPHERE_COUNT);
     while placed.len() < SPHERE_COUNT {
-        // The large ones first: they find no room later.
+        // Large spheres come first, since later there is no room for them.
         let share = placed.len() as f32 / SPHERE_COUNT as f32;
         let radius = SPHERE_RADII[1] + (SPHERE_RADII[0] - SPHERE_RADII[1]) * share;
         let [x, z] = [0; 2].map(|_| random.between(-CLOUD_RADIUS, CLOUD_RADIUS));
@@ -78,8 +79,8 @@ pub(super) fn spheres() -> Scene {
     scene
 }
 
-/// Two spheres side by side on an infinite ground and a third one on both, under one lamp, as Raghuvanshi and Dhande have them in three
-/// configurations: with shadows alone, with reflections among the spheres too, and with textures besides.
+/// Builds two spheres side by side on an infinite ground and a third one on both, under one lamp. Raghuvanshi and
+/// Dhande use three configurations: with shadows alone, with reflections too, and also with textures.
 pub(super) fn three_spheres(reflecting: bool, textured: bool) -> Scene {
     const RADIUS: f32 = 1.0;
     let mut scene = Scene::new();
@@ -117,7 +118,7 @@ fn squares(first: Vec3, second: Vec3, squares: u32) -> Texture {
     Texture::checkerboard(first, second, squares).expect("colours are within 0 to 1")
 }
 
-/// The camera of the three spheres: the horizon is in its picture.
+/// Returns the camera of the three spheres. Its picture contains the horizon.
 pub(super) fn three_camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(1.2, 2.4, 8.5), Vec3::new(0.0, 1.5, 0.0))
         .screen_distance(8.0)

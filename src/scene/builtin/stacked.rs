@@ -1,4 +1,4 @@
-//! Objects stacked on top of each other so that they fill the view, as in the procedural scene of Raghuvanshi and Dhande (figure 12).
+//! Stacked objects that fill the view, as in the procedural scene of Raghuvanshi and Dhande (figure 12).
 
 use std::f32::consts::PI;
 
@@ -7,27 +7,29 @@ use glam::{Mat3, Vec3};
 use super::{INTERAXIAL_SHARE, lamp, paint};
 use crate::{MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera};
 
-/// The stack fills a square of this half side in the plane z = 0.
+/// Half the side of the square that the stack fills, in the plane z = 0.
 const HALF_SIDE: f32 = 1.0;
-/// How far the eyes are from that plane, which is the screen's.
+/// Distance of the eyes from that plane, where the screen is.
 const EYE_DISTANCE: f32 = 6.0;
-/// A row of balls that lie in the gaps of the row below is this many radii above it.
+/// Distance of rows of spheres, in radii. Spheres lie in the gaps of the row below.
 const ROW_STEP: f32 = 1.732_050_8;
-/// Triangles are turned about their upright axes by so much, to the one and to the other side by turns: a flat sheet would have no shadows.
+/// Rotation of triangles about their upright axes in radians, alternately to both sides. A flat sheet would have no
+/// shadows.
 const TURN: f32 = 0.35;
 
-/// What is stacked.
+/// Kind of the stacked objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StackedKind {
-    /// Spheres, each in the gap of two below.
+    /// Spheres, each in the gap between two below.
     Spheres,
-    /// Equilateral triangles, on their sides and on their tips by turns, turned alternately by 20 degrees. Each is an object of its own.
+    /// Equilateral triangles, alternately on their sides and on their tips, and turned alternately by 20 degrees. Each
+    /// is an object of its own.
     Triangles,
 }
 
-/// So many equal objects, stacked in rows from the ground up, as large as lets them fill a square view: the more, the smaller. One lamp stands
-/// before them, above and to the left, so that they throw shadows on each other.
+/// A stack of equal objects in rows from the ground up. They are as large as a square view permits: the more there are,
+/// the smaller. One lamp stands in front of them, above and to the left, so that they cast shadows on each other.
 ///
 /// ```
 /// use stereotrace::scene::builtin::{StackedKind, StackedObjects};
@@ -39,19 +41,19 @@ pub enum StackedKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StackedObjects {
-    /// How many objects there are.
+    /// Number of objects.
     pub count: usize,
-    /// What they are.
+    /// Kind of the objects.
     pub kind: StackedKind,
 }
 
 impl StackedObjects {
-    /// So many objects of a kind.
+    /// Makes a stack of `count` objects of a kind.
     pub fn new(count: usize, kind: StackedKind) -> Self {
         Self { count, kind }
     }
 
-    /// The scene, the same one each time. Objects come from the bottom up, each row from left to right.
+    /// Builds the scene. It is the same each time. Objects are ordered from the bottom up, each row from left to right.
     pub fn scene(self) -> Scene {
         const PALETTE: [[u8; 3]; 7] = [
             [205, 66, 60],
@@ -77,7 +79,8 @@ impl StackedObjects {
         scene
     }
 
-    /// A camera that the stack fills the picture of, if that is a square; else as much of it as a square in its middle.
+    /// Returns a camera whose picture the stack fills if it is square. In other pictures the stack fills a square in
+    /// the middle.
     pub fn camera(self, width: u32, height: u32) -> StereoCamera {
         let aspect = (width as f32 / height.max(1) as f32).max(1.0);
         StereoCamera::look_at(EYE_DISTANCE * Vec3::Z, Vec3::ZERO)
@@ -91,15 +94,16 @@ impl StackedObjects {
 /// Rows of equal objects.
 #[derive(Clone, Copy)]
 struct Rows {
-    /// Objects of the lowest row.
+    /// Number of objects in the lowest row.
     columns: usize,
     rows: usize,
-    /// A ball's radius, or half of a triangle's side.
+    /// Radius of a sphere, or half of a triangle's side.
     half: f32,
 }
 
 impl Rows {
-    /// The largest of so many balls that fit the square in rows of which every second one, which lies in the gaps, has one ball less.
+    /// Returns the rows of the largest spheres that fit the square. Every second row lies in gaps and has one sphere
+    /// less.
     fn of_spheres(count: usize) -> Self {
         Self::largest(count, |rows| {
             let columns = (count + rows / 2).div_ceil(rows);
@@ -108,7 +112,7 @@ impl Rows {
         })
     }
 
-    /// The same of triangles, of which neighbours in a row lie half a side apart.
+    /// Does the same for triangles; neighbours in a row are half a side apart.
     fn of_triangles(count: usize) -> Self {
         Self::largest(count, |rows| {
             let columns = count.div_ceil(rows);
@@ -118,14 +122,15 @@ impl Rows {
     }
 
     fn largest(count: usize, of_rows: impl Fn(usize) -> Self) -> Self {
-        // More rows than four times a square's would be smaller: a row is at least half as high as an object is wide.
+        // More than four times a square's number of rows gives smaller objects: a row is at least half as high as an
+        // object is wide.
         let most = 4 * count.isqrt() + 4;
         let all = (1..=most.min(count.max(1))).map(of_rows);
         all.max_by(|a, b| a.half.total_cmp(&b.half)).unwrap_or(Self { columns: 1, rows: 1, half: HALF_SIDE })
     }
 }
 
-/// The ball at a place from the bottom up: rows of even numbers are whole, those between have one less.
+/// Adds the sphere at an index from the bottom up. Even rows are complete, odd ones have one sphere less.
 fn add_sphere(scene: &mut Scene, Rows { columns, rows, half: radius }: Rows, index: usize, material: MaterialId) {
     let two_rows = (2 * columns - 1).max(1);
     let (row, column) = match index % two_rows {
@@ -138,7 +143,7 @@ fn add_sphere(scene: &mut Scene, Rows { columns, rows, half: radius }: Rows, ind
     scene.add_sphere(Sphere::new(center, radius, material)).expect("it has a radius");
 }
 
-/// The triangle at a place from the bottom up. Every other one stands on its tip.
+/// Adds the triangle at an index from the bottom up. Every second one stands on its tip.
 fn add_triangle(scene: &mut Scene, Rows { columns, rows, half }: Rows, index: usize, material: MaterialId) {
     let (row, column) = (index / columns, index % columns);
     let height = ROW_STEP * half;
@@ -174,7 +179,7 @@ mod tests {
                 low.cmpge(Vec3::splat(-edge)).all() && high.cmple(Vec3::splat(edge)).all(),
                 "{kind:?} {low} {high}"
             );
-            // To the bottom and to both sides, or to the top; a single row or an incomplete one leaves room above.
+            // The stack touches the bottom and both sides, or the top. A single or incomplete row leaves room above.
             let [wide, high] = [high.x - low.x, high.y - low.y];
             assert!(wide.max(high) > 1.8 * HALF_SIDE, "{count} {kind:?}: {wide} wide, {high} high");
             assert_eq!(scene.lights.len(), 1);
@@ -195,13 +200,13 @@ mod tests {
         }
     }
 
-    /// The share of the square that discs of the balls' radii cover, by their areas: what no picture decides.
+    /// Compares the share of the square that the spheres' discs cover, computed from their areas.
     #[test]
     fn the_more_balls_the_fuller_the_square() {
         let share = |count: usize| count as f32 * PI * Rows::of_spheres(count).half.powi(2) / (2.0 * HALF_SIDE).powi(2);
         assert!((share(3) - 0.589).abs() < 1e-3, "{}", share(3));
         for (count, least) in [(10, 0.6), (50, 0.78), (100, 0.78), (1000, 0.84), (6000, 0.87)] {
-            // No more than the densest packing of discs.
+            // The bound is the densest packing of discs.
             assert!((least..0.9069).contains(&share(count)), "{count}: {}", share(count));
         }
     }

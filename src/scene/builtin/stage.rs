@@ -1,4 +1,4 @@
-//! Four scenes that are hard on stereo methods, on one stage.
+//! Four scenes that are hard for stereo methods, on one stage.
 
 use std::f32::consts::PI;
 
@@ -13,27 +13,27 @@ use crate::{
     random::{Random, pcg},
 };
 
-/// The stage: eyes above a tiled floor, before a wall.
+/// The stage: eyes above a tiled floor, in front of a wall.
 pub(in crate::scene) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
 pub(in crate::scene) const SCREEN: f32 = 8.0;
 pub(in crate::scene) const WALL: f32 = 12.0;
-/// Width of the screen rectangle over its distance; not an angle of view, so that the distance between the eyes in
-/// world units is the same in every picture.
+/// Width of the screen rectangle over its distance. It replaces a field of view, so that the interaxial in world units
+/// is the same in every picture.
 pub(in crate::scene) const WIDTH: f32 = 1.0;
 
 pub(in crate::scene) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(SCREEN).screen_width(WIDTH * SCREEN)
 }
 
-/// The same view with the screen where the near ball is measured from.
+/// Returns the same view, with the screen distance that the near sphere relates to.
 pub(super) fn near_camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(NEAR_SCREEN).screen_width(WIDTH * NEAR_SCREEN)
 }
 
-/// Distance between the eyes on the stage, world units.
+/// Interaxial on the stage, in world units.
 pub(in crate::scene) const INTERAXIAL: f32 = INTERAXIAL_SHARE * WIDTH * SCREEN;
 
-/// Floor, wall, lights and sky.
+/// Builds floor, wall, lights and sky.
 pub(in crate::scene) fn stage() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.25, 0.45, 0.8) };
@@ -46,7 +46,7 @@ pub(in crate::scene) fn stage() -> Scene {
     add(&mut scene, floor);
     let mut wall = Shape::new("wall", Vec3::new(0.0, 0.0, -WALL));
     let on_wall = |s: f32, t: f32| Vec3::new(HALF_WIDTH * (2.0 * s - 1.03), -0.12 + 9.1 * t, 0.0);
-    // Bricks of two patches, every other row shifted by one.
+    // A brick has two patches, and every second row is shifted by one.
     wall.sheet([40, 26], Shading::Flat, on_wall, |column, row| {
         let brick = (column + row % 2) / 2;
         bricks[(pcg((brick * 53 + row) as u32) % 3) as usize]
@@ -78,7 +78,7 @@ pub(super) fn fence() -> Scene {
         let (half, height) = (0.5 * SLAT_WIDTH, 2.5 + random.between(-0.06, 0.06));
         let point = |x, y, z| Vec3::new(x, y, z);
         shape.cuboid(point(-half, 0.08, -THICKNESS), point(half, height, 0.0), white);
-        // The pointed top: two slopes and two gables.
+        // The pointed top has two slopes and two gables.
         let tip = height + SLAT_WIDTH;
         let [front, back] = [0.0, -THICKNESS];
         for side in [-half, half] {
@@ -104,7 +104,7 @@ pub(super) fn fence() -> Scene {
 pub(super) fn hidden() -> Scene {
     const BOARD: f32 = 4.4;
     const PILLAR: f32 = 11.0;
-    /// The board's right edge.
+    /// x of the board's right edge.
     const EDGE: f32 = 0.3;
     let mut scene = stage();
     let board_color = paint(&mut scene, "board", [60, 110, 130]);
@@ -113,7 +113,8 @@ pub(super) fn hidden() -> Scene {
     board.cuboid(Vec3::new(-1.3, -0.1, -0.05), Vec3::new(EDGE, 3.4, 0.0), board_color);
     add(&mut scene, board);
 
-    // Where the lines from the eyes over the board's edge meet the pillar's plane: only the right eye sees between.
+    // Only the right eye sees between the points where the lines from the eyes over the board's edge meet the pillar's
+    // plane.
     let behind = |eye: f32| eye + (EDGE - eye) * PILLAR / BOARD;
     let [right_limit, left_limit] = [behind(0.5 * INTERAXIAL), behind(-0.5 * INTERAXIAL)];
     let center = right_limit.midpoint(left_limit);
@@ -124,7 +125,7 @@ pub(super) fn hidden() -> Scene {
     scene
 }
 
-/// The screen in the near scene, and how much nearer the ball's front is.
+/// Distance of the screen in the near scene, and its ratio to the distance of the sphere's front.
 const NEAR_SCREEN: f32 = 7.0;
 pub(super) const NEAR_FACTOR: f32 = 7.0;
 
@@ -150,7 +151,7 @@ pub(super) fn near() -> Scene {
 
 pub(super) fn grazing() -> Scene {
     const SHEETS: usize = 12;
-    /// The far edge is this far off the line from the left eye through the near one: a third of a pixel of 600.
+    /// Offset of a sheet's far edge from the line through the left eye and its near edge: a third of a pixel of 600.
     const MISS: f32 = 0.004;
     let mut scene = stage();
     let colors = [[220, 70, 60], [240, 200, 70], [70, 150, 190]].map(|color| paint(&mut scene, "sheet", color));

@@ -1,4 +1,4 @@
-//! What the built-in scenes show to either eye, by a tree of their own.
+//! Tests the built-in scenes' views for each eye, by ray casting with a separate tree.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -13,7 +13,7 @@ use super::*;
 use crate::Pose;
 use crate::random::pcg;
 
-/// A scene, its camera and a tree to cast rays with, in pictures of `SIZE`.
+/// A scene, its camera and a tree for ray casts, in pictures of `SIZE`.
 struct Caster {
     scene: Scene,
     pose: Pose,
@@ -35,7 +35,7 @@ impl Caster {
         Self { pose: builtin.camera(width, height).pose().unwrap(), scene, bvh }
     }
 
-    /// Everything that the ray through a pixel's centre meets: depth and primitive, nearest first.
+    /// Returns all hits of the ray through a pixel's centre: depth and primitive, nearest first.
     fn hits(&self, side: f32, i: u32, j: u32) -> Vec<(f32, u32)> {
         let pose = &self.pose;
         let [x, y] = [i, j].map(|k| k as f32 + 0.5);
@@ -44,7 +44,7 @@ impl Caster {
         let point =
             pose.eye.as_vec3() + screen + pose.right * pose.screen_size[0] * x + pose.up * pose.screen_size[1] * y;
         let origin = pose.eye_in_scene(side);
-        // Of length one along the view: t is the depth.
+        // The direction has length 1 along the view, so t is the depth.
         let direction = (point - origin) / pose.screen_distance;
         let mut hits = Vec::new();
         let ray = Ray::new_inf(origin.into(), direction.into());
@@ -81,7 +81,7 @@ impl Caster {
         (0..height).flat_map(move |j| (0..width).map(move |i| (i, j)))
     }
 
-    /// Depth and object's name of what an eye sees, pixels without a hit left out.
+    /// Returns depth and object name of an eye's visible points, without pixels that hit nothing.
     fn visible(&self, side: f32) -> Vec<(f32, &str)> {
         let nearest = self.pixels().filter_map(|(i, j)| self.hits(side, i, j).first().copied());
         nearest.map(|(depth, primitive)| (depth, self.name(primitive))).collect()
@@ -91,13 +91,13 @@ impl Caster {
         self.scene.object_name(self.scene.object_of(primitive))
     }
 
-    /// Depth of the nearest pixel of both eyes, over the screen's distance.
+    /// Returns the depth of both eyes' nearest pixel, over the screen's distance.
     fn nearest_ratio(&self) -> f32 {
         let depths = [LEFT, RIGHT].into_iter().flat_map(|side| self.visible(side));
         depths.map(|(depth, _)| depth).fold(f32::INFINITY, f32::min) / self.pose.screen_distance
     }
 
-    /// How many pixels of an eye show an object whose name begins so.
+    /// Returns how many pixels of an eye show an object whose name has this prefix.
     fn count(&self, side: f32, prefix: &str) -> usize {
         self.visible(side).iter().filter(|(_, name)| name.starts_with(prefix)).count()
     }
@@ -176,7 +176,7 @@ fn in_half_of_the_halls_image_columns_two_objects_stand_before_the_wall() {
         let before = names.take_while(|name| !ends.iter().any(|end| name.starts_with(end)));
         before.collect::<BTreeSet<_>>().len()
     };
-    // The row that crosses shafts and banners, above the floor.
+    // This row crosses shafts and banners above the floor.
     let row = 2 * SIZE[1] / 5;
     let deep = (0..SIZE[0]).filter(|&i| layers(i, row) >= 2).count();
     assert!(2 * deep >= SIZE[0] as usize, "{deep} of {}", SIZE[0]);

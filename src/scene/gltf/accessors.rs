@@ -1,4 +1,4 @@
-//! Numbers out of buffers.
+//! Reads numbers from buffers.
 
 use gltf_json::{
     Accessor, Index,
@@ -10,17 +10,17 @@ use gltf_json::{
 use super::document::Document;
 use crate::{Error, message::counted};
 
-/// The numbers of an accessor, as they lie there.
+/// An accessor and the layout of its elements.
 struct Elements<'a> {
     accessor: &'a Accessor,
     name: String,
     component: ComponentType,
-    /// Numbers of an element.
+    /// Numbers per element.
     width: usize,
 }
 
 impl Document<'_> {
-    /// Elements of up to N numbers each, with `fill` for those that the accessor's type has not.
+    /// Reads elements of up to N numbers each. Components that the accessor's type lacks are `fill`.
     pub(super) fn floats<const N: usize>(
         &self,
         index: Index<Accessor>,
@@ -38,7 +38,7 @@ impl Document<'_> {
             for (place, bytes) in value[..width].iter_mut().zip(bytes.chunks_exact(component.size())) {
                 *place = match component {
                     ComponentType::F32 => number(component, bytes) as f32,
-                    // The least of those with a sign is as far from 0 as the largest, and a step more.
+                    // The least signed integer is one step below minus the largest, so it is clamped.
                     _ if elements.accessor.normalized => (number(component, bytes) * scale).max(-1.0) as f32,
                     _ => number(component, bytes) as f32,
                 };
@@ -54,7 +54,7 @@ impl Document<'_> {
         }
     }
 
-    /// Whole numbers, one an element.
+    /// Reads unsigned integers, one per element.
     pub(super) fn indices(&self, index: Index<Accessor>, by: &str) -> Result<Vec<u32>, Error> {
         let elements = self.elements(index, &[Type::Scalar], by)?;
         let component = elements.component;
@@ -64,12 +64,12 @@ impl Document<'_> {
         self.values(&elements, 0, |bytes| number(component, bytes) as u32)
     }
 
-    /// How many elements an accessor has, if a mesh may have so many.
+    /// Returns an accessor's number of elements, if a mesh may have that many.
     pub(super) fn element_count(&self, index: Index<Accessor>, by: &str) -> Result<usize, Error> {
         let accessor = self.item(("accessors", &self.root.accessors), index.value(), by)?;
         let (name, count) = (format!("accessors[{}]", index.value()), accessor.count.0);
         self.check_size(&name, "elements", count, 3)?;
-        // Zeros that no byte stands for: few bytes could promise millions of them.
+        // Elements without bytes are zeros, so a short file could declare millions of them.
         let bytes = self.bytes_read();
         if accessor.buffer_view.is_none() && count > bytes {
             let reason = "elements without a bufferView; there can be as many as the files have bytes,";
@@ -78,7 +78,7 @@ impl Document<'_> {
         Ok(accessor.count.0 as usize)
     }
 
-    /// Refuses more than the limit on triangles, times `factor`.
+    /// Refuses counts over `factor` times the limit on triangles.
     pub(super) fn check_size(&self, name: &str, what: &str, count: u64, factor: u64) -> Result<(), Error> {
         self.limits.check_triangles(self.path, (name, what), count, factor)
     }
@@ -96,7 +96,7 @@ impl Document<'_> {
         Ok(Elements { accessor, name, component: component.0, width: kind.multiplicity() })
     }
 
-    /// All elements, those that a sparse accessor replaces among them.
+    /// Reads all elements and applies a sparse accessor's replacements.
     fn values<T: Copy>(
         &self,
         Elements { accessor, name, component, width }: &Elements,
@@ -108,7 +108,7 @@ impl Document<'_> {
         let mut values = match accessor.buffer_view {
             Some(view) => self.slices(view, offset, count, size, name)?.map(&parse).collect(),
             None if accessor.sparse.is_some() => vec![zero; count],
-            // By the specification all zeros, for extensions that know better.
+            // By the specification these are zeros, for extensions to fill.
             None => return Err(self.fault(format!("{name}: it has no bufferView"))),
         };
         if let Some(sparse) = &accessor.sparse {
@@ -131,7 +131,7 @@ impl Document<'_> {
         Ok(values)
     }
 
-    /// So many pieces of a view, from an offset on.
+    /// Returns `count` pieces of a view, starting at an offset.
     fn slices(
         &self,
         view: Index<View>,
@@ -161,7 +161,7 @@ impl Document<'_> {
     }
 }
 
-/// What a number is a share of, where it is one.
+/// Returns the largest value of a normalised component.
 fn largest(component: ComponentType) -> f64 {
     match component {
         ComponentType::I8 => i8::MAX.into(),
@@ -173,7 +173,7 @@ fn largest(component: ComponentType) -> f64 {
     }
 }
 
-/// A number of a component's size.
+/// Converts the bytes of a component to a number.
 fn number(component: ComponentType, bytes: &[u8]) -> f64 {
     let mut word = [0; 4];
     word[..bytes.len()].copy_from_slice(bytes);

@@ -1,4 +1,4 @@
-//! Cameras.
+//! Reads cameras.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -11,15 +11,16 @@ use crate::{
     scene::warnings::{Place, Warnings},
 };
 
-/// Rows of a camera's picture, until somebody says otherwise.
+/// Default height of a camera's picture in pixels.
 const HEIGHT: u32 = 480;
-/// Cameras whose horizon stands by less than this sine are level.
+/// Largest sine of the roll of a camera that counts as level.
 const LEVEL: f64 = 1e-4;
-/// Pictures are at most so many times as wide as high, or as high as wide.
+/// Largest ratio of a picture's sides.
 const MOST_ASPECT: f32 = 16.0;
 
-/// Perspective cameras with their nodes' names. A camera of one eye has no screen: it stands through the middle of the scene's box, at least a quarter
-/// of the box's diagonal off, and a thirtieth of that is between the eyes.
+/// Reads perspective cameras with their nodes' names. A glTF camera has no screen. The screen is placed at the centre
+/// of the scene's box, but at least a quarter of the box's diagonal away. The interaxial is a thirtieth of that
+/// distance.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],
@@ -29,7 +30,7 @@ pub(super) fn read(
     let root = &document.root;
     let (low, high) = bounds.unwrap_or_default();
     let mut cameras = Vec::new();
-    // A camera's own name is shared by all of its nodes: it may be long, and they may be many.
+    // All nodes of a camera share its name, since it may be long and the nodes many.
     let mut names: HashMap<usize, Arc<str>> = HashMap::new();
     for &((node, index), place) in places {
         let description = document.item(("cameras", &root.cameras), index, format_args!("nodes[{node}]"))?;
@@ -50,7 +51,8 @@ pub(super) fn read(
             return Err(fault(format!("its aspectRatio is {aspect}; it must be within 1/16 to 16")));
         }
         let own_up = place.transform_vector3(DVec3::Y).normalize_or_zero();
-        // A camera that looks down is level: the world's up shows it the same picture, and what turns about its up, as orbits do, stays level.
+        // A camera that looks down without roll gets the world's up. The picture is the same, and orbits about this
+        // axis stay level.
         let is_level = forward.cross(own_up).dot(DVec3::Y).abs() < LEVEL && own_up.y > LEVEL;
         let camera = StereoCamera::look_at(eye, eye + distance * forward)
             .up(if is_level { DVec3::Y } else { own_up }.as_vec3())

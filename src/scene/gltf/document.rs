@@ -1,4 +1,4 @@
-//! A glTF file taken apart: its JSON, and the bytes that this names.
+//! A glTF file: its JSON and the resources that it names.
 
 use std::{
     borrow::Cow,
@@ -17,11 +17,11 @@ use percent_encoding::percent_decode_str;
 use super::nodes::{Shifts, shifts};
 use crate::{Error, Limits, input::Files, message::counted, scene::warnings::Warnings};
 
-/// Textures have a WebP picture by this one.
+/// Extension for textures with WebP pictures.
 #[cfg(feature = "more-textures")]
 const WEBP: &str = "EXT_texture_webp";
 
-/// What is read of extensions, or makes no difference to what is read.
+/// Extensions that are read or have no effect here.
 const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -34,38 +34,38 @@ const EXTENSIONS: &[&str] = &[
     WEBP,
 ];
 
-/// Padding may be missing.
+/// Base64 with optional padding.
 const BASE64: engine::GeneralPurpose = engine::GeneralPurpose::new(
     &alphabet::STANDARD,
     engine::GeneralPurposeConfig::new().with_decode_padding_mode(engine::DecodePaddingMode::Indifferent),
 );
 
-/// How a URI begins that holds its bytes itself.
+/// Prefix of a URI that contains its data.
 const DATA: &str = "data:";
 
-/// What an object of the JSON counts as at least: two bytes may become a material of some 280.
+/// Size that an object of the JSON counts at least. Two bytes may become a material of some 280.
 const OBJECT_BYTES: u64 = 32;
 
-/// A file's JSON and what belongs to it.
+/// A file's JSON with its resources.
 pub(super) struct Document<'a> {
     pub(super) files: Files<'a>,
     pub(super) path: &'a Path,
     pub(super) root: Root,
-    /// Of each node, in f64; `root` has them in f32.
+    /// Transforms of each node in f64; `root` has them in f32.
     pub(super) shifts: Vec<Shifts>,
     pub(super) limits: Limits,
-    /// The images that textures have by [`WEBP`].
+    /// Images of textures by [`WEBP`].
     #[cfg(feature = "more-textures")]
     webp: Vec<Option<usize>>,
-    /// A binary file, and where its buffer is in it.
+    /// Bytes of a binary file, and the range of its buffer.
     chunk: Option<(Cow<'a, [u8]>, Range<usize>)>,
-    /// Each is read when it is first asked for.
+    /// Buffers, read on first use.
     buffers: Vec<OnceCell<Rc<Cow<'a, [u8]>>>>,
-    /// Those that are files, each read once.
+    /// Buffers that are files, each read once.
     files_read: RefCell<HashMap<PathBuf, Rc<Cow<'a, [u8]>>>>,
-    /// Bytes of the file itself.
+    /// Size of the file itself.
     bytes: u64,
-    /// Bytes that further files may have.
+    /// Number of bytes that further files may have.
     bytes_left: Cell<u64>,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Refuses what a reader must know and this one does not, and warns of what it need not know.
+    /// Refuses unknown required extensions, and warns of unknown optional ones.
     pub(super) fn check_extensions(&self, warnings: &Warnings) -> Result<(), Error> {
         let unknown = |names: &'_ [String]| -> Vec<String> {
             names.iter().filter(|name| !EXTENSIONS.contains(&&***name)).cloned().collect()
@@ -130,7 +130,7 @@ impl<'a> Document<'a> {
         Error::parse(self.path, None, reason)
     }
 
-    /// An item of a list; `by` says what names it.
+    /// Returns an item of a list; `by` says in messages what refers to it.
     pub(super) fn item<'b, T>(
         &self,
         (list, items): (&str, &'b [T]),
@@ -140,7 +140,7 @@ impl<'a> Document<'a> {
         items.get(index).ok_or_else(|| self.fault(format!("{by}: there is no {list}[{index}], of {}", items.len())))
     }
 
-    /// The image that a texture has by an extension that is read.
+    /// Returns the image that a texture has by a supported extension.
     pub(super) fn extended_image(&self, _texture: usize) -> Option<usize> {
         #[cfg(feature = "more-textures")]
         return self.webp.get(_texture).copied().flatten();
@@ -148,7 +148,7 @@ impl<'a> Document<'a> {
         None
     }
 
-    /// The bytes of a view.
+    /// Returns a view and its bytes.
     pub(super) fn view(&self, index: Index<View>, by: impl Display) -> Result<(&View, &[u8]), Error> {
         let view = self.item(("bufferViews", &self.root.buffer_views), index.value(), by)?;
         let name = format!("bufferViews[{}]", index.value());
@@ -187,12 +187,13 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Bytes of the file and of those beside it that have been read.
+    /// Returns the size of all files read so far.
     pub(super) fn bytes_read(&self) -> u64 {
         self.bytes + (self.limits.file_bytes - self.bytes_left.get())
     }
 
-    /// The bytes that a URI holds or names. All files together may have as many as the file itself.
+    /// Returns the bytes of a URI, from its data or a file. All files together may be as large as the limit on the file
+    /// itself.
     fn resource(&self, uri: &str, by: &str) -> Result<Rc<Cow<'a, [u8]>>, Error> {
         if let Some(bytes) = self.decoded(uri, by)? {
             return Ok(Rc::new(Cow::Owned(bytes)));
@@ -213,13 +214,13 @@ impl<'a> Document<'a> {
         Ok(bytes)
     }
 
-    /// Whether a URI holds its bytes itself.
+    /// Returns whether a URI contains its data.
     #[cfg(feature = "textures")]
     pub(super) fn is_data(uri: &str) -> bool {
         uri.starts_with(DATA)
     }
 
-    /// The bytes of a data URI, if it is one.
+    /// Decodes a data URI; `None` for other URIs.
     pub(super) fn decoded(&self, uri: &str, by: &str) -> Result<Option<Vec<u8>>, Error> {
         let Some(data) = uri.strip_prefix(DATA) else { return Ok(None) };
         let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
@@ -230,9 +231,9 @@ impl<'a> Document<'a> {
         Ok(Some(bytes))
     }
 
-    /// The file that a URI names, relative to this file.
+    /// Returns the path of the file that a URI names, relative to this file.
     pub(super) fn located(&self, uri: &str, by: &str) -> Result<PathBuf, Error> {
-        // A drive's letter is no scheme.
+        // A single letter is a drive, not a scheme.
         let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|scheme| {
             scheme.len() > 1 && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
         });
@@ -250,7 +251,7 @@ fn range(start: u64, length: u64) -> Option<Range<usize>> {
     Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
 }
 
-/// Where the JSON and the buffer of a binary file are.
+/// Returns the ranges of the JSON and the buffer in a binary file.
 fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> {
     let word = |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
     let (Some(version), Some(length)) = (word(4), word(8)) else { return Err("the file ends in its header".into()) };
@@ -270,13 +271,13 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> 
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(content),
             b"BIN\0" if buffer.is_none() => buffer = Some(content),
-            _ => {} // what other chunks hold is for those who know them
+            _ => {} // other chunks are ignored
         }
     }
     json.map(|json| (json, buffer)).ok_or_else(|| "it has no JSON chunk".into())
 }
 
-/// JSON without a byte order mark.
+/// Removes a byte order mark.
 fn without_mark(json: &[u8]) -> &[u8] {
     json.strip_prefix("\u{feff}".as_bytes()).unwrap_or(json)
 }
@@ -304,7 +305,8 @@ fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<R
     })
 }
 
-/// The image of each texture by [`WEBP`]: gltf-json has it only with all other extensions, as maps.
+/// Returns the image of each texture by [`WEBP`]. gltf-json offers it only as a map, together with all other
+/// extensions.
 #[cfg(feature = "more-textures")]
 fn webp_images(json: &[u8]) -> Result<Vec<Option<usize>>, serde_json::Error> {
     #[derive(serde::Deserialize)]
@@ -330,7 +332,8 @@ fn webp_images(json: &[u8]) -> Result<Vec<Option<usize>>, serde_json::Error> {
     Ok(root.textures.into_iter().map(|texture| Some(texture.extensions?.webp?.source)).collect())
 }
 
-/// How many bytes stand beside strings, and how many of them begin an object: what takes more memory than it has bytes.
+/// Returns the number of bytes outside strings, and how many of them begin an object. These take more memory than their
+/// size.
 fn structure(json: &[u8]) -> (u64, u64) {
     let (mut bytes, mut objects, mut in_string, mut escaped) = (0, 0, false, false);
     for &byte in json {

@@ -1,4 +1,4 @@
-//! Lights of the extension `KHR_lights_punctual`.
+//! Reads lights of the extension `KHR_lights_punctual`.
 
 use std::f64::consts::PI;
 
@@ -17,8 +17,9 @@ use crate::{
     },
 };
 
-/// The scene's lights. Ours have no falloff: a point's intensity is what it gives at the middle of the scene's box, or from as far off as half the box's
-/// longest side where it is nearer. All together give at most 1 to a white surface there: photometric units leave the rest to a camera's exposure.
+/// Returns the scene's lights. Lights here have no falloff. A point light gets its intensity at the centre of the
+/// scene's box, at a distance of at least half the box's longest side. Together, the lights are scaled to at most 1 on
+/// a white surface there, since photometric units rely on a camera's exposure.
 pub(super) fn read(
     document: &Document,
     places: &[Placed<(usize, usize)>],

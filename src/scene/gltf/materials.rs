@@ -1,4 +1,4 @@
-//! Materials: what our surfaces make of metal and roughness. docs/FORMATS.md has the rule.
+//! Converts metallic-roughness materials to [`Material`]. docs/FORMATS.md has the rules.
 
 use std::collections::HashMap;
 
@@ -22,15 +22,15 @@ use crate::{
     },
 };
 
-/// What surfaces that are no metal reflect where they face the eye, by the specification.
+/// Reflectance of dielectrics at normal incidence, by the specification.
 const DIELECTRIC: f32 = 0.04;
-/// At most as rough as this, a surface is a mirror: its highlights would be points.
+/// Largest roughness of a mirror. Its highlights would be points.
 const MIRROR_ROUGHNESS: f32 = 0.1;
 
-/// The specification's way from texture coordinates to a picture.
+/// The specification's map from texture coordinates to a picture.
 #[derive(Clone, Copy)]
 pub(super) struct UvRule {
-    /// Which of a primitive's sets of texture coordinates.
+    /// Index of the primitive's set of texture coordinates.
     pub(super) set: u32,
     matrix: Mat2,
     offset: Vec2,
@@ -45,19 +45,19 @@ impl UvRule {
             return Self { set: info.tex_coord, ..Self::PLAIN };
         };
         let ((sin, cos), [x, y]) = (rotation.0.sin_cos(), scale.0);
-        // First the scale, then the rotation, counterclockwise where v points down.
+        // The scale comes first, then the rotation, counterclockwise with v pointing down.
         let matrix = Mat2::from_cols(Vec2::new(x * cos, -x * sin), Vec2::new(y * sin, y * cos));
         Self { set: tex_coord.unwrap_or(info.tex_coord), matrix, offset: Vec2::from_array(offset.0) }
     }
 
-    /// A point of our textures, whose v points up.
+    /// Returns texture coordinates with v pointing up.
     pub(super) fn place(&self, uv: Vec2) -> Vec2 {
         let uv = if self.matrix == Mat2::IDENTITY { uv } else { self.matrix * uv } + self.offset;
         Vec2::new(uv.x, 1.0 - uv.y)
     }
 }
 
-/// A material of the scene, and how its texture lies.
+/// A material of the scene, and its texture's map.
 #[derive(Clone, Copy)]
 pub(super) struct Surface {
     pub(super) material: MaterialId,
@@ -65,19 +65,19 @@ pub(super) struct Surface {
     pub(super) is_textured: bool,
 }
 
-/// The materials that are used.
+/// The used materials.
 pub(super) struct Surfaces<'a> {
     document: &'a Document<'a>,
     textures: Textures<'a>,
-    /// By number; the specification's own has none.
+    /// Surfaces by material index; the specification's default material has none.
     found: HashMap<Option<usize>, Surface>,
-    /// Those that the scene has not yet, and how many it has.
+    /// Materials that are not yet in the scene, and the number that are.
     new: Vec<Material>,
     moved: usize,
     out_of_range: usize,
 }
 
-/// How light passes or doesn't.
+/// Opacity and cut-out of a material.
 struct Alpha {
     opacity: f32,
     cutout: Option<TextureId>,
@@ -86,11 +86,11 @@ struct Alpha {
 impl<'a> Surfaces<'a> {
     pub(super) fn new(document: &'a Document<'a>, options: &SceneOptions) -> Self {
         let textures = Textures::new(document, options);
-        // The scene has its grey.
+        // The scene already has its grey material.
         Self { document, textures, found: HashMap::new(), new: Vec::new(), moved: 1, out_of_range: 0 }
     }
 
-    /// The surface of a primitive, by the number of its material.
+    /// Returns the surface of a primitive by its material's index.
     pub(super) fn find(&mut self, index: Option<usize>, by: &str, warnings: &mut Warnings) -> Result<Surface, Error> {
         if let Some(surface) = self.found.get(&index) {
             return Ok(*surface);
@@ -108,7 +108,7 @@ impl<'a> Surfaces<'a> {
         Ok(surface)
     }
 
-    /// Gives the scene what it has not of materials and textures.
+    /// Adds new materials and textures to the scene.
     pub(super) fn move_to(&mut self, scene: &mut Scene) {
         self.textures.move_to(scene);
         self.moved += self.new.len();
@@ -187,7 +187,7 @@ impl<'a> Surfaces<'a> {
         Ok((material, uv))
     }
 
-    /// What the emissive colour is multiplied by.
+    /// Returns the factor of the emissive colour.
     fn emission_scale(
         &mut self,
         description: &Description,
@@ -208,7 +208,8 @@ impl<'a> Surfaces<'a> {
         Ok(strength * means.map_or(Vec3::ONE, |means| means.light))
     }
 
-    /// A mask cuts out. What blends is a veil of one opacity, cut out where its texture's alpha is below a half.
+    /// Returns a material's opacity and cut-out. A mask becomes a cut-out. Blending becomes one opacity, with a cut-out
+    /// where the texture's alpha is below a half.
     fn alpha(
         &mut self,
         description: &Description,
@@ -237,7 +238,7 @@ impl<'a> Surfaces<'a> {
             (Checked::Valid(AlphaMode::Blend), Some(picture)) => {
                 let counts = self.textures.alphas(picture);
                 let has = |alphas: std::ops::Range<usize>| counts[alphas].iter().any(|&count| count > 0);
-                // Without a half anywhere it is a veil all over.
+                // If no alpha reaches a half, the whole surface has one opacity.
                 let first = if has(128..256) { 128 } else { 0 };
                 let of = |weight: fn(usize) -> f64| -> f64 {
                     (first..256).map(|alpha| weight(alpha) * counts[alpha] as f64).sum()
@@ -251,7 +252,8 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Metal and roughness as diffuse colour, highlights and mirrors. `mean` is that of the texture, which highlights don't have.
+/// Converts metal and roughness to diffuse colour, highlights and mirrors. `mean` is the texture's mean colour, since
+/// highlights have no texture.
 fn surface(base: Vec3, mean: Vec3, (metal, roughness): (f32, f32), clear: f32, ior: Option<f32>) -> Material {
     let is_mirror = roughness <= MIRROR_ROUGHNESS;
     let rough = if is_mirror { 0.0 } else { roughness };
@@ -270,7 +272,7 @@ fn surface(base: Vec3, mean: Vec3, (metal, roughness): (f32, f32), clear: f32, i
     }
 }
 
-/// Notes textures that nothing is made of.
+/// Counts unsupported textures.
 fn note_left_out(description: &Description, index: usize, warnings: &mut Warnings) {
     let place = Place::Item("materials", index);
     if description.normal_texture.is_some() {

@@ -1,4 +1,4 @@
-//! Meshes, and what becomes of them at the nodes that show them.
+//! Reads meshes and places them at nodes.
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ use crate::{
     },
 };
 
-/// The meshes that were met, each read once, in their own coordinates.
+/// Meshes in their own coordinates, each read once.
 pub(super) struct Meshes<'a> {
     document: &'a Document<'a>,
     crease_angle: Option<f32>,
@@ -40,7 +40,7 @@ impl<'a> Meshes<'a> {
         Self { document, crease_angle: options.crease_angle, read: HashMap::new(), triangles: 0, vertices: 0 }
     }
 
-    /// Reads a mesh that a node shows, if it was not read before, and counts it.
+    /// Reads a node's mesh unless it is known, and counts its triangles and vertices.
     pub(super) fn read(
         &mut self,
         mesh: usize,
@@ -61,7 +61,7 @@ impl<'a> Meshes<'a> {
         document.check_size("its scene", "vertices", self.vertices, 3)
     }
 
-    /// A box around the meshes that were read, at their places, in world coordinates: each one's own box is turned.
+    /// Returns a box around the placed meshes, in world coordinates, from each mesh's transformed box.
     pub(super) fn bounds(&self, shown: &[Placed<(usize, usize)>]) -> Option<(DVec3, DVec3)> {
         let own: HashMap<usize, Option<(DVec3, DVec3)>> = self
             .read
@@ -79,10 +79,10 @@ impl<'a> Meshes<'a> {
         }))
     }
 
-    /// A mesh that was read, as a node shows it at a place relative to the scene's origin.
+    /// Returns a copy of a mesh for a node, transformed by `place` to coordinates relative to the scene's origin.
     pub(super) fn instance(&self, mesh: usize, node: usize, place: DAffine3) -> Mesh {
         let mesh = placed(&self.read[&mesh], place);
-        // The mesh's own name is shared by all of its nodes: it may be long, and they may be many.
+        // All nodes of a mesh share its name, since it may be long and the nodes many.
         match self.document.root.nodes[node].name.as_deref().filter(|name| !name.is_empty()) {
             Some(name) => mesh.name(name),
             None => mesh,
@@ -97,7 +97,7 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// A mesh moved to its place. Where that mirrors it, triangles are turned around: what was their outside stays it.
+/// Transforms a mesh. A mirroring transform also reverses the winding, so that outsides stay outside.
 fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     let mut mesh = mesh.clone();
     for position in &mut mesh.positions {
@@ -105,7 +105,8 @@ fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     }
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = place.matrix3;
     let sign = place.matrix3.determinant().signum();
-    // The inverse's transpose but for its length: normals stay upright where a matrix stretches, and exist where it flattens.
+    // The cofactors are the inverse transposed up to a factor. They keep normals perpendicular, and exist for singular
+    // matrices.
     let upright = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
     if place.matrix3 != DMat3::IDENTITY {
         for normals in &mut mesh.normals {
@@ -124,7 +125,7 @@ fn placed(mesh: &Mesh, place: DAffine3) -> Mesh {
     mesh
 }
 
-/// All of a mesh's primitives that are triangles, as one.
+/// Reads all triangle primitives of a mesh as one mesh.
 fn read(
     document: &Document,
     index: usize,
@@ -167,7 +168,7 @@ fn read(
     Ok(mesh)
 }
 
-/// As many entries as there are triangles, where there are any.
+/// Extends a list to one entry per triangle, unless it is empty.
 fn fill<T: Clone>(list: &mut Vec<T>, count: usize, none: T) {
     if !list.is_empty() {
         list.resize(count, none);
@@ -194,7 +195,7 @@ fn add(
     let first = mesh.positions.len() as u32;
     let positions = document.floats::<3>(positions, &[Type::Vec3], 0.0, &by("POSITION"))?;
 
-    // A list with an entry a vertex, if the primitive has one.
+    // An attribute, if present, has one entry per vertex.
     let fits = |what: &str, found: usize| match found == count {
         true => Ok(()),
         false => Err(document.fault(format!("{name}: {found} of {what} for {}", counted(count, "vertex", "vertices")))),
@@ -240,7 +241,7 @@ fn add(
     Ok(())
 }
 
-/// The corners of a primitive's triangles, as numbers of its vertices.
+/// Returns the corners of a primitive's triangles, as indices of its vertices.
 fn corners(
     document: &Document,
     primitive: &Primitive,

@@ -1,4 +1,4 @@
-//! The nodes of a scene.
+//! Walks over the nodes of a scene.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf_json::{Index, Node, scene::UnitQuaternion};
@@ -8,14 +8,14 @@ use serde::Deserialize;
 use super::document::Document;
 use crate::Error;
 
-/// The parts of a node that place it, in f64. gltf-json has them in f32, which rounds places far from the world's origin.
+/// Matrix and translation of a node in f64. gltf-json has them in f32, which rounds places far from the world's origin.
 #[derive(Deserialize)]
 pub(super) struct Shifts {
     matrix: Option<Box<[f64; 16]>>,
     translation: Option<[f64; 3]>,
 }
 
-/// Those of all nodes of a file that gltf-json has read.
+/// Returns the transforms of all nodes in a file that gltf-json has already read.
 pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
     #[derive(Deserialize)]
     struct File {
@@ -25,8 +25,8 @@ pub(super) fn shifts(json: &[u8]) -> Result<Vec<Shifts>, serde_json::Error> {
     serde_json::from_slice::<File>(json).map(|file| file.nodes)
 }
 
-/// Calls `visit` with each node of the scene, its number and where it stands: parents before their children, in the order of the file.
-/// Without a default scene the first one is taken, and without any all nodes that are nobody's children.
+/// Calls `visit` with each node of the scene, its index and its transform, parents before children, in the file's
+/// order. Without a default scene the first one is used, and without scenes all nodes without parents.
 pub(super) fn walk(
     document: &Document,
     mut visit: impl FnMut(usize, &Node, DAffine3) -> Result<(), Error>,
@@ -42,8 +42,8 @@ pub(super) fn walk(
         }
     };
     let mut visited = vec![false; root.nodes.len()];
-    // The lists that are gone through, one below the other, each with whose it is and where that stands. Not the nodes themselves: a list may have
-    // one millions of times.
+    // A stack of child lists, each with its parent and the parent's transform. It holds iterators, since a list may
+    // contain a node millions of times.
     let mut lists = vec![(roots.iter(), None::<usize>, DAffine3::IDENTITY)];
     while let Some((list, parent, place)) = lists.last_mut() {
         let (parent, place) = (*parent, *place);
@@ -76,7 +76,7 @@ fn orphans_of(nodes: &[Node]) -> Vec<Index<Node>> {
     (0..nodes.len()).filter(|&index| !is_child[index]).map(|index| Index::new(index as u32)).collect()
 }
 
-/// What a node does to what is below it, in f64.
+/// Returns a node's own transform in f64.
 fn transform(node: &Node, shifts: &Shifts) -> Result<DAffine3, String> {
     let transform = match &shifts.matrix {
         Some(matrix) => {

@@ -1,4 +1,4 @@
-//! Pictures, each read once, and what materials make of them.
+//! Reads pictures, each once, and derives textures and means for materials.
 
 #[cfg(feature = "textures")]
 use std::cell::Cell;
@@ -21,43 +21,43 @@ use crate::{
     },
 };
 
-/// A picture as a texture shows it.
+/// A picture with a texture's wrap mode.
 #[derive(Clone)]
 pub(super) struct Picture {
     number: usize,
     pub(super) texture: Texture,
 }
 
-/// The means of a picture's red, green and blue, 0 to 1.
+/// Mean red, green and blue of a picture, 0 to 1.
 #[derive(Clone, Copy)]
 pub(super) struct Means {
-    /// Of sRGB, as light.
+    /// Mean of the sRGB values in linear light.
     pub(super) light: Vec3,
-    /// Of its values as they are.
+    /// Mean of the raw values.
     pub(super) values: Vec3,
 }
 
-/// Where a picture's bytes are: images of the same place are one picture.
+/// Source of a picture. Images with equal sources share a picture.
 #[derive(PartialEq, Eq, Hash)]
 #[cfg_attr(not(feature = "textures"), allow(dead_code, reason = "pictures are not read"))]
 enum Source {
     File(PathBuf),
-    /// The place in memory of a buffer's bytes, which stay where they are.
+    /// Address of a buffer's bytes, which don't move.
     Bytes(*const [u8]),
-    /// In the URI of the image of this number.
+    /// URI of the image with this index.
     Uri(usize),
 }
 
-/// What is known of a picture. Nothing is found out twice: thousands of materials may name one picture of many pixels.
+/// Cached results for a picture. Thousands of materials may use one large picture, so nothing is computed twice.
 #[derive(Default)]
 struct Known {
     texture: Option<Texture>,
     means: Option<Means>,
-    /// How many of its pixels have each alpha.
+    /// Number of pixels by alpha.
     alphas: Option<Box<[u64; 256]>>,
-    /// It, with an alpha of 255 from some alpha on and of 0 below.
+    /// Copies with an alpha of 255 at and above a threshold, 0 below.
     cut: HashMap<u8, Texture>,
-    /// Why it can't be read.
+    /// Reason why the picture can't be read.
     fault: Option<String>,
 }
 
@@ -66,16 +66,16 @@ pub(super) struct Textures<'a> {
     document: &'a Document<'a>,
     missing: MissingTextures,
     limits_left: Limits,
-    /// Pixels that may be decoded yet, whether they are kept or not.
+    /// Number of pixels that may still be decoded, whether they are kept or not.
     #[cfg(feature = "textures")]
     decodable: Cell<u64>,
-    /// The number of each image's picture, and of each source's.
+    /// Picture index of each image, and of each source.
     of_images: HashMap<usize, usize>,
     of_sources: HashMap<Source, usize>,
     pictures: Vec<Known>,
-    /// By picture, wrap, and the alpha from which on there is a surface.
+    /// Texture ids by picture, wrap and alpha threshold.
     ids: HashMap<(usize, Wrap, Option<u8>), TextureId>,
-    /// Those that no scene has yet, and how many it has.
+    /// Textures that are not yet in the scene, and the number that are.
     new: Vec<Texture>,
     moved: usize,
 }
@@ -98,7 +98,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The picture of a texture that `by` names; `None` for one that can't be read, where that is no error.
+    /// Returns the picture of a texture; `by` names it in messages. `None` for an unreadable one if that is no error.
     pub(super) fn picture(
         &mut self,
         index: Index<Description>,
@@ -110,7 +110,7 @@ impl<'a> Textures<'a> {
         if let TextureKind::Image { pixels, .. } = texture.kind()
             && self.pictures[number].texture.is_none()
         {
-            // It was decoded within what is left.
+            // The picture was decoded within this remaining limit.
             self.limits_left.texture_pixels -= pixels.len() as u64;
             self.pictures[number].texture = Some(texture.clone());
         }
@@ -118,7 +118,7 @@ impl<'a> Textures<'a> {
         Ok(Some(Picture { number, texture: texture.wrap(wrap) }))
     }
 
-    /// The means of a texture's picture, which is not kept.
+    /// Returns the means of a texture's picture, without keeping the picture.
     pub(super) fn means(
         &mut self,
         index: Index<Description>,
@@ -133,22 +133,23 @@ impl<'a> Textures<'a> {
         Ok(self.pictures[number].means)
     }
 
-    /// The mean of a picture's light.
+    /// Returns the mean of a picture in linear light.
     pub(super) fn mean_light(&mut self, picture: &Picture) -> Vec3 {
         self.pictures[picture.number].means.get_or_insert_with(|| means(&picture.texture)).light
     }
 
-    /// How many of a picture's pixels have each alpha.
+    /// Returns the number of a picture's pixels by alpha.
     pub(super) fn alphas(&mut self, picture: &Picture) -> &[u64; 256] {
         self.pictures[picture.number].alphas.get_or_insert_with(|| Box::new(alphas(&picture.texture)))
     }
 
-    /// The number of a picture among the scene's textures.
+    /// Returns the texture id of a picture.
     pub(super) fn id(&mut self, picture: &Picture) -> TextureId {
         self.added((picture.number, picture.texture.wrap, None), picture.texture.clone())
     }
 
-    /// The number of a picture that is cut out below an alpha; `None` where it is one picture too many and that is no error.
+    /// Returns the texture id of a picture that is cut out below an alpha. `None` if the picture exceeds the limits and
+    /// that is no error.
     pub(super) fn cutout(
         &mut self,
         picture: &Picture,
@@ -161,7 +162,7 @@ impl<'a> Textures<'a> {
         if counts[between].iter().all(|&count| count == 0) {
             return Ok(Some(self.id(picture)));
         }
-        // The least of those that cut the same pixels.
+        // Thresholds that cut the same pixels share one texture.
         let least = (least..=255).find(|&alpha| counts[usize::from(alpha)] > 0).unwrap_or(255);
         let wrap = picture.texture.wrap;
         let texture = match self.pictures[picture.number].cut.get(&least) {
@@ -177,7 +178,7 @@ impl<'a> Textures<'a> {
         Ok(Some(self.added((picture.number, wrap, Some(least)), texture.wrap(wrap))))
     }
 
-    /// A picture with an alpha of 255 from `least` on and of 0 below.
+    /// Returns a copy of a picture with an alpha of 255 from `least` on, 0 below.
     fn cut(&mut self, picture: &Picture, least: u8) -> Result<Texture, Error> {
         let TextureKind::Image { size: [width, height], pixels } = picture.texture.kind() else {
             return Ok(picture.texture.clone());
@@ -200,7 +201,7 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// Gives the scene those that it has not.
+    /// Adds new textures to the scene.
     pub(super) fn move_to(&mut self, scene: &mut Scene) {
         self.moved += self.new.len();
         for texture in self.new.drain(..) {
@@ -208,14 +209,14 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The number of a texture's image, if it has one that may be read: others are of formats of extensions.
+    /// Returns the image of a texture; `None` if only unsupported extensions have one.
     fn image(&self, index: Index<Description>, by: &str) -> Result<Option<usize>, Error> {
         let description = self.document.item(("textures", &self.document.root.textures), index.value(), by)?;
         let own = Some(description.source.value()).filter(|&source| source != u32::MAX as usize);
         Ok(self.document.extended_image(index.value()).or(own))
     }
 
-    /// The numbers of a texture's image and of its picture; `None` for one that can't be read, where that is no error.
+    /// Returns the index of a texture's image and of its picture. `None` for an unreadable one if that is no error.
     fn number(
         &mut self,
         index: Index<Description>,
@@ -256,7 +257,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The texture of an image's picture; `None` for one that can't be read, where that is no error.
+    /// Returns the texture of an image's picture. `None` for an unreadable one if that is no error.
     fn loaded(
         &mut self,
         (image, number): (usize, usize),
@@ -272,7 +273,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Keeps what is wrong with a picture, so that it is not read again.
+    /// Stores why a picture can't be read, so that it is not read again.
     fn faulty<T>(
         &mut self,
         number: usize,
@@ -284,7 +285,7 @@ impl<'a> Textures<'a> {
         self.lost(by, error, warnings)
     }
 
-    /// What becomes of a texture that can't be read.
+    /// Returns an error or logs a warning for an unreadable texture.
     fn lost<T>(&self, by: &str, error: Error, warnings: &mut Warnings) -> Result<Option<T>, Error> {
         let reason = reason(&error);
         match self.missing {
@@ -298,7 +299,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// What lies beyond a texture's edges.
+    /// Returns a texture's wrap mode.
     fn wrap(&self, index: Index<Description>, warnings: &mut Warnings) -> Result<Wrap, Error> {
         let index = index.value();
         let Some(sampler) = self.document.root.textures[index].sampler else { return Ok(Wrap::Repeat) };
@@ -353,7 +354,7 @@ impl<'a> Textures<'a> {
             (None, Some(view)) => decode(document.view(view, &name)?.1),
             (None, None) => Err(document.fault(format!("{name} has no URI and no bufferView"))),
         };
-        // Also of pictures that are broken: their pixels may have been decoded up to the last.
+        // Broken pictures count too, since all their pixels may have been decoded.
         self.decodable.set(self.decodable.get() - pixels);
         loaded
     }
@@ -369,12 +370,13 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// The reason may be long, and thousands of materials may have it: it is written where it is printed.
+/// Logs an unreadable texture. The text is formatted only if printed, since thousands of materials may share a long
+/// reason.
 fn warn_of_lost(by: &str, reason: &str, warnings: &mut Warnings) {
     warnings.warn("textures that can't be read", None, format_args!("{by}: {reason}; the material is without it"));
 }
 
-/// Without the path of a file that is named already: messages cut long words.
+/// Returns an error's text without the path of the main file, since messages truncate long words.
 fn reason(error: &Error) -> String {
     match error {
         Error::Io { source, path } => format!("{}: {source}", path.display()),
@@ -384,7 +386,7 @@ fn reason(error: &Error) -> String {
     }
 }
 
-/// How many of a texture's pixels have each alpha.
+/// Returns the number of a texture's pixels by alpha.
 fn alphas(texture: &Texture) -> [u64; 256] {
     let mut counts = [0; 256];
     if let TextureKind::Image { pixels, .. } = texture.kind() {
@@ -393,7 +395,7 @@ fn alphas(texture: &Texture) -> [u64; 256] {
     counts
 }
 
-/// Exactly, by how many pixels have each value.
+/// Returns exact means, from the number of pixels with each value.
 fn means(texture: &Texture) -> Means {
     let TextureKind::Image { pixels, .. } = texture.kind() else {
         return Means { light: Vec3::ONE, values: Vec3::ONE };

@@ -1,4 +1,4 @@
-//! Numbers and indices of an OBJ file, checked before tobj reads them: it names no line.
+//! Checks the numbers and indices of an OBJ file before tobj reads them, since tobj's errors name no line.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use crate::message::{counted, noun};
 
 use super::{Fault, MAX_COORDINATE, lines, split_keyword};
 
-/// One for each of what a face's corner names.
+/// A value for each attribute of a face's corner.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub(super) struct Corners<T> {
     pub(super) vertex: T,
@@ -14,7 +14,7 @@ pub(super) struct Corners<T> {
     pub(super) normal: T,
 }
 
-/// Checks the corners of a face against what there is so far, and tells what all corners have.
+/// Checks the indices of a face's corners against the counts so far. Returns which attributes all corners have.
 pub(super) fn check_face(corners: &str, counts: Corners<usize>) -> Result<Corners<bool>, String> {
     if corners.is_empty() {
         return Err("a face without corners".into());
@@ -46,7 +46,7 @@ fn parse_index(what: &str, word: &str) -> Result<isize, String> {
     word.parse().map_err(|_| format!("{what} index '{word}' is not a whole number"))
 }
 
-/// Indices count from 1, or from -1 backwards.
+/// Checks an index. Indices count from 1, or backwards from -1.
 fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
     match parse_index(what, word)? {
         0 => Err(format!("{what} index 0; the first is 1")),
@@ -58,15 +58,15 @@ fn check_index(what: &str, word: &str, count: usize) -> Result<(), String> {
     }
 }
 
-/// The first `v`, `vt` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
-/// Vertices may reach [`MAX_COORDINATE`] from the scene's origin.
+/// Returns the first `v`, `vt` or `vn` line whose numbers are missing, too many, unreadable, not finite or too large.
+/// Vertices may lie up to [`MAX_COORDINATE`] from the scene's origin.
 pub(super) fn find_bad_number(text: &str, origin: DVec3) -> Option<Fault> {
     lines(text).find_map(|(number, line)| {
         let (keyword, rest) = split_keyword(&line);
         let fault = match keyword {
             "v" => check_numbers("vertex", rest, MAX_COORDINATE, origin),
             "vt" => check_texture(rest),
-            // tobj reads three numbers and leaves alone what follows them.
+            // tobj reads three numbers and ignores the rest.
             "vn" => {
                 let words: Vec<&str> = rest.split_whitespace().take(3).collect();
                 check_numbers("normal", &words.join(" "), f32::MAX, DVec3::ZERO)
@@ -107,7 +107,7 @@ fn check_numbers(what: &str, words: &str, largest: f32, origin: DVec3) -> Result
     }
 }
 
-/// One texture coordinate, or two; what follows them is the depth in a solid texture.
+/// Checks one or two texture coordinates. A third number is the depth in a solid texture.
 fn check_texture(words: &str) -> Result<(), String> {
     let what = "texture coordinates";
     let mut count = 0;

@@ -1,4 +1,4 @@
-//! Meshes out of tobj's models.
+//! Joins tobj's models into meshes.
 
 use glam::{Vec2, Vec3};
 
@@ -9,19 +9,19 @@ use crate::scene::{
     smooth::unit,
 };
 
-/// What becomes of tobj's models.
+/// Meshes made from tobj's models.
 #[derive(Default)]
 pub(super) struct Joined {
-    /// The objects, with the smoothing group of each triangle where there are such.
+    /// The objects, with the smoothing group of each triangle if groups matter.
     pub(super) meshes: Vec<(Mesh, Vec<u32>)>,
-    /// The lines of faces for which no split was found.
+    /// Lines of faces without a correct split.
     pub(super) fanned: Vec<usize>,
-    /// How many vertices have colours beyond 0 to 1.
+    /// Number of vertices with colours outside 0 to 1.
     pub(super) clamped_colors: usize,
 }
 
-/// Makes one mesh of each object out of tobj's models, which end at each change of material and section. `placements` are those
-/// of each material's texture.
+/// Makes one mesh per object from tobj's models, which end at each change of material and section. `placements` has the
+/// texture placement of each material.
 pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placements: &[Placement]) -> Joined {
     let Prepared { sections, names, .. } = prepared;
     let mut lines = prepared.polygon_lines.iter().copied();
@@ -34,7 +34,7 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placement
             model.name.parse().ok().and_then(|index: usize| sections.get(index)).expect("prepare names every model");
         let continues = last.is_some_and(|last| match has_objects {
             true => last.object == section.object,
-            // By its number first: a long name may be that of thousands of sections.
+            // The index is compared first, since thousands of sections may share a long name.
             false => last.group_name == section.group_name || names[last.group_name] == names[section.group_name],
         });
         last = Some(section);
@@ -61,14 +61,14 @@ pub(super) fn join_models(models: &[tobj::Model], prepared: &Prepared, placement
     joined
 }
 
-/// As many entries as there are triangles, where there are any.
+/// Extends a list to one entry per triangle, unless it is empty.
 fn fill<T: Clone>(list: &mut Vec<T>, count: usize, none: T) {
     if !list.is_empty() {
         list.resize(count, none);
     }
 }
 
-/// Adds a model's triangles. `lines` are those of the faces of more than three corners from the model's first on.
+/// Adds a model's triangles. `lines` yields the lines of its faces with more than three corners.
 fn add_model(
     mesh: &mut Mesh,
     model: &tobj::Mesh,
@@ -84,8 +84,8 @@ fn add_model(
     mesh.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| first_vertex + corner)));
     let material = model.material_id.map_or(MaterialId(0), |index| MaterialId(index as u32 + 1));
     mesh.materials.resize(mesh.triangles.len(), material);
-    // Fewer than positions: some corner has none, and the list no longer says which. What models before this one lack is
-    // filled in.
+    // If there are fewer normals than positions, some corner has none, and the list does not say which. Attributes that
+    // earlier models lack are filled in.
     let (normals, _) = model.normals.as_chunks::<3>();
     if normals.len() == positions.len() {
         mesh.normals.resize(before, [Vec3::ZERO; 3]);
@@ -108,12 +108,12 @@ fn add_model(
     }
 }
 
-/// Scanners and modellers write colours in sRGB, as they show them.
+/// Converts a vertex colour to linear light. Scanners and modellers write sRGB colours.
 fn linear_color(color: [f32; 3]) -> Vec3 {
     Vec3::from_array(color.map(|value| linear(value.clamp(0.0, 1.0))))
 }
 
-/// The triangles of a model's faces.
+/// Returns the triangles of a model's faces.
 fn split_faces(
     model: &tobj::Mesh,
     positions: &[Vec3],

@@ -1,4 +1,4 @@
-//! Reads the MTL files that an OBJ names.
+//! Reads the MTL files of an OBJ.
 
 mod draft;
 #[cfg(feature = "textures")]
@@ -26,15 +26,15 @@ use crate::{Error, Material, Texture, TextureId, input::Files, message::counted,
 #[derive(Default)]
 pub(super) struct Library {
     pub(super) materials: Vec<Material>,
-    /// How the texture of each lies over its texture coordinates.
+    /// Placement of each material's texture.
     pub(super) placements: Vec<Placement>,
     pub(super) textures: Vec<Texture>,
-    /// Where each name is in the list.
+    /// Index of each material, by its name.
     pub(super) index_of: HashMap<String, usize>,
 }
 
-/// Reads the files that `mtllib` lines name. Each line names one file, whose name may have spaces, or several. Grey
-/// replaces what can't be read: a picture in grey is more use than none. Of textures `options` says whether that holds.
+/// Reads the files in `mtllib` lines. Each line names one file, whose name may have spaces, or several files. The
+/// materials of unreadable files are grey, with a warning. `options` say whether unreadable textures are an error.
 pub(super) fn read(
     files: Files,
     obj: &Path,
@@ -73,9 +73,9 @@ pub(super) fn read(
     Ok(library)
 }
 
-/// The files of one `mtllib` line: several where one of them is there, else the name as it stands.
+/// Returns the files of one `mtllib` line: several if at least one of them exists, else one with the whole name.
 fn locate(files: Files, folder: &Path, names: &str) -> Result<Vec<PathBuf>, Error> {
-    // By its path: the last component of several names is that of the last one.
+    // This looks at the exact path, since the last component of several names belongs to the last one only.
     if !files.is_file(&files.join(folder, names)) {
         let several = names.split_whitespace().map(|name| files.locate(folder, name));
         let several = several.collect::<Result<Vec<_>, _>>()?;
@@ -87,7 +87,7 @@ fn locate(files: Files, folder: &Path, names: &str) -> Result<Vec<PathBuf>, Erro
 }
 
 impl Library {
-    /// Adds the materials of a file. Textures are read for those that are used.
+    /// Adds the materials of a file. Only textures of used materials are read.
     fn add(&mut self, file: &Path, text: &str, used: &HashSet<&str>, textures: &mut Textures) -> Result<(), Error> {
         let mut warnings = Warnings::new(file);
         let mut drafts: Vec<Draft> = Vec::new();
@@ -114,7 +114,7 @@ impl Library {
         Ok(())
     }
 
-    /// Adds a material: of several of one name the last holds. Returns 1 where it has values out of range.
+    /// Adds a material; a later one replaces an earlier one of the same name. Returns 1 if it has values out of range.
     fn finish(
         &mut self,
         draft: Draft,

@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use super::Fault;
 
-/// Longer lines are no header's: a binary file with a broken one has no end of line for long.
+/// Longest line of a header. A binary file with a broken header may have no line end for long.
 const LONGEST_LINE: usize = 1 << 16;
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Encoding {
     Text,
@@ -43,7 +43,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes of a binary one.
+    /// Returns the size in bytes in binary files.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -57,7 +57,7 @@ impl Scalar {
         matches!(self, Self::F32 | Self::F64)
     }
 
-    /// The largest whole number, and infinity for others.
+    /// Returns the largest integer of the type, or infinity for floats.
     pub(super) fn largest(self) -> f64 {
         match self {
             Self::I8 => i8::MAX.into(),
@@ -95,21 +95,22 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// How many lines it has.
+    /// Number of lines in the header.
     pub(super) lines: usize,
-    /// The line of a comment that names a texture.
+    /// Line of a comment that names a texture.
     pub(super) texture_file: Option<usize>,
 }
 
-/// Reads a header, and returns what follows it.
+/// Reads a header. Returns it and the rest of the file.
 pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
     let mut rest = bytes;
     let first = next_line(&mut rest, false).filter(|line| line.trim_ascii() == b"ply");
     first.ok_or_else(|| (Some(1), "it is no PLY file: its first line is not `ply`".into()))?;
-    // A carriage return alone ends lines where it ends the first one.
+    // If a lone carriage return ends the first line, it ends all lines.
     let by_return = bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n');
     let (mut encoding, mut elements, mut texture_file) = (None, Vec::new(), None);
-    // Of the elements, and of the last one's properties: looked up, since there may be hundreds of thousands.
+    // Names of all elements, and of the last one's properties. Sets make lookups fast, since there may be hundreds of
+    // thousands.
     let (mut element_names, mut property_names) = (HashSet::new(), HashSet::new());
     for line in 2.. {
         let text = next_line(&mut rest, by_return);
@@ -141,12 +142,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
     unreachable!("lines end before their numbers do")
 }
 
-/// The next line without its end.
+/// Returns the next line without its end.
 fn next_line<'a>(rest: &mut &'a [u8], by_return: bool) -> Option<&'a [u8]> {
     let within = &rest[..rest.len().min(LONGEST_LINE)];
     let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
     let end = within.iter().position(is_end)?;
-    // `ply` and a return alone: then that is the end of all lines.
+    // With lone carriage returns as line ends, a following newline is not part of the end.
     let is_pair = !by_return && rest[end] == b'\r' && rest.get(end + 1) == Some(&b'\n');
     let (line, after) = (&rest[..end], &rest[end + 1 + usize::from(is_pair)..]);
     *rest = after;

@@ -1,30 +1,30 @@
-//! The numbers behind a header.
+//! Reads the numbers behind a header.
 
 use super::header::Scalar;
 
-/// Numbers in the order of the file. Where one is missing they say so.
+/// A sequence of numbers, in the file's order. Missing numbers are errors.
 pub(super) trait Values {
     /// Begins an item of an element.
     fn begin(&mut self) -> Result<(), String>;
-    /// Ends it: nothing of it may be left.
+    /// Ends an item. Unread values of it are an error.
     fn end(&mut self) -> Result<(), String>;
     fn number(&mut self, scalar: Scalar) -> Result<f64, String>;
-    /// Goes over so many numbers.
+    /// Skips `count` numbers.
     fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), String>;
-    /// The line of the item, where there are lines.
+    /// Returns the line of the item in a text file.
     fn line(&self) -> Option<usize>;
 
-    /// How long a list is.
+    /// Reads the length of a list.
     fn count(&mut self, scalar: Scalar) -> Result<usize, String> {
         let count = self.number(scalar)?;
         if count < 0.0 { Err(format!("a list of {count} values")) } else { Ok(count as usize) }
     }
 }
 
-/// What follows a header as bytes.
+/// Body of a binary file.
 pub(super) struct Binary<'a> {
     rest: &'a [u8],
-    /// The byte that counts most comes first.
+    /// Whether the byte order is big-endian.
     is_big: bool,
 }
 
@@ -79,7 +79,7 @@ impl Values for Binary<'_> {
     }
 }
 
-/// What follows a header as text: an item of an element on each line.
+/// Body of a text file: a line per item of an element.
 pub(super) struct Text<'a> {
     rest: &'a [u8],
     item: &'a [u8],
@@ -87,7 +87,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// `lines` is how many came before.
+    /// `lines` is the number of the header's lines.
     pub(super) fn new(rest: &'a [u8], lines: usize) -> Self {
         Self { rest, item: &[], line: lines }
     }
@@ -106,7 +106,7 @@ impl<'a> Text<'a> {
 }
 
 impl Values for Text<'_> {
-    /// Finds the next line that is not empty.
+    /// Moves to the next line that is not empty.
     fn begin(&mut self) -> Result<(), String> {
         loop {
             if self.rest.is_empty() {
@@ -133,7 +133,7 @@ impl Values for Text<'_> {
     fn number(&mut self, scalar: Scalar) -> Result<f64, String> {
         let word = self.word()?;
         let number = match scalar {
-            // Rounded once, as other readers of f32 do.
+            // Parsing as f32 rounds once, as other readers do.
             Scalar::F32 => word.parse::<f32>().ok().map(f64::from),
             _ => word.parse::<f64>().ok(),
         };

@@ -1,4 +1,4 @@
-//! Pictures of skies, decoded into linear colours.
+//! Decodes sky pictures into linear colours.
 
 #[cfg(feature = "exr")]
 mod open_exr;
@@ -13,10 +13,10 @@ use glam::Vec3;
 use super::is_map;
 use crate::{Error, Limits, message::counted, scene::linear};
 
-/// Bytes of an HDR file, as the image crate asks for them.
+/// Reader of an HDR file for the image crate.
 struct HdrBytes<R> {
     inner: R,
-    /// Marks in a row.
+    /// Number of consecutive run marks.
     marks: u32,
 }
 
@@ -25,8 +25,8 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
         self.inner.read(bytes)
     }
 
-    /// Runs of pixels may be told by marks that stand in the place of pixels. The crate multiplies by 256 for each mark
-    /// that follows another, and panics where a `usize` overflows: at the eighth, with 32 bits at the fourth.
+    /// Reads bytes and counts run marks, which may replace pixels. Each consecutive mark multiplies the run by 256. The
+    /// crate panics when a `usize` overflows: at the eighth mark, with 32 bits at the fourth.
     fn read_exact(&mut self, bytes: &mut [u8]) -> std::io::Result<()> {
         self.inner.read_exact(bytes)?;
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
@@ -37,7 +37,7 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
     }
 }
 
-/// Reads a picture into linear colours.
+/// Decodes a picture into linear colours.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,
@@ -65,7 +65,7 @@ pub(super) fn decode(
     colors(path, reader.into_decoder(), limits)
 }
 
-/// How many pixels a picture has; refuses one that is no map, and one over the limit.
+/// Returns the number of pixels. Refuses sizes that can't be a map or exceed the limit.
 fn check_size(path: &Path, [width, height]: [u32; 2], limits: &Limits) -> Result<u64, Error> {
     let count = u64::from(width) * u64::from(height);
     if !is_map(width, height) {
@@ -83,8 +83,8 @@ fn check_size(path: &Path, [width, height]: [u32; 2], limits: &Limits) -> Result
     Ok(count)
 }
 
-/// A decoder's picture in linear colours. Its samples, which are never larger than those, are read into the list of
-/// colours itself and spread out there.
+/// Returns a decoder's picture in linear colours. Samples are never larger than colours. They are read into the list of
+/// colours itself and converted in place.
 fn colors(
     path: &Path,
     decoder: image::ImageResult<impl image::ImageDecoder>,
@@ -100,11 +100,11 @@ fn colors(
     if sample > size_of::<Vec3>() {
         return Err(no_sky(format!("pixels of {}", counted(sample, "byte", "bytes"))));
     }
-    // The system's own zeros, which take memory as they are written to: the samples first, the rest once the decoder is gone.
+    // Zeroed pages take memory only when written: for the samples first, for the rest after the decoder is freed.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut pixels);
     decoder.read_image(&mut bytes[..count as usize * sample]).map_err(said)?;
-    // From the last pixel on, whose place no sample but its own reaches into that is still to be read.
+    // Conversion runs backwards, so no colour overwrites a sample that is still to be read.
     for index in (0..pixels.len()).rev() {
         let bytes: &[u8] = bytemuck::cast_slice(&pixels);
         pixels[index] = linear_color(kind, &bytes[index * sample..][..sample]).map_err(no_sky)?;
@@ -112,7 +112,7 @@ fn colors(
     Ok((width, height, pixels))
 }
 
-/// A pixel as the format has it, as a linear colour. Alpha is left out.
+/// Converts a pixel in the file's format to a linear colour. Alpha is ignored.
 fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
     use image::ColorType;
 
@@ -157,13 +157,13 @@ mod tests {
             [&odd, &broken, &missing].iter().all(|message| message.contains("sky.png")),
             "{odd} {broken} {missing}"
         );
-        // Formats that the image crate may have for other parts of a program.
+        // The image crate may support these formats for other parts of a program.
         let other = SkyMap::from_bytes("sky.gif", b"GIF89a", &Limits::default()).unwrap_err().to_string();
         assert!(other.contains("sky.gif: no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR"), "{other}");
         assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
     }
 
-    /// Bytes (1, 1, 1, n) stand for n more of the pixel before them, those behind them for 256 n more, and so on.
+    /// Tests runs: bytes (1, 1, 1, n) repeat the previous pixel n times, the next such mark 256 n times, and so on.
     #[test]
     fn runs_of_an_hdr_file_are_read_up_to_those_that_no_number_can_hold() {
         let folder = crate::folder::Folder::new("runs");
@@ -183,7 +183,7 @@ mod tests {
         }
     }
 
-    /// Writes a picture, reads it as a sky, and takes it away again.
+    /// Writes a picture to a file, reads it as a sky, and removes it.
     fn through_file(name: &str, picture: &image::DynamicImage, limits: &Limits) -> Result<SkyMap, Error> {
         let path = std::env::temp_dir().join(format!("stereotrace_{}_{name}", std::process::id()));
         picture.save(&path).unwrap();
@@ -208,7 +208,7 @@ mod tests {
         ];
         for (name, kind) in kinds {
             let mut picture = DynamicImage::new(6, 3, kind);
-            // Bytes without order, so that a sample that is overwritten before it is read shows.
+            // With noise, a sample that is overwritten before it is read shows.
             let mut noise = (0..).map(|index: u32| (index.wrapping_mul(2_654_435_761) >> 24) as u8);
             match &mut picture {
                 DynamicImage::ImageLuma8(p) => p.fill_with(|| noise.next().unwrap()),
@@ -219,7 +219,7 @@ mod tests {
                 DynamicImage::ImageLumaA16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
                 DynamicImage::ImageRgb16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
                 DynamicImage::ImageRgba16(p) => p.fill_with(|| 255 * u16::from(noise.next().unwrap())),
-                // Of one exponent, a power of two: what HDR keeps exactly.
+                // HDR represents values with a common power of two exactly.
                 DynamicImage::ImageRgb32F(p) => p.fill_with(|| 0.5 + f32::from(noise.next().unwrap() >> 1) / 256.0),
                 _ => unreachable!(),
             }
@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(read(2048).unwrap().size(), [64, 32]);
         let message = read(2047).unwrap_err().to_string();
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047"), "{message}");
-        // An adapter's own limit, which lavapipe has at 2048 times 16384 texels.
+        // The adapter's own limit; lavapipe's is 2048 times 16384 texels.
         let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
         let gpu = Gpu::open(wanted).unwrap();
         let most = Limits::default().gpu(&gpu).sky_pixels(u64::MAX).largest_sky();

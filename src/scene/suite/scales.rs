@@ -1,4 +1,4 @@
-//! Sizes and places that f32 holds badly.
+//! Sizes and positions with large rounding errors in f32.
 
 use std::f32::consts::PI;
 
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// Where a copy of the composition stands and how large it is.
+/// Scale and position of a copy of the composition.
 pub(super) struct Placement {
     scale: f32,
     offset: Vec3,
@@ -55,7 +55,7 @@ impl Placement {
     }
 }
 
-/// Floor, wall, a ball of triangles, spheres and a box.
+/// Builds floor, wall, a sphere of triangles, spheres and a box.
 fn composition() -> Scene {
     let mut scene = stage();
     let [ball_color, box_color] = [[210, 90, 70], [90, 140, 110]].map(|srgb| paint(&mut scene, "", srgb));
@@ -83,18 +83,18 @@ fn composition() -> Scene {
     scene
 }
 
-/// The screen of the mixed sizes: small things are close to it.
+/// Screen distance of the mixed sizes; small objects are close to it.
 const MIXED_SCREEN: f32 = 0.25;
 
 pub(super) fn mixed_sizes_camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(MIXED_SCREEN).screen_width(stage::WIDTH * MIXED_SCREEN)
 }
 
-/// Balls of millimetres before spheres of metres on a ground of kilometres.
+/// Builds spheres of millimetres in front of spheres of metres, on a ground of kilometres.
 pub(super) fn mixed_sizes() -> Scene {
     const HUGE: f32 = 1e4;
-    /// Its triangles have sides of about 0.0003. There are few of them: against a scene so large the traversal tells them
-    /// apart badly, and a driver's bound on a thread's loops is not far.
+    /// Radius of a sphere whose triangles have sides of about 0.0003. They are few, since the traversal separates them
+    /// badly in so large a scene. More of them approach a driver's bound on a thread's loops.
     const BALL_RADIUS: f32 = 0.002;
     const GRAINS: usize = 1500;
     let mut scene = Scene::new();
@@ -129,7 +129,7 @@ pub(super) fn mixed_sizes() -> Scene {
         let sphere = Sphere::new(Vec3::new(x, radius, -depth), radius, colors[k % colors.len()]);
         scene.add_sphere(sphere).expect("it has a radius");
     }
-    // Triangles with sides of 0.0001 to 0.0005, from an eighth of a pixel of 600 to one and a half.
+    // Triangles have sides of 0.0001 to 0.0005: from an eighth of a pixel of 600 to one and a half.
     let mut random = Random(90);
     let mut dust = Shape::new("dust", EYE);
     for grain in 0..GRAINS {

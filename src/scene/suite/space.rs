@@ -1,4 +1,5 @@
-//! Where the eyes are: on two sides of a wall, over an endless floor, far apart, within things, beside what the other one sees.
+//! Unusual positions of the eyes: on two sides of a wall, over an endless floor, far apart, inside objects, or beside
+//! an object that one eye misses.
 
 use std::f32::consts::PI;
 
@@ -17,7 +18,7 @@ use crate::{
     },
 };
 
-/// A wall in the plane between the eyes; columns and balls on either side of it.
+/// Builds a wall in the plane between the eyes, with columns and spheres on either side.
 pub(super) fn septum() -> Scene {
     const HALF_THICKNESS: f32 = 0.005;
     const NEAR: f32 = 0.05;
@@ -31,7 +32,7 @@ pub(super) fn septum() -> Scene {
     ] {
         let colors = palette.map(|srgb| paint(&mut scene, name, srgb));
         let mut face = Shape::new(format!("septum, {name}"), EYE);
-        // Patches shrink towards the eyes, so that they look about as large everywhere.
+        // Patches shrink towards the eyes, so that all look about equally large.
         let point = |s: f32, t: f32| {
             let depth = NEAR * (FAR / NEAR).powf(s);
             Vec3::new(side * HALF_THICKNESS, HALF_HEIGHT * (2.0 * t - 1.0), -depth)
@@ -59,11 +60,11 @@ pub(super) fn septum() -> Scene {
     scene
 }
 
-/// Light tiles on dark ground, with a few things that stand on them.
+/// Builds light tiles on dark ground, with a few objects on them.
 pub(super) fn checkerboard() -> Scene {
     const TILES: usize = 200;
     const TILE: f32 = 1.25;
-    /// The light ones are raised so much; the dark ones are the ground between them, which spares half of the triangles.
+    /// Height of the light tiles. The dark ones are the ground between them, which saves half of the triangles.
     const RELIEF: f32 = 0.01;
     /// The nearest row begins below the picture.
     const NEAR_CORNER: Vec3 = Vec3::new(-0.5 * TILE * TILES as f32, 0.0, -2.0);
@@ -100,7 +101,7 @@ pub(super) fn checkerboard() -> Scene {
     scene
 }
 
-/// Columns and balls from a third of the screen's distance to seven times it.
+/// Builds columns and spheres from a third of the screen's distance to seven times it.
 pub(super) fn half_width() -> Scene {
     const THINGS: usize = 70;
     const DEPTHS: [f32; 2] = [2.6, 56.0];
@@ -114,9 +115,9 @@ pub(super) fn half_width() -> Scene {
     add(&mut scene, floor);
     let mut random = Random(300);
     for thing in 0..THINGS {
-        // As many near as far.
+        // Depths are spaced logarithmically, so there are as many near objects as far ones.
         let depth = DEPTHS[0] * (DEPTHS[1] / DEPTHS[0]).powf(thing as f32 / (THINGS - 1) as f32);
-        // Over what either eye sees at this depth.
+        // x covers the range that either eye sees at this depth.
         let x = random.between(-0.5, 0.5) * (depth + 2.0);
         let radius = random.between(0.1, 0.3) + 0.006 * depth;
         let material = colors[thing % colors.len()];
@@ -137,13 +138,13 @@ pub(super) fn half_width() -> Scene {
     scene
 }
 
-/// A ball with a window around the left eye, a sphere around everything.
+/// Builds a sphere with a window around the left eye, and a sphere around everything.
 pub(super) fn inside() -> Scene {
-    /// Less than the distance between the eyes: the right one is outside.
+    /// Radius below the interaxial, so that the right eye is outside.
     const BALL: f32 = 0.6 * INTERAXIAL;
-    /// Half the angle of the window, radians.
+    /// Half the angle of the window, in radians.
     const WINDOW: f32 = 0.36;
-    /// Before the stage's wall, behind its lights.
+    /// Radius that reaches beyond the stage's lights, but not its wall.
     const SKY: f32 = 11.4;
     let mut scene = stage();
     let sky = paint(&mut scene, "sphere around it all", [120, 150, 190]);
@@ -151,7 +152,7 @@ pub(super) fn inside() -> Scene {
     let colors = [[60, 140, 110], [230, 190, 70], [70, 110, 180]].map(|srgb| paint(&mut scene, "thing", srgb));
     scene.add_sphere(Sphere::new(EYE, SKY, sky)).expect("it has a radius");
     let mut ball = Shape::new("ball around the left eye", EYE - Vec3::X * (0.5 * INTERAXIAL));
-    // From the window's rim, before the eye, to the point behind it.
+    // t runs from the window's rim in front of the eye to the point behind it.
     let point = |s: f32, t: f32| {
         let polar = WINDOW + (PI - WINDOW) * t;
         let at = on_sphere(BALL, s, polar);
@@ -169,13 +170,13 @@ pub(super) fn inside() -> Scene {
     scene
 }
 
-/// A post in the wedge before the screen's right edge that the right eye's picture has beyond the left eye's.
+/// Builds a post in the wedge in front of the screen's right edge that only the right eye's picture contains.
 pub(super) fn wings() -> Scene {
-    /// Over half the screen's distance: nearer than that the paper has nothing.
+    /// Over half the screen's distance; the paper excludes nearer objects.
     const DEPTH: f32 = 4.4;
     let mut scene = stage();
     let stripes = [[214, 60, 120], [250, 230, 140]].map(|srgb| paint(&mut scene, "stripe", srgb));
-    // Where the lines from the eyes to the screen's right edge pass: only the right eye's picture reaches beyond the left eye's line.
+    // Lines from the eyes to the screen's right edge: only the right eye's picture reaches beyond the left eye's line.
     let line = |eye: f32| eye + (0.5 * WIDTH * SCREEN - eye) * DEPTH / SCREEN;
     let [of_left, of_right] = [line(-0.5 * INTERAXIAL), line(0.5 * INTERAXIAL)];
     let radius = 0.42 * (of_right - of_left);
@@ -185,7 +186,7 @@ pub(super) fn wings() -> Scene {
     scene
 }
 
-/// Sky and lights without a stage.
+/// Builds sky and lights without a stage.
 fn open_air() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.2, 0.42, 0.85) };

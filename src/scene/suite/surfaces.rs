@@ -1,4 +1,4 @@
-//! Surfaces within, just behind, in the same place as and next to each other.
+//! Surfaces inside, close behind, coincident with and adjacent to each other.
 
 use std::f32::consts::{PI, TAU};
 
@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-/// Two nests of open spheres, each with a solid ball at its heart.
+/// Builds two nests of open spheres, each with a solid sphere at its centre.
 pub(super) fn shells() -> Scene {
     const SHELLS: usize = 5;
     const PATCHES: [usize; 2] = [64, 32];
@@ -34,7 +34,7 @@ pub(super) fn shells() -> Scene {
             let point = |column: usize, row: usize| {
                 on_sphere(radius, column as f32 / PATCHES[0] as f32, PI * row as f32 / PATCHES[1] as f32)
             };
-            // Windows of 4x4 patches; each sphere has its own.
+            // Windows have 4x4 patches and differ between spheres.
             let is_open = |column: usize, row: usize| {
                 let window = (nest * SHELLS + shell) * 1024 + row / 4 * 32 + column / 4;
                 pcg(window as u32) % 5 < 2
@@ -54,10 +54,10 @@ pub(super) fn shells() -> Scene {
     scene
 }
 
-/// Two pairs of slanted plates, the front ones with holes.
+/// Builds two pairs of slanted plates, the front ones with holes.
 pub(super) fn plates() -> Scene {
     const DISTANCE: f32 = 7.0;
-    /// Shares of their distance that the plates are apart.
+    /// Gaps between the plates, as shares of their distance.
     const GAPS: [f32; 2] = [1e-3, 1e-5];
     const SIZE: Vec2 = Vec2::new(2.9, 4.6);
     const SLANT: f32 = 0.35;
@@ -75,7 +75,7 @@ pub(super) fn plates() -> Scene {
         let mut before = Shape::new(format!("front {pair}"), corner);
         for row in 0..FRONT[1] {
             for column in 0..FRONT[0] {
-                // Holes of 2x2 patches.
+                // Holes have 2x2 patches.
                 if pcg((row / 2 * 64 + column / 2 + 4096 * pair) as u32).is_multiple_of(4) {
                     continue;
                 }
@@ -90,7 +90,7 @@ pub(super) fn plates() -> Scene {
     scene
 }
 
-/// A vase twice, a sphere twice, and posters that overlap in one plane.
+/// Builds vases twice, spheres twice, and posters that overlap in one plane.
 pub(super) fn coincident() -> Scene {
     const POSTERS: usize = 14;
     let mut scene = stage();
@@ -109,7 +109,7 @@ pub(super) fn coincident() -> Scene {
         }
     }
     for (k, (x, y, z)) in [(-0.5, 1.7, 5.0), (2.1, 3.3, 6.0), (-2.6, 3.6, 7.0)].into_iter().enumerate() {
-        // The second pair in the other order, so that the later one is not always the same colour.
+        // The second pair is in reverse order, so that the later one does not always have the same colour.
         let [first, second] = if k == 1 { [pairs[k][1], pairs[k][0]] } else { pairs[k] };
         for material in [first, second] {
             let twin = Sphere::new(Vec3::new(x, y, -z), 0.45, material);
@@ -118,7 +118,7 @@ pub(super) fn coincident() -> Scene {
     }
     for poster in 0..POSTERS {
         let share = poster as f32 / POSTERS as f32;
-        // Turned a little, each by its own angle, in the plane of a slanted board.
+        // Posters have slightly different angles in the plane of a slanted board.
         let (sin, cos) = (2.0 * share - 1.0).sin_cos();
         let middle = Vec2::new(-3.6 + 7.4 * share, 2.2 + 1.2 * (TAU * 2.0 * share).sin());
         let corners = [(-0.7, -0.5), (0.7, -0.5), (0.7, 0.5), (-0.7, 0.5)].map(|(x, y): (f32, f32)| {
@@ -132,14 +132,14 @@ pub(super) fn coincident() -> Scene {
     scene
 }
 
-/// A slanted wall and a round tower of panels that are coarse and fine in turns, before a red board.
+/// Builds a slanted wall and a round tower of alternately coarse and fine panels, in front of a red board.
 pub(super) fn t_junctions() -> Scene {
     let mut scene = stage();
     let coarse = paint(&mut scene, "coarse", [202, 196, 180]);
     let fine = paint(&mut scene, "fine", [178, 190, 200]);
     let red = paint(&mut scene, "behind", [230, 30, 20]);
     let mut wall = Shape::new("wall of panels", EYE + Vec3::new(-3.7, -2.0, -6.3));
-    // Along axes that f32 does not represent: vertices on an edge lie beside it by their rounding.
+    // f32 does not represent these axes exactly, so vertices on an edge lie beside it by rounding.
     let (along, up) = (Vec3::new(4.1, 0.13, -1.7), Vec3::new(0.07, 4.3, -0.31));
     panels(&mut wall, [14, 14], 8, |s, t| along * s + up * t, [coarse, fine]);
     add(&mut scene, wall);
@@ -160,7 +160,7 @@ pub(super) fn t_junctions() -> Scene {
     scene
 }
 
-/// Panels of a surface `point(s, t)`, one quad or `cuts` by `cuts` of them in turns like a chessboard's squares.
+/// Adds panels of a surface `point(s, t)`, alternating as on a chessboard: one quad, or `cuts` by `cuts` quads.
 fn panels(
     shape: &mut Shape,
     [columns, rows]: [usize; 2],

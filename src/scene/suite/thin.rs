@@ -1,4 +1,4 @@
-//! Things thinner than a pixel.
+//! Objects thinner than a pixel.
 
 use std::f32::consts::{PI, TAU};
 
@@ -18,10 +18,10 @@ use crate::{
     },
 };
 
-/// Ribbons, slivers that taper to a point, and chains of spheres, before the stage's wall of bricks.
+/// Builds ribbons, tapering slivers and chains of spheres in front of the stage's brick wall.
 pub(super) fn wires() -> Scene {
     const WIRES: usize = 90;
-    /// Pixels of 600.
+    /// In pixels of 600.
     const WIDTHS: [f32; 2] = [0.2, 0.9];
     const DISTANCES: [f32; 2] = [4.2, 10.0];
     let mut scene = stage();
@@ -32,9 +32,9 @@ pub(super) fn wires() -> Scene {
         let distance = random.between(DISTANCES[0], DISTANCES[1]);
         let width = random.between(WIDTHS[0], WIDTHS[1]) * PIXEL * distance;
         let color = colors[wire / 3 % colors.len()];
-        // The distance is also how much of the plane the picture shows.
+        // The picture is as wide as the distance of the plane.
         let middle = Vec3::new(random.between(-0.48, 0.48), random.between(-0.2, 0.3), -1.0) * distance;
-        // Half of them upright, half slanted.
+        // Half of them are upright, half slanted.
         let lean = if wire % 2 == 0 { 0.0 } else { random.between(-0.9, 0.9) };
         let along = Vec3::new(lean.sin(), lean.cos(), random.between(-0.2, 0.2));
         let half = along * random.between(0.1, 0.3) * distance;
@@ -52,7 +52,7 @@ pub(super) fn wires() -> Scene {
     scene
 }
 
-/// Spheres in a row, a radius between two of them.
+/// Adds a row of spheres with gaps of a radius.
 fn chain(scene: &mut Scene, [from, to]: [Vec3; 2], radius: f32, material: MaterialId) {
     let count = (from.distance(to) / (3.0 * radius)) as usize;
     for bead in 0..count {
@@ -61,13 +61,13 @@ fn chain(scene: &mut Scene, [from, to]: [Vec3; 2], radius: f32, material: Materi
     }
 }
 
-/// Strands that leave a ball along its normals and bend down.
+/// Builds strands that leave a sphere along its normals and bend down.
 pub(super) fn hair() -> Scene {
     const STRANDS: usize = 5000;
     const SEGMENTS: usize = 5;
     const RADIUS: f32 = 1.05;
     const CENTER: Vec3 = Vec3::new(0.0, 0.1, -5.2);
-    /// Pixels of 600, at the ball's distance.
+    /// In pixels of 600, at the sphere's distance.
     const WIDTHS: [f32; 2] = [0.1, 0.5];
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let mut scene = stage();
@@ -80,10 +80,10 @@ pub(super) fn hair() -> Scene {
     add(&mut scene, ball);
 
     let mut random = Random(5);
-    // One object, as a scanned head of hair is: its strands can't be told apart by what they belong to.
+    // The hair is one object, as in a scan, so object ids can't distinguish strands.
     let mut hair = Shape::new("hair", EYE + CENTER);
     for strand in 0..STRANDS {
-        // Points spread evenly over the ball: equal steps in height, the golden angle around.
+        // Points are spread evenly over the sphere: equal steps in height, the golden angle around.
         let y = 1.0 - 2.0 * (strand as f32 + 0.5) / STRANDS as f32;
         let (sin, cos) = ((strand as f32 * GOLDEN_ANGLE) % TAU).sin_cos();
         let ring = (1.0 - y * y).sqrt();
@@ -104,7 +104,7 @@ pub(super) fn hair() -> Scene {
     scene
 }
 
-/// Three crowns of leaves over the stage's floor: squares that a mask cuts leaves out of.
+/// Builds three tree crowns over the stage's floor: squares with leaf-shaped cut-outs.
 pub(super) fn foliage() -> Scene {
     const SQUARES: usize = 130;
     const MASKS: usize = 3;
@@ -138,7 +138,7 @@ pub(super) fn foliage() -> Scene {
     scene
 }
 
-/// A mask of 96x96 pixels with slender leaves in it.
+/// Returns a mask of 96x96 pixels with slender leaves in it.
 fn leaf_mask(random: &mut Random) -> Texture {
     const SIDE: usize = 96;
     const LEAVES: usize = 40;
@@ -158,13 +158,13 @@ fn leaf_mask(random: &mut Random) -> Texture {
     Texture::image(SIDE as u32, SIDE as u32, pixels).expect("as many pixels as the sides say")
 }
 
-/// Cables between posts on both sides of a street, and across it.
+/// Builds cables between posts on both sides of a street, and across it.
 pub(super) fn cables() -> Scene {
     const SPANS: usize = 5;
     const LINES: usize = 4;
     const POST: f32 = 2.1;
     const HEIGHT: f32 = 3.6;
-    /// Of the cables; at a distance of 8 the stage's pixels of 600 are 0.0133 units wide.
+    /// Radii of the cables. At distance 8 the stage's pixels of 600 are 0.0133 units wide.
     const RADII: [f32; 2] = [0.001, 0.006];
     let mut scene = stage();
     let wood = paint(&mut scene, "post", [110, 90, 70]);
@@ -200,7 +200,7 @@ pub(super) fn cables() -> Scene {
     scene
 }
 
-/// A tube of six sides that hangs between two points.
+/// Adds a six-sided tube that hangs between two points.
 fn cable(scene: &mut Scene, [from, to]: [Vec3; 2], radius: f32, material: MaterialId) {
     const SAG: f32 = 0.3;
     let across = (to - from).cross(Vec3::Y).normalize_or(Vec3::X);
@@ -213,7 +213,7 @@ fn cable(scene: &mut Scene, [from, to]: [Vec3; 2], radius: f32, material: Materi
     add(scene, shape);
 }
 
-/// A plate with fins and strips on it, as a drawing of a machine's part has them.
+/// Builds a plate with fins and bars, like a technical drawing.
 pub(super) fn strips() -> Scene {
     const FINS: usize = 36;
     const BARS: usize = 40;
@@ -221,7 +221,7 @@ pub(super) fn strips() -> Scene {
     let steel = paint(&mut scene, "plate", [176, 182, 190]);
     let brass = paint(&mut scene, "strip", [200, 170, 90]);
     let mut random = Random(43);
-    // Leans against the wall: a point of the plate, so far along and up it, and so high above it.
+    // Maps a point to the plate that leans against the wall: x along it, y up along it, z above it.
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, 0.6 + 0.8 * y + 0.6 * z, -8.0 - 0.6 * y + 0.8 * z);
     let block = |shape: &mut Shape, low: Vec3, high: Vec3, material: MaterialId| {
         let corner = |bits: usize| {
@@ -240,7 +240,7 @@ pub(super) fn strips() -> Scene {
         let (width, height) = (random.between(0.002, 0.02), random.between(0.05, 0.25));
         block(&mut part, Vec3::new(x, 0.2, 0.0), Vec3::new(x + width, 1.6, height), steel);
     }
-    // Bars run up it, on two feet each.
+    // Bars run up the plate, each on two feet.
     for bar in 0..BARS {
         let x = 0.8 + 2.1 * bar as f32 / BARS as f32;
         let (width, height) = (random.between(0.001, 0.012), random.between(0.1, 0.6));

@@ -1,4 +1,4 @@
-//! Pictures of textures, decoded into bytes of sRGB with alpha.
+//! Decodes texture pictures into sRGB bytes with alpha.
 
 use std::{
     io::{BufRead, Seek},
@@ -10,10 +10,10 @@ use image::{ImageDecoder, ImageFormat};
 use super::check_size;
 use crate::{Error, Limits};
 
-/// What decoding may take for each pixel: RGBA of 16 bits, and the same of 8, with as much again for the decoder's own.
+/// Memory for decoding in bytes per pixel: RGBA of 16 bits, of 8 bits, and as much again for the decoder.
 const DECODING_BYTES: u64 = 24;
 
-/// What is read beside PNG and JPEG.
+/// Formats besides PNG and JPEG.
 const MORE: [(ImageFormat, &str); 5] = [
     (ImageFormat::Bmp, "BMP"),
     (ImageFormat::Gif, "GIF"),
@@ -22,7 +22,7 @@ const MORE: [(ImageFormat, &str); 5] = [
     (ImageFormat::WebP, "WebP"),
 ];
 
-/// Refuses formats that are not read: the image crate may have been built with them for other parts of a program.
+/// Refuses unsupported formats. Other parts of a program may have enabled them in the image crate.
 fn check_format(format: Option<ImageFormat>) -> Result<(), String> {
     let has_more = cfg!(feature = "more-textures");
     if matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
@@ -36,8 +36,8 @@ fn check_format(format: Option<ImageFormat>) -> Result<(), String> {
     }
 }
 
-/// Reads a picture of a format that [`check_format`] knows, of several the first: its width and height, and its pixels. Messages name `path`.
-/// `counted` becomes the number of pixels before they are decoded.
+/// Decodes a picture of a format that [`check_format`] accepts, or the first of several. Returns its width and height,
+/// and its pixels. Messages name `path`. `counted` becomes the number of pixels before they are decoded.
 pub(super) fn decode(
     path: &Path,
     source: impl BufRead + Seek,
@@ -48,7 +48,7 @@ pub(super) fn decode(
     let said =
         |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a texture: {error}"), error);
     let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
-    // No bytes tell a TGA file.
+    // A TGA file has no signature.
     let is_tga = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
     if reader.format().is_none() && is_tga {
         reader.set_format(ImageFormat::Tga);
@@ -73,10 +73,10 @@ pub(super) fn decode(
         });
     }
     *counted = count;
-    // A GIF's first picture, and parts of others, may be larger than the whole.
+    // A GIF's first picture, and parts of other pictures, may be larger than the whole.
     decoder.set_limits(within(count)).map_err(said)?;
     let picture = image::DynamicImage::from_decoder(decoder).map_err(said)?.into_rgba8();
-    // Bytes of a length that is no multiple of four in memory are copied.
+    // The conversion copies if the buffer's length in memory is not a multiple of four.
     let pixels = bytemuck::try_cast_vec(picture.into_raw()).unwrap_or_else(|(_, bytes)| bytes.as_chunks().0.to_vec());
     Ok(([width, height], pixels))
 }
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn every_kind_of_pixel_becomes_8_bits_of_rgba() {
         let folder = Folder::new("texture_kinds");
-        // The first pixel of a picture of these samples, each value standing for 16 bits too.
+        // The first pixel of a picture with these samples. Each value is also used for 16 bits.
         let kinds = [
             (ColorType::L8, [51, 51, 51, 255]),
             (ColorType::La8, [51, 51, 51, 102]),
@@ -135,7 +135,7 @@ mod tests {
         }
     }
 
-    /// A picture of four colours and two opacities by number, as PNG has it.
+    /// Tests a PNG palette of four colours and two opacities.
     #[test]
     fn palettes_and_their_transparency_are_looked_up() {
         let folder = Folder::new("palette");
@@ -180,14 +180,14 @@ mod tests {
             picture.save_with_format(&path, format).unwrap();
             let texture = Texture::open(&path).unwrap();
             assert_eq!(pixels(&texture), colors, "{name}");
-            // TGA alone has nothing that tells it but the ending.
+            // Only TGA is recognised by its extension alone.
             let bytes = std::fs::read(&path).unwrap();
             let renamed = Texture::from_bytes("a.png", &bytes, &Limits::default());
             match format {
                 ImageFormat::Tga => assert!(renamed.unwrap_err().to_string().contains("it is not PNG, JPEG, BMP, GIF")),
                 _ => assert_eq!(renamed.unwrap(), texture, "{name}"),
             }
-            // All but TIFF have the size in front: no pixel is looked at.
+            // All formats except TIFF have the size in front, so no pixel is read.
             let start = if format == ImageFormat::Tiff { bytes.len() } else { bytes.len() - 2 };
             let limits = Limits::default().texture_pixels(5);
             let message = Texture::from_bytes(&path, &bytes[..start], &limits).unwrap_err().to_string();
@@ -196,7 +196,7 @@ mod tests {
                 let _ = Texture::from_bytes(&path, &bytes[..end], &Limits::default());
             }
         }
-        // Where a header says how wide the picture is, in how many bytes.
+        // Offset and length of the picture's width in the header.
         for (name, at, bytes) in [("bmp", 18, 4), ("gif", 6, 2), ("tga", 12, 2)] {
             let path = folder.file(&format!("picture.{name}"));
             let mut wide = std::fs::read(&path).unwrap();
@@ -236,7 +236,7 @@ mod tests {
         assert!(message.contains("it is GIF; stereotrace is built without its feature `more-textures`"), "{message}");
     }
 
-    /// The header of a PNG of this size, and no pixels.
+    /// Returns a PNG header with this size and no pixels.
     fn header(width: u32, height: u32) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -253,7 +253,7 @@ mod tests {
             let message = Texture::open(folder.write("huge.png", header(width, height))).unwrap_err().to_string();
             assert!(message.contains(&format!("{width}x{height} pixels; each side can have 1 to 8192")), "{message}");
         }
-        // As large as PNG can say: the decoder itself refuses it.
+        // This is PNG's largest size; the decoder itself refuses it.
         let message =
             Texture::open(folder.write("huge.png", header(0x7fff_ffff, 0x7fff_ffff))).unwrap_err().to_string();
         assert!(message.contains("huge.png: no picture of a texture"), "{message}");
@@ -263,7 +263,7 @@ mod tests {
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it by Limits"), "{message}");
         let named = limits.texture_option_name("--max-textures");
         assert!(Texture::open_within(&path, &named).unwrap_err().to_string().contains("raise it by --max-textures"));
-        // Within the limit it is the missing pixels that are at fault.
+        // Within the limit, the error is about the missing pixels.
         let message = Texture::open_within(&path, &limits.texture_pixels(2048)).unwrap_err().to_string();
         assert!(message.contains("large.png: no picture of a texture"), "{message}");
     }

@@ -1,4 +1,4 @@
-//! What stands in filled tables, against brute force in plain Rust.
+//! Compares filled tables with brute force in plain Rust.
 
 use glam::{Vec2, Vec3};
 
@@ -9,8 +9,8 @@ use crate::{
     random::Random,
 };
 
-/// A texel's direction rounds otherwise on the device, whose sine need not be the host's. Where its ray grazes a surface t is off by a multiple of that,
-/// relative to it.
+/// Tolerance of t at grazing rays, relative to t. A texel's direction is rounded differently on the device, whose sine
+/// may differ from the host's.
 const GRAZING: f32 = 1e-3;
 
 fn renderer() -> Renderer {
@@ -18,7 +18,7 @@ fn renderer() -> Renderer {
 }
 
 impl Tables {
-    /// Texels of a layer, word by word.
+    /// Reads back the texels of a layer, word by word.
     async fn read(&self, gpu: &Gpu, layer: u32) -> Vec<Vec<u32>> {
         let (width, height) = (self.texture.0.width(), self.texture.0.height());
         let texel = self.texture.texel();
@@ -48,7 +48,8 @@ impl Tables {
     }
 }
 
-/// Boxes of triangles, spheres, an infinite ground and a board of which every other square is cut out, around the origin.
+/// Returns boxes of triangles, spheres, an infinite ground and a board with every other square cut out, around the
+/// origin.
 fn scene(planes: bool, seed: u32) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();
@@ -76,7 +77,8 @@ fn tables_of(renderer: &Renderer, uploaded: &UploadedScene, rows: u32, rule: Sha
     pollster::block_on(renderer.shadow_tables(uploaded, &options)).unwrap().unwrap().0
 }
 
-/// How many texels of all lights show another primitive than brute force finds, of how many; t is asserted.
+/// Returns how many texels of all lights show another primitive than brute force finds, and the number of all. Asserts
+/// t.
 fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) -> (usize, usize) {
     let uploaded = renderer.upload(scene).unwrap();
     let tables = tables_of(renderer, &uploaded, rows, rule);
@@ -93,7 +95,7 @@ fn differing(renderer: &Renderer, scene: &Scene, rows: u32, rule: ShadowRule) ->
                     let [row, column] = middle.map(|place| f64::from(place) + 0.5);
                     let direction = layer.mapping.direction(row, column).as_vec3();
                     let plane = Vec3::from_array([x, y, z].map(f32::from_bits));
-                    // What a ball shows is not on the plane of its outline.
+                    // A ball's hit is not on the plane of its outline.
                     let is_flat = (id as usize) < scene.triangles().len()
                         || id as usize >= scene.triangles().len() + scene.spheres().len();
                     let t = if is_flat { 1.0 / plane.dot(direction) } else { truth };
@@ -126,13 +128,13 @@ fn every_texel_has_the_nearest_hit_along_its_middle() {
         }
         for rule in [ShadowRule::Object, ShadowRule::HYBRID] {
             let (differing, all) = differing(&renderer, &scene, rows, rule);
-            // Rays that pass an edge within rounding.
+            // Allows for rays that pass an edge within rounding.
             assert!(differing * 500 <= all, "{rows} rows: {differing} of {all} texels");
         }
     }
 }
 
-/// A table of more texels than are drawn at a time: some of them, all over it, against brute force.
+/// Compares a sample of texels of a table that is drawn in several bands with brute force.
 #[test]
 fn tables_that_are_drawn_in_bands_are_whole() {
     let renderer = renderer();
@@ -159,7 +161,7 @@ fn tables_that_are_drawn_in_bands_are_whole() {
     }
 }
 
-/// Within a texel that is not marked brute force finds nothing before the plane of what it shows, but the very ball that has its outline there.
+/// Brute force finds nothing before the plane of an unmarked texel, except the ball whose outline lies on it.
 #[test]
 fn nothing_stands_before_what_an_unmarked_texel_shows() {
     let renderer = renderer();
@@ -196,7 +198,7 @@ fn nothing_stands_before_what_an_unmarked_texel_shows() {
     println!(
         "texels that are not marked, that are, and of these those that were seen to be so rightly, by light: {counts:?}"
     );
-    // From within a sphere all that is outside of it is a matter.
+    // Skips the light inside a sphere. The sphere has no plane for it, so everything outside the sphere is marked.
     for [unmarked, marked, rightly] in [counts[0], counts[2], counts[3]] {
         assert!(unmarked > 10 * marked && 8 * rightly > marked);
     }
@@ -262,7 +264,8 @@ fn lights_that_have_no_table_are_left_out() {
     assert_eq!(renderer.render(&uploaded, &camera, &options).unwrap().statistics.shadow_buffer, Default::default());
 }
 
-/// By the hybrid rule lists hold whatever touches a texel, by the others what covers a middle: what is drawn on middles is the same.
+/// Lists of the hybrid rule hold primitives that touch a texel, lists of the others those that cover its middle. The
+/// hits at middles are the same.
 #[test]
 fn rules_show_the_same_primitives() {
     let renderer = renderer();

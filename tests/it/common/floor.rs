@@ -16,7 +16,8 @@ pub(crate) fn floor() -> Scene {
     scene
 }
 
-/// What the floor shows, seen straight from above, so that a pixel's place follows from its row and column: `[x, z, light]`.
+/// What the floor shows, seen straight from above, so that a pixel's place follows from its row and column: `[x, z,
+/// light]`.
 pub(crate) fn light_on_floor(scene: &Scene, options: &Options, half: f32, seeds: u32) -> Vec<[f64; 3]> {
     let mut renderer = Renderer::new(gpu());
     let uploaded = renderer.upload(scene).unwrap();

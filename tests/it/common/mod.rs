@@ -21,9 +21,9 @@ use stereotrace::{Gpu, Mesh, Method, Options, Renderer, Scene, StereoCamera, Ste
 
 pub(crate) use self::random_scene::{RandomScene, random_ellipsoid, random_foliage, random_stage};
 
-/// The device of this test, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a failure with a
-/// remedy, not a skip. There are as many devices as tests run at a time, since a software driver compiles all kernels of a device
-/// in one thread.
+/// The device of this test, on `software` unless `STEREOTRACE_ADAPTER` says otherwise. A missing adapter is a failure
+/// with a remedy, not a skip. There are as many devices as tests run at a time, since a software driver compiles all
+/// kernels of a device in one thread.
 pub(crate) fn gpu() -> Gpu {
     static DEVICES: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
     let mut devices = lock(&DEVICES);
@@ -98,8 +98,8 @@ pub(crate) fn gpu_with_limits(limits: wgpu::Limits) -> Gpu {
     Gpu::from_device(device, queue).unwrap()
 }
 
-/// A renderer on this test's device, lent to it. Tests of a file share renderers, so that pipelines are built once; those of
-/// other files are dropped, since thousands of pipelines take gigabytes.
+/// A renderer on this test's device, lent to it. Tests of a file share renderers, so that pipelines are built once;
+/// those of other files are dropped, since thousands of pipelines take gigabytes.
 #[track_caller]
 pub(crate) fn renderer() -> Lent {
     renderer_by(Traversal::of(&gpu()))

@@ -7,9 +7,9 @@ use stereotrace::{
 
 use super::random::Random;
 
-/// Triangles, spheres and ellipsoids without order, in a cube of two units or so about the origin. Some triangles stand there twice
-/// (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are large;
-/// each sphere and ellipsoid stands there twice. Every other ellipsoid is turned and sheared.
+/// Triangles, spheres and ellipsoids without order, in a cube of two units or so about the origin. Some triangles stand
+/// there twice (coincident surfaces, under other ids), some have no area, some lie in one axis-aligned plane, some are
+/// large; each sphere and ellipsoid stands there twice. Every other ellipsoid is turned and sheared.
 #[derive(Clone, Copy)]
 pub(crate) struct RandomScene {
     pub seed: u32,
@@ -116,8 +116,9 @@ pub(crate) fn random_mask(random: &mut Random, width: u32, height: u32) -> Textu
     Texture::image(width, height, pixels).unwrap()
 }
 
-/// Leaves over a floor, between two lights: squares cut out by masks of every kind, whose texture coordinates go far beyond 0 to 1. Some
-/// hang together with whole triangles, and some leaves have no texture coordinates. With spheres among them if asked for.
+/// Leaves over a floor, between two lights: squares cut out by masks of every kind, whose texture coordinates go far
+/// beyond 0 to 1. Some hang together with whole triangles, and some leaves have no texture coordinates. With spheres
+/// among them if asked for.
 pub(crate) fn random_foliage(seed: u32, spheres: bool) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::new();

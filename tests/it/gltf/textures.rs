@@ -187,7 +187,8 @@ fn samplers_and_transforms_say_how_pictures_lie() {
     info["extensions"] = json!({ "KHR_texture_transform": { "offset": [0.5, 0.25], "scale": [2, 4], "texCoord": 2,
         "rotation": std::f32::consts::FRAC_PI_2 } });
     let scene = scene(builder.text());
-    // By the specification's shader: translation * rotation * scale, v down, where a quarter turn takes u to -v and v to u.
+    // By the specification's shader: translation * rotation * scale, v down, where a quarter turn takes u to -v and v
+    // to u.
     for (found, expected) in scene.uv()[0].iter().zip([[0.5f32, 0.25], [0.5, -0.25], [2.5, 0.25]]) {
         let expected = Vec2::new(expected[0], 1.0 - expected[1]);
         assert!((*found - expected).length() < 1e-6, "{found} {expected}");

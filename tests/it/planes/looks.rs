@@ -140,7 +140,8 @@ fn a_checkerboard_fades_to_its_mean_towards_the_horizon() {
     }
 }
 
-/// Below a mirror stands the world upside down, under mirrored lamps; where a pixel is carried over from the first eye, too.
+/// Below a mirror stands the world upside down, under mirrored lamps; where a pixel is carried over from the first eye,
+/// too.
 #[test]
 fn a_mirror_shows_the_virtual_image() {
     let turn = tilt();
@@ -180,8 +181,8 @@ fn a_mirror_shows_the_virtual_image() {
     }
 }
 
-/// All below a plane of glass is glass: rays bend by Snell's law as they enter it, and go on within; from below they leave it, or are reflected where
-/// no ray leaves.
+/// All below a plane of glass is glass: rays bend by Snell's law as they enter it, and go on within; from below they
+/// leave it, or are reflected where no ray leaves.
 #[test]
 fn a_plane_of_glass_is_the_face_of_a_half_space() {
     let (turn, index) = (tilt(), 1.5_f64);

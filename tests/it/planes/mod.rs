@@ -1,4 +1,5 @@
-//! Infinite planes: hits and light against double precision, pictures against closed forms, methods against `Naive` of the same run.
+//! Infinite planes: hits and light against double precision, pictures against closed forms, methods against `Naive` of
+//! the same run.
 
 mod changes;
 use crate::common;

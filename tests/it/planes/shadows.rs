@@ -7,8 +7,8 @@ use stereotrace::{
 
 use super::{common::renderer, tilt};
 
-/// A white ground under one lamp, from an eye so far from what it looks at, at so small an angle to the ground. The lamp is where it is said to
-/// be in units of the distance.
+/// A white ground under one lamp, from an eye so far from what it looks at, at so small an angle to the ground. The
+/// lamp is where it is said to be in units of the distance.
 struct Case {
     distance: f32,
     angle: f32,
@@ -46,8 +46,8 @@ fn left_of(scene: &Scene, camera: &StereoCamera) -> View {
     renderer.render(&uploaded, camera, &Options::new(Method::Naive).linear(true)).unwrap().left
 }
 
-/// Nothing that faces the lamp may be dark, but where the lamp is lower than shadow rays end off the surface; and Lambert's cosine is that of the
-/// place that is seen, to as much.
+/// Nothing that faces the lamp may be dark, but where the lamp is lower than shadow rays end off the surface; and
+/// Lambert's cosine is that of the place that is seen, to as much.
 #[test]
 fn a_ground_casts_no_shadow_on_itself() {
     let mut worst = 0.0_f64;
@@ -140,7 +140,8 @@ fn planes_shade_one_another() {
     }
 }
 
-/// Of light that comes from everywhere in a disc straight above, all arrives; and nothing but the ball keeps ambient light off.
+/// Of light that comes from everywhere in a disc straight above, all arrives; and nothing but the ball keeps ambient
+/// light off.
 #[test]
 fn soft_light_and_ambient_light_reach_an_open_ground_whole() {
     let case = Case { distance: 5.0, angle: 0.5, lamp: Vec3::Y, turn: tilt(), aside: 1.0 };

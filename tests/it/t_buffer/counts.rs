@@ -17,13 +17,15 @@ fn counted() -> Options {
     Options::new(Method::Naive).visibility(Visibility::TBuffer).count(true)
 }
 
-/// How many of so many columns or rows have their middle between two places on the screen, a tenth of a unit a pixel, or within the margin beside.
+/// How many of so many columns or rows have their middle between two places on the screen, a tenth of a unit a pixel,
+/// or within the margin beside.
 fn middles(count: u32, [low, high]: [f64; 2]) -> u64 {
     let all = (0..count).map(|pixel| 0.1 * (f64::from(pixel) + 0.5 - 0.5 * f64::from(count)));
     all.filter(|at| *at > low - 0.005 && *at < high + 0.005).count() as u64
 }
 
-/// A sphere is tested by the rays of the rectangle around its projection, whose sides are the slopes of its tangents; twice.
+/// A sphere is tested by the rays of the rectangle around its projection, whose sides are the slopes of its tangents;
+/// twice.
 #[test]
 fn a_sphere_is_tested_by_the_rays_of_its_bounds() {
     let mut scene = Scene::new();
@@ -74,8 +76,8 @@ fn counts_repeat_and_are_those_of_the_map_of_costs() {
     }
 }
 
-/// What lies behind the eye or beside the picture is projected, and tested by no ray; nor is what is smaller than the distance of pixels'
-/// centres and lies between them.
+/// What lies behind the eye or beside the picture is projected, and tested by no ray; nor is what is smaller than the
+/// distance of pixels' centres and lies between them.
 #[test]
 fn what_covers_no_centre_is_tested_by_no_ray() {
     let mut scene = Scene::new();

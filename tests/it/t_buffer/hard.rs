@@ -110,7 +110,8 @@ fn layers_of_grounds_are_those_of_rays() {
     check("60 grounds", &scene, &camera().size(300, 200));
 }
 
-/// A ball of many triangles, as large as a few pixels: most cover no pixel's centre, and those that do are many a pixel.
+/// A ball of many triangles, as large as a few pixels: most cover no pixel's centre, and those that do are many a
+/// pixel.
 #[test]
 fn a_hundred_thousand_triangles_in_ten_pixels_are_those_of_rays() {
     let mut scene = Scene::new();
@@ -127,8 +128,8 @@ fn a_hundred_thousand_triangles_in_ten_pixels_are_those_of_rays() {
     }
 }
 
-/// Needles from corner to corner, whose bounds are all the picture: together more parts than there is room for. (A wall before most of them keeps rays
-/// short.)
+/// Needles from corner to corner, whose bounds are all the picture: together more parts than there is room for. (A wall
+/// before most of them keeps rays short.)
 #[test]
 fn needles_across_the_picture_are_those_of_rays() {
     let mut random = Random::new(8);
@@ -147,7 +148,8 @@ fn needles_across_the_picture_are_those_of_rays() {
     assert!(share > 0.5, "{share}");
 }
 
-/// Copies of a triangle under other corners first: the same t, and ids that stand in the tree in any order. The smallest is seen.
+/// Copies of a triangle under other corners first: the same t, and ids that stand in the tree in any order. The
+/// smallest is seen.
 #[test]
 fn of_equal_t_the_smaller_id_is_seen() {
     let mut random = Random::new(21);

@@ -1,4 +1,5 @@
-//! First hits by a T-buffer: those of rays, to the bit on software Vulkan, whatever the scene, the method and the frame.
+//! First hits by a T-buffer: those of rays, to the bit on software Vulkan, whatever the scene, the method and the
+//! frame.
 
 use crate::common;
 mod counts;
@@ -9,7 +10,8 @@ mod scenes;
 use common::is_exact;
 use stereotrace::{Method, Options, Renderer, Rig, StereoCamera, UploadedScene, View, Views, Visibility};
 
-/// Pixels of two views that differ in their colours, depths or ids; elsewhere than on exact adapters in their ids alone, and few may.
+/// Pixels of two views that differ in their colours, depths or ids; elsewhere than on exact adapters in their ids
+/// alone, and few may.
 fn assert_alike(what: &str, drawn: &View, traced: &View, exact: bool) {
     let others = drawn.primitive.iter().zip(&traced.primitive).filter(|(a, b)| a != b).count();
     if !exact {

@@ -75,7 +75,8 @@ fn hits_are_those_of_a_loop_over_all_primitives() {
             let frame = Frame::new(&camera.pose().unwrap());
             for (view, eye) in pair.views.iter().zip([Eye::Left, Eye::Right]) {
                 let twin = trace_left(&scene, &frame, eye);
-                // The twin takes t of any triangle that it is close to from sums of two f32, kernels only where the eye's foot is on one.
+                // The twin takes t of any triangle that it is close to from sums of two f32, kernels only where the
+                // eye's foot is on one.
                 let is_other = |((depth, id), twin): &((f32, u32), &(f32, u32))| {
                     *id != twin.1 || (depth.min(stereotrace::FAR) - twin.0).abs() > 1e-6 * twin.0
                 };

@@ -118,7 +118,8 @@ struct Case {
 fn cases() -> Vec<Case> {
     let of = |name, texture, repeats, left| Case { name, texture, repeats, left };
     let board = Texture::checkerboard(Vec3::splat(0.9), Vec3::splat(0.1), 64).unwrap();
-    // Measured 0.31, 0.18, 0.64, 0.38, 0.63. Of the first picture most is nearer than its detail, and a wide one's pixels are eight times as wide as high.
+    // Measured 0.31, 0.18, 0.64, 0.38, 0.63. Of the first picture most is nearer than its detail, and a wide one's
+    // pixels are eight times as wide as high.
     vec![
         of("board", board.clone(), 4.0, 0.35),
         of("fine board", board, 16.0, 0.21),
@@ -134,7 +135,8 @@ fn textures_far_and_at_a_slant_are_averaged_without_bias_and_flicker() {
         let judged = judge(texture, repeats);
         print(name, &judged);
         assert!(judged.filtered < left * judged.unfiltered, "{name}");
-        // Measured 0.018 where a picture's pixels are larger than the picture's, which a blur takes over the region's edge; else 0.0066.
+        // Measured 0.018 where a picture's pixels are larger than the picture's, which a blur takes over the region's
+        // edge; else 0.0066.
         assert!(judged.bias < 0.02, "{name}");
         // Measured 0.77 and 1.51 at most. Means differ too: each eye's pixels lie elsewhere.
         assert!(judged.shimmer < 0.8 * judged.shimmer_unfiltered, "{name}");

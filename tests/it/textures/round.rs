@@ -15,7 +15,8 @@ fn uv_of(outward: DVec3) -> DVec2 {
     DVec2::new(0.5 + outward.x.atan2(outward.z) / TAU, 0.5 + outward.y.clamp(-1.0, 1.0).asin() / PI)
 }
 
-/// Where each ray of the left view meets the unit sphere under a map, as a point of the unit sphere; none for rays that miss or graze it.
+/// Where each ray of the left view meets the unit sphere under a map, as a point of the unit sphere; none for rays that
+/// miss or graze it.
 fn points(camera: &StereoCamera, axes: DMat3) -> Vec<Option<DVec3>> {
     let frame = Frame::new(&camera.pose().unwrap());
     let [width, height] = frame.size();
@@ -89,7 +90,8 @@ fn an_ellipsoid_s_picture_goes_with_its_axes() {
     }
 }
 
-/// A fine picture far off, of colours between 0.2 and 0.5 on one channel, none on another: nothing else may be seen, at the seam and the poles neither.
+/// A fine picture far off, of colours between 0.2 and 0.5 on one channel, none on another: nothing else may be seen, at
+/// the seam and the poles neither.
 #[test]
 fn seams_and_poles_show_nothing_but_the_texture() {
     let pixels: Vec<[u8; 4]> =

@@ -9,7 +9,8 @@ use stereotrace::{
 use super::{common, noise, square};
 use common::{ball, is_exact, renderer_by};
 
-/// Pictures, a board, colours of vertices, highlights and emission on triangles, smooth ones too, spheres and ellipsoids.
+/// Pictures, a board, colours of vertices, highlights and emission on triangles, smooth ones too, spheres and
+/// ellipsoids.
 pub(crate) fn everything() -> Scene {
     let mut scene = Scene::new();
     let picture = scene.add_texture(noise(64, 48, 3).wrap(Wrap::Mirror));

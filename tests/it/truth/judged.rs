@@ -8,8 +8,8 @@ use stereotrace::{
 
 use super::{Seen, Truth};
 
-/// What a view has of the truth: pixels in which another primitive is seen, and of the others the largest error of a depth, relative to it
-/// and to the slope at which the ray meets the surface, and of a linear colour.
+/// What a view has of the truth: pixels in which another primitive is seen, and of the others the largest error of a
+/// depth, relative to it and to the slope at which the ray meets the surface, and of a linear colour.
 #[derive(Debug, Default)]
 pub(crate) struct Judged {
     pub others: usize,

@@ -1,4 +1,4 @@
-//! Materials as their lines are read, and what becomes of them.
+//! MTL statements, and their conversion to materials.
 
 use std::ops::RangeInclusive;
 
@@ -17,10 +17,10 @@ use crate::{
     },
 };
 
-/// Window glass, where a glass has no index.
+/// Default index of refraction, of window glass.
 const GLASS_INDEX: f32 = 1.5;
 
-/// A material as its lines are read.
+/// A material under construction.
 #[derive(Default)]
 pub(super) struct Draft {
     pub(super) name: String,
@@ -31,7 +31,7 @@ pub(super) struct Draft {
     transmission: Option<Vec3>,
     exponent: Option<f32>,
     index: Option<f32>,
-    /// `d`, and `Tr`, which is its opposite and counts where there is no `d`: some programs write 1 for opaque in both.
+    /// `d`, and its opposite `Tr`, which only counts without `d`, since some programs write 1 for opaque in both.
     dissolve: Option<f32>,
     transparency: Option<f32>,
     illumination: Option<u32>,
@@ -44,7 +44,7 @@ impl Draft {
         Self { name: name.into(), line, ..Self::default() }
     }
 
-    /// The material, and whether its values had to be brought into their ranges.
+    /// Returns the material, and whether a value was clamped to its range.
     pub(super) fn finish(
         self,
         texture: Option<TextureId>,
@@ -70,7 +70,7 @@ impl Draft {
             bounds.crossed |= material.emission != emission;
         }
         material.opacity = match finish {
-            // What a glass lets through says it already.
+            // A glass's transmission already contains its opacity.
             Finish::Glass { .. } => 1.0,
             _ => self.opacity(&mut bounds),
         };
@@ -88,7 +88,8 @@ impl Draft {
         (material, bounds.crossed)
     }
 
-    /// How its textures lie over its texture coordinates, which are placed as they are read: both alike.
+    /// Returns the placement of the material's textures. Texture coordinates are transformed when they are read, so all
+    /// textures share one.
     pub(super) fn placement(&self, warnings: &mut Warnings) -> Placement {
         if let [Some(texture), Some(cutout)] = [&self.texture, &self.cutout]
             && texture.placement != cutout.placement
@@ -100,7 +101,7 @@ impl Draft {
         [&self.texture, &self.cutout].into_iter().flatten().next().map(|map| map.placement).unwrap_or_default()
     }
 
-    /// The diffuse colour: grey where none is given, but white below a texture, and black for mirrors and glass.
+    /// Returns the diffuse colour. The default is grey, white with a texture, and black for mirrors and glass.
     fn albedo(&self, finish: Finish, texture: Option<TextureId>, warnings: &mut Warnings) -> Vec3 {
         match (self.diffuse, texture, finish) {
             (Some(diffuse), Some(_), Finish::Matte) if diffuse.max_element() <= 0.0 => {
@@ -115,7 +116,8 @@ impl Draft {
         }
     }
 
-    /// By the illumination model. Maya writes model 4 for all its materials: it is glass where anything else says so too.
+    /// Returns the finish of the illumination model. Maya writes model 4 for all its materials, so it is glass only if
+    /// another value says so too.
     fn finish_of(&self, bounds: &mut Bounds) -> Finish {
         let fresnel = match self.illumination {
             Some(3 | 8) => return Finish::Mirror { fresnel: false },
@@ -132,7 +134,7 @@ impl Draft {
         Finish::Glass { index, transmission, fresnel }
     }
 
-    /// Light comes through by its `d`, `Tr` or `Tf`, or there is no diffuse colour that would be seen instead.
+    /// Returns whether light passes by `d`, `Tr` or `Tf`, or there is no diffuse colour to show instead.
     fn is_clear(&self) -> bool {
         self.opacity(&mut Bounds { crossed: false }) < 1.0
             || self.transmission.is_some_and(|color| color != Vec3::ONE)
@@ -145,7 +147,7 @@ impl Draft {
     }
 }
 
-/// Brings values into their ranges and remembers whether any was beyond.
+/// Clamps values to their ranges and stores whether any was outside.
 struct Bounds {
     crossed: bool,
 }
@@ -164,7 +166,7 @@ impl Bounds {
     }
 }
 
-/// Takes what a line says of the current material, and notes what is left out.
+/// Reads a statement into the current material, or counts it as unsupported.
 pub(super) fn read_statement(
     keyword: &str,
     rest: &str,
@@ -205,7 +207,7 @@ impl Draft {
             "Tf" => color(&mut self.transmission),
             "Ns" => number(&mut self.exponent, numbers),
             "Ni" => number(&mut self.index, numbers),
-            // A halo makes rims clearer than middles, which nothing else shows either.
+            // A halo, which makes edges more transparent, is ignored without a warning.
             "d" => number(&mut self.dissolve, numbers.strip_prefix("-halo").unwrap_or(numbers).trim()),
             "Tr" => number(&mut self.transparency, numbers),
             "illum" => {
@@ -223,7 +225,7 @@ impl Draft {
                 "Kd" => ("diffuse colours (Kd) that are none", "it is grey"),
                 _ => ("values that are none", "it is left out"),
             };
-            // Written where it is printed: a long name may have thousands of faults.
+            // The text is formatted only if printed, since a long name may have thousands of errors.
             let name = &self.name;
             let text = format_args!("{keyword} '{rest}' of material '{name}' is {fault}; {consequence}");
             warnings.warn(kind, line, text);
@@ -231,7 +233,7 @@ impl Draft {
     }
 }
 
-/// Notes what nothing is made of.
+/// Counts an unsupported statement.
 fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
     match keyword {
         "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => {
@@ -242,7 +244,7 @@ fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warni
         }
         "bump" | "disp" | "decal" | "refl" | "norm" => warnings.left_out(OTHER_MAPS, line),
         _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
-        // Sharpness says more of reflections, which are sharp.
+        // Sharpness has no effect, since reflections are always sharp.
         "Ka" | "sharpness" | "" => {}
         _ if keyword.starts_with('#') => {}
         _ => warnings.left_out("unknown statements", line),
@@ -251,7 +253,7 @@ fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warni
 
 const OTHER_MAPS: &str = "textures of other kinds than map_Kd and map_d";
 
-/// Three numbers, or one for all three (MTL's rule).
+/// Parses three numbers, or one for all three (MTL's rule).
 pub(super) fn parse_color(words: &str) -> Option<Vec3> {
     let mut words = words.split_whitespace();
     let mut next = || words.next().map(|word| word.parse().ok().filter(|value: &f32| value.is_finite()));

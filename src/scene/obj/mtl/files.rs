@@ -1,4 +1,4 @@
-//! Files of textures, each read once.
+//! Reads texture files, each once.
 
 use std::{
     collections::HashMap,
@@ -19,17 +19,17 @@ pub(super) struct Textures<'a> {
     obj: &'a Path,
     missing: MissingTextures,
     limits_left: Limits,
-    /// Pixels that may be decoded yet, also of pictures that turn out to be broken.
+    /// Number of pixels that may still be decoded, also of pictures that turn out to be broken.
     decodable: u64,
     pub(super) textures: Vec<Texture>,
-    /// By file, and whether it is clamped and its brightness is its alpha.
+    /// Texture ids by file, whether it is clamped, and whether its brightness is its alpha.
     ids: HashMap<(PathBuf, bool, bool), TextureId>,
-    /// What is known of each file. Nothing is found out twice: thousands of materials may name one picture of many pixels.
+    /// Cached results for each file. Thousands of materials may use one large picture, so nothing is computed twice.
     read: HashMap<PathBuf, Known>,
 }
 
 struct Known {
-    /// Or why it can't be read.
+    /// The texture, or the reason why it can't be read.
     texture: Result<Texture, String>,
     is_opaque: Option<bool>,
 }
@@ -42,7 +42,7 @@ impl<'a> Textures<'a> {
         Self { files, obj, missing, limits_left, decodable, textures, ids, read }
     }
 
-    /// The texture that a statement of a material names.
+    /// Returns the texture that a statement of a material names. `None` for an unreadable one if that is no error.
     pub(super) fn find(
         &mut self,
         mtl: &Path,
@@ -96,7 +96,7 @@ impl<'a> Textures<'a> {
         Ok(id)
     }
 
-    /// Reads a picture within what is left of the limits. `real` is its path with all links followed.
+    /// Reads a picture within the remaining limits. `real` is its path with all links followed.
     fn open(&mut self, mtl: &Path, file: &Path, real: &Path) -> Result<Texture, Error> {
         for (kind, own) in [("MTL", mtl), ("OBJ", self.obj)] {
             if self.files.real(own) == real {
@@ -113,7 +113,7 @@ impl<'a> Textures<'a> {
         texture
     }
 
-    /// Whether a picture that was read has no alpha below 255.
+    /// Returns whether a picture that was read has no alpha below 255.
     fn is_opaque(&mut self, key: &Path) -> bool {
         match self.read.get_mut(key) {
             Some(Known { texture: Ok(texture), is_opaque }) => {
@@ -123,7 +123,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// A picture without alpha, whose brightness takes its place.
+    /// Returns a copy of a picture whose alpha is its brightness.
     fn with_brightness(&mut self, file: &Path, texture: Texture) -> Result<Texture, Error> {
         let TextureKind::Image { size: [width, height], pixels } = texture.kind() else { return Ok(texture) };
         let (count, left) = (pixels.len() as u64, &mut self.limits_left.texture_pixels);
@@ -135,7 +135,7 @@ impl<'a> Textures<'a> {
             limit: *left,
             remedy: format!("raise it by {}, if it is right", self.limits_left.texture_option_name),
         })?;
-        // Rec. 709's luma.
+        // Luma of Rec. 709.
         let luma = |[r, g, b]: [u8; 3]| 0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b);
         let bright = |&[r, g, b, _]: &[u8; 4]| [r, g, b, luma([r, g, b]).round() as u8];
         Texture::image(*width, *height, pixels.iter().map(bright).collect())

@@ -1,4 +1,4 @@
-//! Statements that name textures, and the files they name.
+//! Statements that name texture files.
 
 use glam::{Vec2, Vec3};
 
@@ -8,14 +8,14 @@ use crate::scene::warnings::Warnings;
 pub(super) struct Map {
     pub(super) keyword: &'static str,
     pub(super) line: usize,
-    /// The file's name as it stands there.
+    /// Name of the file, as written.
     pub(super) name: String,
     #[cfg_attr(not(feature = "textures"), allow(dead_code, reason = "textures are not read"))]
     pub(super) clamp: bool,
     pub(super) placement: Placement,
 }
 
-/// How a texture lies over texture coordinates: these times its scale, and its offset added.
+/// Map from texture coordinates to the texture: scale first, then offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene::obj) struct Placement {
     scale: Vec2,
@@ -29,13 +29,13 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// Where a point of the surface lies in the texture.
+    /// Returns the place of a surface point in the texture.
     pub(in crate::scene::obj) fn place(&self, uv: Vec2) -> Vec2 {
         uv * self.scale + self.offset
     }
 }
 
-/// A statement's options and the file's name behind them, which may have spaces; `None` without a name.
+/// Parses a statement's options and the file name behind them, which may have spaces; `None` without a name.
 pub(super) fn parse_map(keyword: &str, words: &str, line: usize, warnings: &mut Warnings) -> Option<Map> {
     let keyword = if keyword == "map_Kd" { "map_Kd" } else { "map_d" };
     let (mut clamp, mut placement) = (false, Placement::default());
@@ -74,7 +74,7 @@ fn split_word(words: &str) -> (&str, &str) {
     (word, rest.trim_start())
 }
 
-/// Up to three numbers, and what follows them. The last word is a file's name, even where it is a number.
+/// Parses up to three numbers and returns the rest. The last word is a file name, even if it is a number.
 fn take_numbers(words: &str, otherwise: Vec3) -> (Vec3, &str) {
     let (mut numbers, mut rest) = (otherwise, words);
     for axis in 0..3 {

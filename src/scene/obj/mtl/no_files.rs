@@ -1,4 +1,4 @@
-//! In the place of files.rs, without the feature `textures`: no picture is read.
+//! Replaces files.rs without the feature `textures`: no picture is read.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Skies from `OpenEXR` files of one part, with channels R, G and B.
+//! Decodes skies from `OpenEXR` files with one part and channels R, G and B.
 
 use std::{
     io::{BufRead, Seek},
@@ -16,12 +16,13 @@ use glam::Vec3;
 use super::check_size;
 use crate::{Error, Limits, message::counted};
 
-/// What a block may have, however small skies have to be.
+/// Size that a block may always have, however small the limit on skies.
 const LEAST_BLOCK_BYTES: u64 = 16 << 20;
-/// All of a block's channels are decompressed, also those that are not looked at.
+/// Largest number of channels. All channels of a block are decompressed, also unused ones.
 const MOST_CHANNELS: usize = 128;
 
-/// Reads a picture. The file's display window is the sky, black where the file has no pixels. Light below 0, which filters leave, becomes 0.
+/// Decodes a picture. The file's display window is the sky, black where the file has no pixels. Negative light, as
+/// filters leave it, becomes 0.
 pub(super) fn decode(
     path: &Path,
     mut source: impl BufRead + Seek,
@@ -30,7 +31,7 @@ pub(super) fn decode(
     let no_sky = |reason: String| Error::parse(path, None, format!("no picture of a sky: {reason}"));
     let said = |error: exr::error::Error| Error::parse_from(path, None, format!("no picture of a sky: {error}"), error);
     let reader = exr::block::read(&mut source, false).map_err(said)?;
-    // A block of a file of several parts says itself which one it belongs to.
+    // With several parts, each block states its part.
     let [header] = reader.headers() else {
         return Err(no_sky(format!("it has {}; a sky has one", counted(reader.headers().len(), "part", "parts"))));
     };
@@ -43,12 +44,12 @@ pub(super) fn decode(
     let window = header.shared_attributes.display_window;
     let [width, height] = sides(window.size);
     let count = check_size(path, [width, height], limits)?;
-    // What is decompressed, which is more than the sky where it reaches beyond it.
+    // The data window is decompressed completely. It may be larger than the sky.
     let data = header.layer_size;
     if data.area() as u64 > limits.largest_sky().max(count) {
         return Err(no_sky(format!("its data window has {}x{} pixels, more than a sky may have", data.0, data.1)));
     }
-    // What is read for a block at once, whatever the file has of it.
+    // A block's buffer has its full size, even if the file contains less.
     let Vec2(columns, rows) = header.max_block_pixel_size();
     let pixels = (columns as u64).saturating_mul(rows as u64);
     let most = limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64).max(LEAST_BLOCK_BYTES);
@@ -66,7 +67,7 @@ pub(super) fn decode(
             usize::try_from(at as i64 + i64::from(offset)).ok().filter(|&place| place < side)
         };
         if let (Some(column), Some(row)) = (place(at.0, left, size[0]), place(at.1, top, size[1])) {
-            // No `max`, which would make a 0 of what is no number.
+            // `max` would turn NaN into 0.
             let color = Vec3::new(r, g, b);
             pixels[row * size[0] + column] = Vec3::select(color.cmplt(Vec3::ZERO), Vec3::ZERO, color);
         }
@@ -81,7 +82,7 @@ fn has_colors(header: &Header) -> bool {
     ["R", "G", "B"].iter().all(|name| header.channels.list.iter().any(|channel| channel.name == **name))
 }
 
-/// Larger ones than pictures have are over each limit.
+/// Returns the sides of a size; too large ones saturate and exceed every limit.
 fn sides(size: Vec2<usize>) -> [u32; 2] {
     [size.0, size.1].map(|side| u32::try_from(side).unwrap_or(u32::MAX))
 }
@@ -103,7 +104,8 @@ mod tests {
     const ROWS: Encoding = Encoding::SMALL_LOSSLESS;
     const TILES: Encoding = Encoding { blocks: Blocks::Tiles(Vec2(4, 4)), ..Encoding::SMALL_LOSSLESS };
 
-    /// A file of these channels, with `value` of each channel and pixel, in a data window within a display window.
+    /// Encodes a file with these channels and `value` of each channel and pixel. Its data window lies within a display
+    /// window.
     fn file(
         names: &[&str],
         place: [i32; 2],
@@ -147,7 +149,7 @@ mod tests {
         assert_eq!(sky.size(), [4, 2]);
         assert_eq!(sky.pixels()[0], Vec3::new(0.0, 0.0, 99.0));
         assert_eq!(sky.pixels()[6], Vec3::new(0.0, 5.0, 105.0));
-        // Two columns that reach beyond the left edge, and one row of two beyond the lower one.
+        // Two columns reach beyond the left edge, and one row of two beyond the lower one.
         let value = |channel: usize, pixel: usize| (10 * channel + pixel) as f32;
         let sky = read(&file(&["R", "G", "B"], [-1, 1], [2, 2], [4, 2], value)).unwrap();
         let mut expected = vec![Vec3::ZERO; 8];
@@ -163,7 +165,7 @@ mod tests {
         let said = |bytes: &[u8], limits: &Limits| SkyMap::from_bytes("a.exr", bytes, limits).unwrap_err().to_string();
         let usual = Limits::default();
         let whole = file(&["R", "G", "B"], [0, 0], [64, 32], [64, 32], zero);
-        // Without its pixels it is the limit that is told.
+        // Without pixels, the error is about the limit.
         let start = &whole[..whole.len() - 8];
         let message = said(start, &usual.sky_pixels(2047));
         assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it by"), "{message}");
@@ -178,7 +180,7 @@ mod tests {
         assert!(message.contains("129 channels; there can be 128"), "{message}");
     }
 
-    /// Windows of up to 2^31 on a side, in the place of the file's own.
+    /// Tests windows with sides of up to 2^31 in a changed header.
     #[test]
     fn a_header_that_promises_much_takes_no_memory() {
         let bytes = file(&["R", "G", "B"], [0, 0], [4, 2], [4, 2], |_, _| 0.5);
@@ -191,14 +193,14 @@ mod tests {
                 let mut changed = bytes.clone();
                 changed[at + 8..][..4].copy_from_slice(&right.to_le_bytes());
                 changed[at + 12..][..4].copy_from_slice(&bottom.to_le_bytes());
-                // Bounds the wrong way round are taken the right way, and a display window at the limit is a sky.
+                // Reversed bounds are swapped, and a display window at the limit is a valid sky.
                 match read(&changed) {
                     Ok(sky) => assert!(matches!(sky.size(), [6, 6] | [0x40_0000, 2]), "{sky:?}"),
                     Err(error) => assert!(error.to_string().contains("sky.exr: "), "{error}"),
                 }
             }
         }
-        // A tile, which is read whole; of more the file would say another number.
+        // A tile is read whole. The changed files claim larger tiles than the limit.
         let bytes = encoded(TILES, &["R", "G", "B"], [0, 0], [4, 2], [4, 2], |_, _| 0.5);
         assert_eq!(read(&bytes).unwrap().size(), [4, 2]);
         let name = b"tiles\0tiledesc\0";
@@ -214,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Bytes that are changed at random end in a sky or an error.
+    /// Tests that randomly changed bytes give a sky or an error.
     #[test]
     fn damaged_files_do_no_harm() {
         let of = |encoding: Encoding| {
