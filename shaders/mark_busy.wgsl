@@ -8,7 +8,7 @@
 //
 // launch  one thread per run of BUSY_RUN pixels of a row of the source
 // reads   source_samples  texture
-// adds    bounds          [tiles, BOUND_WORDS]  a bit per busy light, and from bit 16 on per busy share; cleared by the host
+// adds    bounds          [tiles, BOUND_WORDS]  a bit for each busy light, from bit 16 on for each busy share
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
@@ -35,7 +35,8 @@ fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
         if busy_lights(samples).all != 0u { busy_columns |= 1u << (column - begin); }
         column += 1u;
         if column >= end { break; }
-        samples = Samples(samples.before, samples.here, samples.after, samples.far_after, sample_in_row(row, column, 2));
+        let next = sample_in_row(row, column, 2);
+        samples = Samples(samples.before, samples.here, samples.after, samples.far_after, next);
     }
     loop {
         if busy_columns == 0u { break; }
@@ -70,7 +71,8 @@ struct Busy {
 }
 
 fn busy_lights(s: Samples) -> Busy {
-    let all = (unlike(s.here, s.before) | unlike(s.here, s.far_before)) & (unlike(s.here, s.after) | unlike(s.here, s.far_after));
+    let unlike_before = unlike(s.here, s.before) | unlike(s.here, s.far_before);
+    let all = unlike_before & (unlike(s.here, s.after) | unlike(s.here, s.far_after));
     let dark = all & ~s.here.bits;
     if !KEEP_SHARES { return Busy(all, dark); }
     let dark_shares = busy_shares(s, false);
@@ -84,7 +86,9 @@ fn mark(row: u32, column: u32) {
     let busy = busy_lights(samples);
     let x = landing_x(column, samples.here.depth);
     mark_tiles(row, x, REACH_OF_LIGHT, busy.all);
-    if is_flat(samples.far_before, samples.here, samples.far_after, 2.0) { mark_tiles(row, x, REACH_OF_SHADOW, busy.dark); }
+    if is_flat(samples.far_before, samples.here, samples.far_after, 2.0) {
+        mark_tiles(row, x, REACH_OF_SHADOW, busy.dark);
+    }
 }
 
 // Returns the sample `offset` columns away. Outside the picture it is one without known bits.
@@ -92,7 +96,8 @@ fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
     let place = i32(column) + offset;
     let inside = (place >= 0) & (place < i32(frame.image_size.x));
     let sample = source_sample(vec2u(u32(select(0, place, inside)), row));
-    return SourceSample(sample.depth, sample.other, select(MISS, sample.component, inside), select(0u, sample.bits, inside));
+    let component = select(MISS, sample.component, inside);
+    return SourceSample(sample.depth, sample.other, component, select(0u, sample.bits, inside));
 }
 
 // Returns the lights whose bits differ between two samples of one component.
