@@ -148,7 +148,7 @@ pub(crate) struct Variant {
     pub(crate) occlusion_rays: u32,
     /// Sky light takes the place of ambient light.
     pub(crate) sky_light: bool,
-    /// Views reuse shares of soft light, besides bits.
+    /// Views reuse shares of soft light as well as visibility bits.
     pub(crate) shares: bool,
     pub(crate) sky: SkyKind,
     /// Each box is widened by its own distance, for scenes far larger than their detail.

@@ -79,7 +79,8 @@ fn quanta_are_where_both_projections_of_a_point_round_to_so_many_pixels() {
 fn panes_send_as_many_rays_as_the_closed_forms_say_and_the_sweep_saves_that_share() {
     const SIDE: u32 = 32;
     let pixels = u64::from(SIDE * SIDE);
-    let mut renderer = Renderer::new(Gpu::new().unwrap());
+    let adapter = std::env::var("STEREOTRACE_ADAPTER").unwrap_or_else(|_| "software".into());
+    let mut renderer = Renderer::new(Gpu::open(adapter).unwrap());
     for surfaces in Surfaces::ALL {
         let (scene, camera) = (panes::scene(surfaces, 2), panes::camera(SIDE, 10.0));
         let uploaded = renderer.upload(&scene).unwrap();

@@ -85,8 +85,8 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Of the sum of all pixels' distances in RGB the share of those whose objects, found and true, are `wanted`,
-    /// percent.
+    /// Percentage of all pixels' summed distances in RGB that is due to the pixels whose objects, found and true, are
+    /// `wanted`.
     fn share_of_distances(&self, right: &View, wanted: impl Fn(u32, u32) -> bool) -> f64 {
         let truth = &self.naive.right;
         let (mut all, mut share) = (0.0, 0.0);

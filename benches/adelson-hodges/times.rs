@@ -14,7 +14,7 @@ use crate::{
 /// Naive first: it is what is saved of.
 const METHODS: [Method; 5] = [Method::Naive, Method::ADELSON_HODGES, Method::ES_ISLER, Method::ATOMIC, Method::BRACKET];
 
-/// Of the first random scene of 20: the second view's time that is saved, and how much longer a pair of nine samples
+/// Measures the first random scene of 20: the time saved on the second view, and how much longer a pair of nine samples
 /// takes.
 pub(crate) fn rows(renderer: &mut Renderer, plan: &Plan) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();

@@ -1,7 +1,7 @@
 // Visibility bits that right pixels reuse from the left view (docs/BRACKET.md). Every bit is inferred: an occluder's
 // shadow that falls between the samples is lost.
 
-// What the samples beside a point tell of its lights. `known` and `lit` have one bit for each of the first 16 lights.
+// The lights of a point, as the samples beside it saw them. `known` and `lit` have one bit for each of the first 16 lights.
 struct Taken {
     known: U,
     lit: U,

@@ -15,7 +15,7 @@ fn shading_vector(index: u32) -> vec3f {
     return bitcast<vec3f>(table_texel(index).xyz);
 }
 
-// What the primary rays of a lane saw.
+// Colours and hits that a lane's primary rays found.
 struct Samples {
     color: F3,
     depth: F,

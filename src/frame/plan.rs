@@ -1,4 +1,4 @@
-//! What a method does to each band of rows: steps over views, as data.
+//! The plan of a method: the steps that it runs over views for each band of rows, as data.
 
 use super::{
     driver::Driver,

@@ -340,7 +340,7 @@ type Change = (&'static str, fn(&mut Scene), Update);
 fn pictures_after_an_update_are_those_of_a_new_renderer() {
     let camera = Builtin::Near.camera(100, 75);
     let mut scene = Builtin::Near.scene();
-    let mut kept = renderer();
+    let mut kept = Renderer::new(gpu());
     let mut uploaded = kept.upload(&scene).unwrap();
     let with = options(Method::BRACKET, 120, ShadowRule::HYBRID);
     let changes: [Change; 4] = [
@@ -368,7 +368,7 @@ fn pictures_after_an_update_are_those_of_a_new_renderer() {
         let pair = kept.render(&uploaded, &camera, &with).unwrap();
         let again = kept.render(&uploaded, &camera, &with).unwrap();
         assert_eq!(again.statistics.shadow_buffer.filled, 0, "{what}");
-        let mut fresh = renderer();
+        let mut fresh = Renderer::new(gpu());
         let new = fresh.upload(&scene).unwrap();
         let expected = fresh.render(&new, &camera, &with).unwrap();
         for (found, which) in [(&pair, "first"), (&again, "second")] {
