@@ -6,9 +6,9 @@
 // writes  found     [rays]      1 where something is hit
 // adds    counters  [COUNTERS]  as of a view
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> found: array<u32>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> found: array<u32>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn any_hits(@builtin(global_invocation_id) id: vec3u) {

@@ -4,8 +4,8 @@
 // launch  one thread
 // updates drawing
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> drawing: Drawing;
+var<uniform> frame: Frame;
+var<storage, read_write> drawing: Drawing;
 
 @compute @workgroup_size(1)
 fn begin_pass() {

@@ -8,10 +8,10 @@
 // writes  bounds    [tiles, BOUND_WORDS]  bits of the largest depth; cleared by the host
 // adds    counters  [height * COUNTERS] the target's pixels in gaps
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> bounds: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> bounds: array<atomic<u32>>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 const NO_TILE: u32 = 0xffffffffu;
 // Landing of a sample that was left out. No gap opens behind it.

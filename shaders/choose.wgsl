@@ -6,10 +6,10 @@
 // updates counters         [rows * COUNTERS]  reads GAP_PIXELS, writes CHOSEN of the band's first row
 // updates lists            heads TO_SEARCH and ALL_TRACED: the one that is not chosen launches nothing
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source_counters: array<u32>;
-@group(1) @binding(2) var<storage, read_write> counters: array<u32>;
-@group(1) @binding(3) var<storage, read_write> lists: Lists;
+var<uniform> frame: Frame;
+var<storage, read> source_counters: array<u32>;
+var<storage, read_write> counters: array<u32>;
+var<storage, read_write> lists: Lists;
 
 const BRACKET_CHOSEN: u32 = 1u;
 

@@ -6,9 +6,9 @@
 // writes  found     [rays]      t as bits (t_max where nothing is hit), primitive id
 // adds    counters  [COUNTERS]  as of a view
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> found: array<vec2u>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> found: array<vec2u>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn closest_hits(@builtin(global_invocation_id) id: vec3u) {

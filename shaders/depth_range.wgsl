@@ -5,9 +5,9 @@
 // reads   view      [height * width]
 // writes  counters  [height * COUNTERS]   NEAREST_DEPTH and FARTHEST_DEPTH, as bits of f32
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> counters: array<u32>;
+var<uniform> frame: Frame;
+var<storage, read> view: array<Pixel>;
+var<storage, read_write> counters: array<u32>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn depth_range(@builtin(global_invocation_id) id: vec3u) {

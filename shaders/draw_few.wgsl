@@ -6,10 +6,10 @@
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
 // adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> t_buffer: array<atomic<u32>>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> drawing: Drawing;
+var<uniform> frame: Frame;
+var<storage, read_write> t_buffer: array<atomic<u32>>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> drawing: Drawing;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn draw_few(@builtin(global_invocation_id) id: vec3u) {

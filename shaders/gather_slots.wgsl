@@ -5,9 +5,9 @@
 // reads   slots  [rows * width * depth]  keys of samples, or EMPTY
 // writes  view   [height * width]        marks: key, or EMPTY
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> slots: array<u32>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+var<uniform> frame: Frame;
+var<storage, read> slots: array<u32>;
+var<storage, read_write> view: array<Pixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn gather_slots(@builtin(global_invocation_id) id: vec3u) {

@@ -5,9 +5,9 @@
 // reads   view       [height * width]
 // appends mirrors    TO_TRACE
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> lists: Lists;
+var<uniform> frame: Frame;
+var<storage, read> view: array<Pixel>;
+var<storage, read_write> lists: Lists;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn list_mirrors(@builtin(global_invocation_id) id: vec3u) {

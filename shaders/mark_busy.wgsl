@@ -10,8 +10,8 @@
 // reads   source_samples  texture
 // adds    bounds          [tiles, BOUND_WORDS]  a bit for each busy light, from bit 16 on for each busy share
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> bounds: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> bounds: array<atomic<u32>>;
 
 // How far the tiles reach on either side, in pixels. The first is for a shadowed sample whose surface is flat for two
 // samples on both sides. The second is for any busy sample whose surface is flat for one.

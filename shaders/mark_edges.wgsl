@@ -4,11 +4,11 @@
 // launch  one thread per pixel of the target in the rows at work
 // reads   source  [height * width]
 // updates view    [height * width]  marks: key, or EMPTY; BAD is added
-// table   objects of the primitives in the BVH's order, four a texel
+//         object_table  objects of the primitives in the BVH's order, four a texel
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<Pixel>;
 
 // Neighbours whose parallax differs by more pixels than this lie on different surfaces.
 const EDGE_PX: f32 = 1.0;
@@ -37,5 +37,5 @@ fn differs(hit: Pixel, at: vec2i) -> bool {
 
 fn object_of(slot: u32) -> u32 {
     if slot == MISS { return MISS; }
-    return table_texel(slot / 4u)[slot % 4u];
+    return object_texel(slot / 4u)[slot % 4u];
 }

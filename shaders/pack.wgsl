@@ -5,9 +5,9 @@
 // reads   view    [rows * width]
 // writes  packed  [words_read][rows * width]  colour with marks in place of alpha, which is 255; then depth; then slot
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> packed: array<u32>;
+var<uniform> frame: Frame;
+var<storage, read> view: array<Pixel>;
+var<storage, read_write> packed: array<u32>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn pack(@builtin(global_invocation_id) id: vec3u) {

@@ -7,9 +7,9 @@
 // adds    counters   [height * COUNTERS]
 // appends drawing
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(2) var<storage, read_write> drawing: Drawing;
+var<uniform> frame: Frame;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> drawing: Drawing;
 
 // Most pixels of a primitive in the first list. Most tiles that a thread draws alone, while the rest of its vector
 // waits.

@@ -6,9 +6,9 @@
 // slot; MISS: nothing hit; UNFILLED: not known
 // adds    counters  [COUNTERS]
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> t_buffer: array<u32>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> t_buffer: array<u32>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn read_middles(@builtin(global_invocation_id) id: vec3u) {

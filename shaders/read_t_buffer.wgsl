@@ -8,11 +8,11 @@
 // adds    counters  [height * COUNTERS]
 // appends lists     TO_TRACE
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> t_buffer: array<u32>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(4) var<storage, read_write> lists: Lists;
+var<uniform> frame: Frame;
+var<storage, read> t_buffer: array<u32>;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> lists: Lists;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn read_t_buffer(@builtin(global_invocation_id) id: vec3u) {

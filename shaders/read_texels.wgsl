@@ -9,10 +9,10 @@
 //                                                      or UNFILLED: not known
 // adds    counters  [COUNTERS]
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> t_buffer: array<u32>;
-@group(1) @binding(2) var<storage, read_write> texels: array<vec4u>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read> t_buffer: array<u32>;
+var<storage, read_write> texels: array<vec4u>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn read_texels(@builtin(global_invocation_id) id: vec3u) {

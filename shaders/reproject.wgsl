@@ -12,9 +12,9 @@ struct ContestedPixel {
     color: u32,
 }
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> view: array<ContestedPixel>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<ContestedPixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject(@builtin(global_invocation_id) id: vec3u) {

@@ -6,9 +6,9 @@
 // reads   source  [height * width]
 // writes  view    [height * width]  marks: key of the sample, or EMPTY; cleared by the host
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<Pixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {

@@ -7,10 +7,10 @@
 // writes  slots     [rows * width * depth]   keys, or EMPTY; cleared by the host
 // adds    counters  [height * COUNTERS]      one for each candidate that met a taken slot: of the two one is lost
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> slots: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> slots: array<atomic<u32>>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject_slots(@builtin(global_invocation_id) id: vec3u) {

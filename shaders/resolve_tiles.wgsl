@@ -8,10 +8,10 @@
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_TRACE; reads TO_RESOLVE
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> lists: Lists;
+var<uniform> frame: Frame;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> lists: Lists;
 
 // Unfinished pixels are traced from slightly before the bound, because of rounding.
 const BEFORE: f32 = 0.9999;

@@ -8,10 +8,10 @@
 // writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> bounds: array<u32>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> lists: Lists;
+var<uniform> frame: Frame;
+var<storage, read> bounds: array<u32>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> lists: Lists;
 
 const QUADRANTS: u32 = 4u;
 

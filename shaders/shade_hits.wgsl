@@ -2,12 +2,12 @@
 //
 // launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
 // updates view            [height * width]
-// writes  source_samples  texture, by bracket
+// writes  kept_samples  texture, by bracket
 // adds    counters        [height * COUNTERS]; reads masks behind them
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn shade_hits(@builtin(global_invocation_id) id: vec3u) {

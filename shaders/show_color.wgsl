@@ -6,11 +6,11 @@
 // writes  picture     [height, width]    sRGB-encoded, alpha 1
 // adds    unfinished  [1]                threads that an adapter ended
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read> counters: array<u32>;
-@group(1) @binding(3) var<storage, read_write> unfinished: array<atomic<u32>>;
-@group(1) @binding(11) var picture: texture_storage_2d<rgba8unorm, write>;
+var<uniform> frame: Frame;
+var<storage, read> view: array<Pixel>;
+var<storage, read> counters: array<u32>;
+var<storage, read_write> unfinished: array<atomic<u32>>;
+var picture: texture_storage_2d<rgba8unorm, write>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn show_color(@builtin(global_invocation_id) id: vec3u) {

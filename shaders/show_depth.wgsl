@@ -4,9 +4,9 @@
 // reads   view     [rows * width]
 // writes  picture  [height, width]  depth, FAR where nothing was hit
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> view: array<Pixel>;
-@group(1) @binding(11) var picture: texture_storage_2d<r32float, write>;
+var<uniform> frame: Frame;
+var<storage, read> view: array<Pixel>;
+var picture: texture_storage_2d<r32float, write>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn show_depth(@builtin(global_invocation_id) id: vec3u) {

@@ -5,9 +5,9 @@
 // reads   source  [height * width]
 // updates view    [height * width]  all but marks
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> source: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
+var<uniform> frame: Frame;
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<Pixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn take_over(@builtin(global_invocation_id) id: vec3u) {

@@ -4,9 +4,9 @@
 // writes  view      [height * width]      all but color
 // adds    counters  [height * COUNTERS]
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn trace_hits(@builtin(global_invocation_id) id: vec3u) {

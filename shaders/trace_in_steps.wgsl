@@ -5,9 +5,9 @@
 // writes  view      [height * width]
 // adds    counters  [height * COUNTERS], and the cost map behind them, if requested
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(2) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 // Returns a thread's lane. Lanes follow the launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {

@@ -6,10 +6,10 @@
 // updates view         [height * width]      depth, read as the depth up to which space is empty; slot
 // adds    counters     [height * COUNTERS]
 
-@group(1) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read_write> lists: Lists;
-@group(1) @binding(2) var<storage, read_write> view: array<Pixel>;
-@group(1) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+var<uniform> frame: Frame;
+var<storage, read_write> lists: Lists;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn trace_listed(@builtin(global_invocation_id) id: vec3u) {

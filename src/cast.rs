@@ -7,25 +7,21 @@ use glam::{DVec3, Vec3};
 use crate::{
     Error, MISS, RaysPerLane, Renderer, UploadedScene,
     bvh::Texel,
-    frame::targets::Target,
-    gpu::{Texels, Timestamps, bind_group, bind_group_at},
-    kernels::{Access::Write, Kernel, STEPS_BINDING, Touches},
+    frame::executor::{Executor, Resources, Workgroups},
+    gpu::{Texels, Timestamps},
+    kernels::{Dispatches, Kernel, Resource, Role, kernel},
     lanes::{DISPATCHES, Lanes},
     layout::{self, LIST_WORKGROUP},
     variant::Variant,
-    wgsl::part,
 };
 
-pub(crate) const CLOSEST_HITS: Kernel = Kernel {
-    name: "closest_hits",
-    touches: Touches::RayList,
-    storage: &[(Target::Found, Write), (Target::Counters, Write)],
-    main: part!("closest_hits.wgsl"),
-};
-pub(crate) const ANY_HITS: Kernel = Kernel { name: "any_hits", main: part!("any_hits.wgsl"), ..CLOSEST_HITS };
+pub(crate) const CLOSEST_HITS: Kernel = kernel!("closest_hits", Role::RayList(Dispatches::One));
+pub(crate) const ANY_HITS: Kernel = kernel!("any_hits", Role::RayList(Dispatches::One));
 /// Variants whose threads continue in the next dispatch.
-pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel = Kernel { name: "closest_hits_in_steps", ..CLOSEST_HITS };
-pub(crate) const ANY_HITS_IN_STEPS: Kernel = Kernel { name: "any_hits_in_steps", ..ANY_HITS };
+pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel =
+    Kernel { name: "closest_hits_in_steps", role: Role::RayList(Dispatches::Many), ..CLOSEST_HITS };
+pub(crate) const ANY_HITS_IN_STEPS: Kernel =
+    Kernel { name: "any_hits_in_steps", role: Role::RayList(Dispatches::Many), ..ANY_HITS };
 
 /// Rays per dispatch: at two texels each they stay far below every limit of textures and bindings.
 pub(crate) const BATCH: usize = 1 << 20;
@@ -135,7 +131,7 @@ impl Renderer {
         for batch in rays.chunks(BATCH) {
             if !self.steps.always {
                 let mut list = List::new(self, scene, batch, size_of::<T>()).await?;
-                if list.dispatch(at_once, None, 1).await? == 0 {
+                if list.dispatch(at_once, 1).await? == 0 {
                     list.read(&mut cast).await?;
                     continue;
                 }
@@ -153,15 +149,15 @@ impl Renderer {
 /// A list of rays on the device, and its answers.
 struct List<'a> {
     renderer: &'a Renderer,
-    scene: &'a UploadedScene,
     variant: Variant,
     count: u32,
     frame: wgpu::Buffer,
-    table: wgpu::BindGroup,
-    /// Texels that `table` binds.
-    _rays: Texels,
     found: wgpu::Buffer,
     counters: wgpu::Buffer,
+    /// All of these, and the scene's.
+    resources: Resources,
+    /// Texels of the rays.
+    _rays: Texels,
     timestamps: Option<Timestamps>,
 }
 
@@ -176,21 +172,20 @@ impl<'a> List<'a> {
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
         let frame = layout::Frame { image_size: [count, 1], ..Default::default() };
-        let table = gpu.upload("rays", &texels(rays, scene.origin), fetch).await?;
+        let texels = gpu.upload("rays", &texels(rays, scene.origin), fetch).await?;
         let make = || {
-            let layout = &renderer.kernels.layouts(fetch).table;
-            Ok(Self {
-                renderer,
-                scene,
-                variant: variant_for(scene, rays),
-                count,
-                frame: gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame)),
-                table: bind_group(gpu, "rays", layout, std::iter::once(table.binding())),
-                _rays: table,
-                found: gpu.storage_buffer("found", (answer_bytes * rays.len()) as u64),
-                counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
-                timestamps: Timestamps::new(gpu),
-            })
+            let frame = gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame));
+            let found = gpu.storage_buffer("found", (answer_bytes * rays.len()) as u64);
+            let counters = gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4);
+            let mut resources = Resources::default()
+                .with(Resource::Frame, &frame)
+                .with(Resource::Found, &found)
+                .with(Resource::Counters, &counters)
+                .with(Resource::RayList, &texels);
+            scene.resources(&mut resources);
+            let timestamps = Timestamps::new(gpu);
+            let variant = variant_for(scene, rays);
+            Ok(Self { renderer, variant, count, frame, found, counters, resources, _rays: texels, timestamps })
         };
         gpu.checked(make).await
     }
@@ -199,26 +194,15 @@ impl<'a> List<'a> {
         self.count.div_ceil(self.variant.traversal.rays.block().pow(2))
     }
 
-    /// Runs `times` dispatches of a kernel with these buffers. Returns the number of threads that the adapter cut
-    /// short.
-    async fn dispatch(&mut self, kernel: &Kernel, lanes: Option<&Lanes>, times: u32) -> Result<u32, Error> {
-        let (renderer, gpu) = (self.renderer, &self.renderer.gpu);
+    /// Runs `times` dispatches of a kernel. Returns the number of threads that the adapter cut short.
+    async fn dispatch(&mut self, kernel: &Kernel, times: u32) -> Result<u32, Error> {
+        let gpu = &self.renderer.gpu;
+        let workgroups = Workgroups::Number([self.threads().div_ceil(LIST_WORKGROUP), 1, 1]);
         let launch = || {
-            let pipeline = renderer.kernels.get(gpu, kernel, self.variant);
-            let lanes = lanes.map(|lanes| (STEPS_BINDING, &lanes.buffer));
-            let own = (0..).zip([&self.frame, &self.found, &self.counters]).chain(lanes);
-            let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-            let own = bind_group_at(gpu, kernel.name, &pipeline.own, own);
+            let mut executor = Executor::new(gpu, &self.renderer.kernels, None, self.timestamps.as_mut());
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for _ in 0..times {
-                let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(kernel.name));
-                let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes };
-                let mut pass = encoder.begin_compute_pass(&descriptor);
-                pass.set_pipeline(&pipeline.pipeline);
-                pass.set_bind_group(0, &self.scene.geometry, &[]);
-                pass.set_bind_group(1, &own, &[]);
-                pass.set_bind_group(2, &self.table, &[]);
-                pass.dispatch_workgroups(self.threads().div_ceil(LIST_WORKGROUP), 1, 1);
+                executor.run(&mut encoder, kernel.name, (kernel, self.variant), &self.resources, workgroups);
             }
             gpu.queue.submit([encoder.finish()]);
             Ok(())
@@ -232,8 +216,9 @@ impl<'a> List<'a> {
         let gpu = &self.renderer.gpu;
         let lanes = Lanes::new(gpu, &self.variant, self.threads()).await?;
         lanes.begin(gpu, self.threads(), self.renderer.steps.rounds).await?;
+        self.resources.set(Resource::Steps, &lanes.buffer);
         loop {
-            match self.dispatch(kernel, Some(&lanes), DISPATCHES).await? {
+            match self.dispatch(kernel, DISPATCHES).await? {
                 0 if lanes.unfinished(gpu).await? == 0 => return Ok(()),
                 0 => {}
                 threads => return Err(Error::cut_short(u64::from(threads))),

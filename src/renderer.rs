@@ -77,7 +77,7 @@ impl Renderer {
     pub fn with_traversal(gpu: Gpu, traversal: Traversal) -> Self {
         Self {
             traversal,
-            kernels: Kernels::new(&gpu),
+            kernels: Kernels::default(),
             cache: frame::Cache::default(),
             timestamps: Timestamps::new(&gpu),
             band_pixels: frame::band_pixels(&gpu),

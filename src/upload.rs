@@ -13,9 +13,10 @@ use crate::{
     auto::{Asked, CostModel, Seen},
     bvh::{self, PackedBvh, Texel, TreeShape},
     cutouts::cutouts_of,
+    frame::executor::Resources,
     geometry::GeometryTexels,
-    gpu::{Gpu, Texels, bind_group},
-    kernels::Kernels,
+    gpu::{Gpu, Texels},
+    kernels::Resource,
     large::LargePrimitives,
     layout,
     message::counted,
@@ -28,16 +29,16 @@ use crate::{
 /// A scene on a device, ready to be rendered from any number of cameras.
 #[derive(Debug)]
 pub struct UploadedScene {
-    pub(crate) geometry: wgpu::BindGroup,
-    pub(crate) shading: wgpu::BindGroup,
-    /// Texels that `geometry` and `shading` bind.
+    /// Uniform of the BVH.
+    bvh: wgpu::Buffer,
+    /// Nodes and primitives, and the shading table.
     texels: [Arc<Texels>; 2],
     /// Sky and textures of the shading table.
     pictures: Pictures,
     /// Cut-out textures whose masks follow the geometry.
     cutouts: Vec<(usize, Texture)>,
     /// Objects of the primitives; created when edges are first needed.
-    pub(crate) object_table: OnceLock<(wgpu::BindGroup, Texels)>,
+    object_table: OnceLock<Texels>,
     pub(crate) variant: Variant,
     pub(crate) objects: Vec<u32>,
     /// Scene id of each primitive, in BVH order.
@@ -107,19 +108,23 @@ impl UploadedScene {
         close
     }
 
-    /// Uploads the primitives' objects in BVH order, for the pass that finds edges.
-    pub(crate) async fn upload_object_table(&self, gpu: &Gpu, kernels: &Kernels) -> Result<(), Error> {
-        if self.object_table.get().is_some() {
-            return Ok(());
+    /// Adds the resources of its tree and its shading.
+    pub(crate) fn resources(&self, all: &mut Resources) {
+        let [geometry, table] = &self.texels;
+        all.set(Resource::Bvh, &self.bvh);
+        all.set(Resource::Geometry, &**geometry);
+        all.set(Resource::Table, &**table);
+    }
+
+    /// Returns the primitives' objects in BVH order, uploaded at the first call, for the pass that finds edges.
+    pub(crate) async fn object_table(&self, gpu: &Gpu) -> Result<&Texels, Error> {
+        if self.object_table.get().is_none() {
+            let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
+            let fetch = self.variant.traversal.fetch;
+            let table = gpu.upload("object_table", &object_texels(&objects), fetch).await?;
+            let _ = self.object_table.set(table); // another frame's table is equal
         }
-        let fetch = self.variant.traversal.fetch;
-        let objects: Vec<u32> = self.ids.iter().map(|id| self.objects[*id as usize]).collect();
-        let table = gpu.upload("object_table", &object_texels(&objects), fetch).await?;
-        let layout = &kernels.layouts(fetch).table;
-        let bind = || Ok(bind_group(gpu, "object_table", layout, std::iter::once(table.binding())));
-        let group = gpu.checked(bind).await?;
-        let _ = self.object_table.set((group, table)); // another frame's table is equal
-        Ok(())
+        Ok(self.object_table.get().expect("set above"))
     }
 
     /// Adds the importance sampling weights to a sky map when its light is first used. They go to words of its texels
@@ -199,14 +204,14 @@ impl Renderer {
         let table_fits = self.gpu.texel_capacity(traversal.fetch) >= ShadingTable::of(scene).count() as u64;
         let same_geometry = uploaded.shape.is_of(scene) && uploaded.cutouts == cutouts_of(scene);
         if how == Update::Refit && same_geometry && table_fits {
-            let (table, shading, pictures) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
+            let (table, pictures) = self.bring_table(scene, traversal.fetch, Some(uploaded)).await?;
             let Variant { world_boxes, stack_size, .. } = uploaded.variant;
             uploaded.variant = Variant::over_tree(scene, traversal, world_boxes, stack_size);
             uploaded.origin = scene.origin();
             uploaded.lights = positions(scene);
             uploaded.point_lights = point_lights(scene);
             uploaded.soft = SoftLights::of(scene);
-            (uploaded.shading, uploaded.texels[1], uploaded.pictures) = (shading, table, pictures);
+            (uploaded.texels[1], uploaded.pictures) = (table, pictures);
             (uploaded.info.build, uploaded.info.upload) = (Duration::ZERO, started.elapsed());
             return Ok(());
         }
@@ -246,22 +251,17 @@ impl Renderer {
         let texels = GeometryTexels::new(&packed, fetch);
         let room = before.map(|before| &before.texels[0]);
         let geometry = self.written("geometry", room, texels.count(), texels.texels().into_iter(), fetch).await?;
-        let (table, shading, pictures) = self.bring_table(scene, fetch, before).await?;
-        let bind = || {
-            let bvh = match packed.masks.is_empty() {
-                true => gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform)),
-                false => {
-                    let cutouts = texels.masks_begin() as u32;
-                    let uniform = layout::CutOutBvh { bvh: packed.uniform, cutouts, ..Default::default() };
-                    gpu.uniform_buffer("bvh", bytemuck::bytes_of(&uniform))
-                }
-            };
-            let bindings = [bvh.as_entire_binding(), geometry.binding()];
-            Ok(bind_group(gpu, "geometry", &self.kernels.layouts(fetch).geometry, bindings.into_iter()))
+        let (table, pictures) = self.bring_table(scene, fetch, before).await?;
+        let bvh = || match packed.masks.is_empty() {
+            true => Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&packed.uniform))),
+            false => {
+                let cutouts = texels.masks_begin() as u32;
+                let uniform = layout::CutOutBvh { bvh: packed.uniform, cutouts, ..Default::default() };
+                Ok(gpu.uniform_buffer("bvh", bytemuck::bytes_of(&uniform)))
+            }
         };
         Ok(UploadedScene {
-            geometry: gpu.checked(bind).await?,
-            shading,
+            bvh: gpu.checked(bvh).await?,
             texels: [geometry, table],
             pictures,
             cutouts: cutouts_of(scene),
@@ -296,7 +296,7 @@ impl Renderer {
         scene: &Scene,
         fetch: Fetch,
         before: Option<&UploadedScene>,
-    ) -> Result<(Arc<Texels>, wgpu::BindGroup, Pictures), Error> {
+    ) -> Result<(Arc<Texels>, Pictures), Error> {
         let table = ShadingTable::of(scene);
         let count = table.count();
         let is_there = |before: &&UploadedScene| before.pictures.are_those_of(scene);
@@ -305,12 +305,7 @@ impl Renderer {
         let written = if staying.is_some() { table.before_pictures() } else { count };
         let pictures = staying.cloned().unwrap_or_else(|| Pictures::of(scene));
         let table = self.written("shading_table", room, count, table.texels().take(written), fetch).await?;
-        let bind = || {
-            let layout = &self.kernels.layouts(fetch).table;
-            Ok(bind_group(&self.gpu, "shading_table", layout, std::iter::once(table.binding())))
-        };
-        let group = self.gpu.checked(bind).await?;
-        Ok((table, group, pictures))
+        Ok((table, pictures))
     }
 
     /// Writes texels to `room` if they fit, else to new memory.

@@ -9,13 +9,8 @@ mod choices;
 use crate::{
     Material, Scene, ShadowReuse, Sky,
     bvh::PackedBvh,
-    kernels::{Kernel, Touches},
+    kernels::{Canvas, Role, SampleUse, Shading},
     shadow_buffer::Reading,
-    steps::{
-        bracket::MARK_BUSY,
-        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
-        resolve::TAKE_OVER,
-    },
     traversal::{Boxes, Fetch, RaysPerLane, Traversal},
 };
 
@@ -251,23 +246,22 @@ impl Variant {
         }
     }
 
-    /// Reduces the variant to what a kernel depends on. A kernel that does not touch the scene is the same for every
-    /// scene.
-    pub(crate) fn of_kernel(self, kernel: &Kernel) -> Self {
-        let with = match kernel.touches {
+    /// Reduces the variant to what kernels of a role depend on. A kernel that does not touch the scene is the same for
+    /// every scene.
+    pub(crate) fn of_role(self, role: Role) -> Self {
+        let with = match role {
             // It depends on whether samples have shares.
-            Touches::Pixels if kernel.name == MARK_BUSY.name && self.shares && self.is_soft() => {
+            Role::MarkBusy if self.shares && self.is_soft() => {
                 Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
             }
-            Touches::Pixels => Self { linear: self.linear && kernel.name == TAKE_OVER.name, ..Self::PIXELS },
-            Touches::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
+            Role::Pixels | Role::MarkBusy => Self::PIXELS,
+            Role::LinearPixels => Self { linear: self.linear, ..Self::PIXELS },
+            Role::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
             // One texel a lane.
-            Touches::Geometry if kernel.name.ends_with("_texels") => {
-                Self { traversal: self.traversal.rays(RaysPerLane::One), bits: ShadowReuse::Rays, ..self.unlit() }
-            }
-            Touches::Geometry => Self { bits: ShadowReuse::Rays, ..self.unlit() },
+            Role::Draw(Canvas::Texels) => Self { traversal: self.traversal.rays(RaysPerLane::One), ..self.unlit() },
+            Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(_) | Role::RayList(_) => self.unlit(),
             // One ray a lane, which starts anywhere, or one pixel a lane if none is traced.
-            Touches::Shading if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) => Self {
+            Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {
                 traversal: self.traversal.rays(RaysPerLane::One),
                 close: true,
                 samples: false,
@@ -276,10 +270,11 @@ impl Variant {
                 shares: false,
                 ..self
             },
-            Touches::Shading => self,
-            Touches::RayList => Self { bits: ShadowReuse::Rays, ..self.unlit() },
+            Role::Shade(_) => self,
         };
-        Self { masked: self.masked && kernel.minds_mask(), shadow_buffer: kernel.shadow_buffer(&with), ..with }
+        let does = role.does();
+        let asks = does.queries_shadow_buffers && with.casts_from_lights();
+        Self { masked: self.masked && does.minds_mask, shadow_buffer: with.shadow_buffer.filter(|_| asks), ..with }
     }
 
     /// Returns the indices of a primitive's optional texels.
@@ -306,6 +301,7 @@ impl Variant {
             samples: false,
             second: false,
             linear: false,
+            bits: ShadowReuse::Rays,
             shadow_buffer: None,
             ..self
         }
@@ -326,15 +322,22 @@ impl Variant {
         self.triangles || self.spheres
     }
 
-    pub(crate) fn soft_role(&self, kernel: &Kernel) -> SoftRole {
-        match kernel.name {
-            _ if !self.is_soft() || kernel.touches != Touches::Shading => SoftRole::None,
-            "trace_soft" | "trace_soft_listed" | "trace_soft_asked" => SoftRole::Asked,
-            "trace_mirrored" => SoftRole::Followed,
-            "shade_hits" | "shade_tiles" | "shade_listed" | "shade_traced" => SoftRole::Masked,
-            "trace_left" | "trace_in_steps" => SoftRole::Skipped,
-            _ => SoftRole::None,
+    /// Returns a role's part in soft light.
+    pub(crate) fn soft_role(&self, role: Role) -> SoftRole {
+        if self.is_soft() { role.does().soft } else { SoftRole::None }
+    }
+
+    /// Returns how kernels of a role use samples of source views.
+    pub(crate) fn sample_use(&self, role: Role) -> SampleUse {
+        match role.does().samples {
+            SampleUse::Written if !self.samples => SampleUse::None,
+            used => used,
         }
+    }
+
+    /// Returns whether kernels of a role read a second source's samples.
+    fn reads_second(&self, role: Role) -> bool {
+        self.second && matches!(role, Role::Shade(_)) && self.sample_use(role) == SampleUse::Read
     }
 
     /// Switches the counting of nodes and primitive tests. Counting kernels trace one ray a lane on every adapter, so

@@ -21,8 +21,16 @@
 //!
 //! A section may depend on several choices: `//! if sky is map and lights is none`. It ends at the next section, at
 //! `//! end`, or with its file. `src/variant.rs` makes all choices.
+//!
+//! A resource is a `var` in no address space or in `uniform` or `storage`. WGSL files leave out its group and binding:
+//! the linker numbers the resources of each text, and returns them by name.
 
 use std::{collections::HashMap, sync::LazyLock};
+
+use crate::{
+    gpu::{TEXELS, sampled_layers_type, sampled_type, storage_type, texture_type, uniform_type},
+    kernels::Resource,
+};
 
 /// A WGSL file: its name below `shaders/` and its text.
 #[derive(Clone, Copy)]
@@ -65,6 +73,7 @@ pub(crate) const SHARED: &[Part] = shared![
     "linear",
     "lists",
     "materials",
+    "objects",
     "planes",
     "primitives",
     "ray_list",
@@ -121,9 +130,39 @@ pub(crate) struct Definition {
     /// Its first line, counted from 1.
     pub(crate) line: usize,
     pub(crate) when: Vec<Condition>,
+    /// Its type, if it is a resource.
+    binding: Option<wgpu::BindingType>,
+    /// Offset of its text in the file.
+    at: usize,
     text: &'static str,
     /// Words that may be names of other definitions.
     uses: Vec<&'static str>,
+}
+
+/// A linked text.
+#[derive(Debug)]
+pub(crate) struct Linked {
+    pub(crate) text: String,
+    /// The resources that it binds in group 0, from binding 0 on.
+    pub(crate) bindings: Vec<Binding>,
+}
+
+/// A resource of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Binding {
+    pub(crate) resource: Resource,
+    pub(crate) ty: wgpu::BindingType,
+}
+
+impl Linked {
+    /// Adds a definition at the end of the text, with its binding if it is a resource.
+    fn add(&mut self, definition: &Definition) {
+        if let Some(ty) = definition.binding {
+            self.text += &format!("@group(0) @binding({}) ", self.bindings.len());
+            self.bindings.push(Binding { resource: Resource::named(definition.name), ty });
+        }
+        self.text += definition.text;
+    }
 }
 
 /// The shared definitions, and their indices by name.
@@ -141,9 +180,9 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(|| {
     Library { definitions, by_name }
 });
 
-/// Returns a kernel's text: the shared definitions that it uses, as chosen, then its own file. A comment with file and
-/// line (`// shared/lane.wgsl:7`) precedes each definition, so that messages of compilers can be traced to the source.
-pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
+/// Links a kernel: the shared definitions that it uses, as chosen, then its own file. A comment with file and line
+/// (`// shared/lane.wgsl:7`) precedes each definition, so that messages of compilers can be traced to the source.
+pub(crate) fn linked(main: Part, choices: &[Choice]) -> Linked {
     let own = definitions(main);
     let mut taken = vec![false; LIBRARY.definitions.len()];
     let mut wanted: Vec<&str> = own.iter().flat_map(|definition| &definition.uses).copied().collect();
@@ -159,11 +198,21 @@ pub(crate) fn text(main: Part, choices: &[Choice]) -> String {
             }
         }
     }
-    let mut text = String::new();
+    let mut linked = Linked { text: String::new(), bindings: Vec::new() };
     for (definition, _) in LIBRARY.definitions.iter().zip(taken).filter(|(_, taken)| *taken) {
-        text += &format!("// {}:{}\n{}\n", definition.file, definition.line, definition.text);
+        linked.text += &format!("// {}:{}\n", definition.file, definition.line);
+        linked.add(definition);
+        linked.text += "\n";
     }
-    text + &format!("// {}:1\n{}", main.file, main.text)
+    linked.text += &format!("// {}:1\n", main.file);
+    let mut copied = 0;
+    for definition in &own {
+        linked.text += &main.text[copied..definition.at];
+        linked.add(definition);
+        copied = definition.at + definition.text.len();
+    }
+    linked.text += &main.text[copied..];
+    linked
 }
 
 /// Returns the file and line below `shaders/` of a line of a kernel's text. Lines count from 1.
@@ -212,6 +261,8 @@ pub(crate) fn definitions(part: Part) -> Vec<Definition> {
                 file: part.file,
                 line: 1 + part.text[..begin].matches('\n').count(),
                 when: when.clone(),
+                binding: binding_of(&words),
+                at: begin,
                 text: &part.text[begin..at + 1],
                 uses: used_by(&words),
             }));
@@ -245,6 +296,29 @@ fn name_of(words: &[&'static str]) -> Option<&'static str> {
     let keyword = words.iter().position(|word| keywords.contains(word))?;
     let end = words[keyword..].iter().position(|word| matches!(*word, ":" | "=" | "(" | "{"))?;
     Some(words[keyword + end - 1])
+}
+
+/// Returns the type of a definition's resource, or `None` for other definitions.
+fn binding_of(words: &[&'static str]) -> Option<wgpu::BindingType> {
+    use wgpu::{StorageTextureAccess as Access, TextureFormat as Format};
+
+    match words {
+        ["var", "<", "uniform", ">", ..] => Some(uniform_type()),
+        ["var", "<", "storage", ",", access, ">", ..] => Some(storage_type(*access == "read")),
+        ["var", _, ":", "texture_2d", "<", "u32", ..] => Some(sampled_type()),
+        ["var", _, ":", "texture_2d_array", "<", "u32", ..] => Some(sampled_layers_type()),
+        ["var", _, ":", "texture_storage_2d", "<", format, ",", access, ..] => {
+            let format = match *format {
+                "rgba32uint" => TEXELS,
+                "rgba8unorm" => Format::Rgba8Unorm,
+                "r32float" => Format::R32Float,
+                other => unreachable!("no kernel has a texture of {other}"),
+            };
+            let access = if *access == "read" { Access::ReadOnly } else { Access::WriteOnly };
+            Some(texture_type(format, access))
+        }
+        _ => None,
+    }
 }
 
 /// Returns the words that may name other definitions. These exclude words after a dot and the definition's own names:

@@ -1,13 +1,13 @@
 // Access to the scene's geometry and to a table, in texels of four words. The functions are the same for buffers and
 // textures.
 
-@group(0) @binding(0) var<uniform> bvh: Bvh;
+var<uniform> bvh: Bvh;
 
 //! if fetch is buffer
 // Storage buffers: for GPUs.
 
 // The root's pair, then the primitives, then all other pairs: see src/geometry.rs.
-@group(0) @binding(1) var<storage, read> geometry: array<vec4u>;
+var<storage, read> geometry: array<vec4u>;
 
 // Index of the first texel of a pair of children.
 alias Place = u32;
@@ -24,7 +24,7 @@ fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     return geometry[slot * PRIMITIVE_TEXELS + (2u * CHILD_TEXELS + texel)];
 }
 
-@group(2) @binding(0) var<storage, read> table: array<vec4u>;
+var<storage, read> table: array<vec4u>;
 
 fn table_texel(index: u32) -> vec4u {
     return table[index];
@@ -36,7 +36,7 @@ fn table_texel(index: u32) -> vec4u {
 
 // The first row holds the root's pair alone. Rows of primitives follow, then rows of all other pairs: see
 // src/geometry.rs.
-@group(0) @binding(1) var geometry: texture_storage_2d<rgba32uint, read>;
+var geometry: texture_storage_2d<rgba32uint, read>;
 
 // Position of the first texel of a pair of children. The texels of a pair are in one row, so their addresses differ by
 // the column only.
@@ -57,7 +57,7 @@ fn primitive_texel(slot: u32, texel: u32) -> vec4u {
     return textureLoad(geometry, vec2u(first.x, first.y * PRIMITIVE_TEXELS + (1u + texel)));
 }
 
-@group(2) @binding(0) var table: texture_storage_2d<rgba32uint, read>;
+var table: texture_storage_2d<rgba32uint, read>;
 
 // Textures are 8192 texels wide, which every WebGPU device supports, and filled row by row.
 fn texel_position(index: u32) -> vec2u {

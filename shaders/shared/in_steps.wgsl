@@ -52,7 +52,7 @@ struct Lanes {
     lanes: array<Lane>,
 }
 
-@group(1) @binding(14) var<storage, read_write> steps: Lanes;
+var<storage, read_write> steps: Lanes;
 
 const FINISHED: u32 = 0xffffffffu;
 

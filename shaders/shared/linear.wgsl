@@ -2,8 +2,8 @@
 
 //! if linear is kept
 // RGB and 1.
-@group(1) @binding(13) var<storage, read_write> linear_color: array<vec4f>;
-@group(1) @binding(12) var<storage, read> source_linear: array<vec4f>;
+var<storage, read_write> linear_color: array<vec4f>;
+var<storage, read> source_linear: array<vec4f>;
 
 fn keep_linear(pixel: u32, color: vec3f) { linear_color[pixel] = vec4f(color, 1.0); }
 

@@ -1,5 +1,17 @@
-// A list of rays, two texels of the table each: direction and t_min, then origin and t_max. The rays of a lane have one
-// origin. frame.image_size.x is the number of rays.
+// A list of rays, two texels each: direction and t_min, then origin and t_max. The rays of a lane have one origin.
+// frame.image_size.x is the number of rays.
+
+//! if fetch is buffer
+var<storage, read> ray_list: array<vec4u>;
+
+fn ray_texel(index: u32) -> vec4u { return ray_list[index]; }
+
+//! if fetch is texture
+var ray_list: texture_storage_2d<rgba32uint, read>;
+
+fn ray_texel(index: u32) -> vec4u { return textureLoad(ray_list, texel_position(index)); }
+
+//! end
 
 struct ListedRays {
     rays: Rays,
@@ -15,10 +27,10 @@ fn listed_rays(first: u32) -> ListedRays {
     var ray = 0u;
     loop {
         if first + ray < frame.image_size.x {
-            let near = bitcast<vec4f>(table_texel(2u * (first + ray)));
+            let near = bitcast<vec4f>(ray_texel(2u * (first + ray)));
             direction = with_ray3(direction, ray, near.xyz);
             t_min = with_ray(t_min, ray, near.w);
-            let far = bitcast<vec4f>(table_texel(2u * (first + ray) + 1u));
+            let far = bitcast<vec4f>(ray_texel(2u * (first + ray) + 1u));
             origin = far.xyz;
             t_max = with_ray(t_max, ray, far.w);
         }

@@ -12,23 +12,23 @@ struct SourceSample {
 }
 
 //! if samples is written
-@group(1) @binding(15) var source_samples: texture_storage_2d<rgba32uint, write>;
+var kept_samples: texture_storage_2d<rgba32uint, write>;
 
 fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     let depth = bitcast<u32>(of_ray(samples.depth, ray));
     var other = samples.slot;
     if KEEP_OCCLUDERS { other = found_occluders; }
     if KEEP_SHARES { other = found_shares; }
-    textureStore(source_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
+    textureStore(kept_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
 }
 
 // Stores that a pixel which was not wanted has no sample. It vouches for nothing.
 fn keep_no_sample(pixel: vec2u) {
-    textureStore(source_samples, pixel, vec4u(0u, MISS, MISS, 0u));
+    textureStore(kept_samples, pixel, vec4u(0u, MISS, MISS, 0u));
 }
 
 //! if samples is read
-@group(1) @binding(15) var source_samples: texture_storage_2d<rgba32uint, read>;
+var source_samples: texture_storage_2d<rgba32uint, read>;
 
 fn source_sample(pixel: vec2u) -> SourceSample {
     let texel = textureLoad(source_samples, pixel);
@@ -37,7 +37,7 @@ fn source_sample(pixel: vec2u) -> SourceSample {
 
 //! if sources is two
 // Samples of the source on the target's other side.
-@group(1) @binding(10) var second_samples: texture_2d<u32>;
+var second_samples: texture_2d<u32>;
 
 fn second_sample(pixel: vec2u) -> SourceSample {
     let texel = textureLoad(second_samples, pixel, 0);

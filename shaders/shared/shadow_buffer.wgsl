@@ -11,7 +11,7 @@ const ON_PLANE: f32 = 4e-6;
 //! if shadow_buffer is object or depth or hybrid
 // One layer per light. Each texel holds t as bits and the slot, or the result of read_texels.wgsl. The row behind the
 // last one describes the directions: src/steps/shadow_buffer.rs.
-@group(1) @binding(8) var shadow_buffers: texture_2d_array<u32>;
+var shadow_buffers: texture_2d_array<u32>;
 
 // Arguments of lit_by besides the ray.
 var<private> asked_normal: F3;      // unit, geometric, towards the viewer

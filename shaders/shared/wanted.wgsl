@@ -14,7 +14,7 @@ fn is_left_out(depth: f32) -> bool { return false; }
 
 //! if wanted is masked
 // One bit a pixel of the current view. A texel holds 128 pixels of a row, the first one in the lowest bit.
-@group(1) @binding(9) var wanted_pixels: texture_2d<u32>;
+var wanted_pixels: texture_2d<u32>;
 
 // Depth of a source pixel that is not wanted. Nothing was seen there, not even sky.
 const LEFT_OUT: f32 = 0.0;

@@ -1,21 +1,23 @@
-//! Runs plans: encoders, bindings, indirect heads and timestamps.
+//! Runs a frame's steps: uniforms, resources by view, and the threads of each step.
+
+mod host;
+mod in_steps;
+mod slots;
 
 use std::{ops::ControlFlow, sync::Arc, time::Duration};
 
 use super::{
     bands::Band,
+    executor::{Executor, Held, Resources, Workgroups},
     plan::{Launch, Plan, Stage, Step},
-    targets::{FRAME_STRIDE, Target, Targets, samples_of},
+    targets::{FRAME_STRIDE, Targets, Used},
     wanted::Mask,
 };
 use crate::{
     Error, OnProgress, Options, Progress, Renderer, Tone, UploadedScene,
     auto::CostModel,
-    gpu::{Gpu, Timestamps, bind_group_at},
-    kernels::{
-        Kernel, Kernels, MASK_BINDING, PICTURE_BINDING, SAMPLES_BINDING, SECOND_SAMPLES_BINDING, SHADOW_BINDING,
-        STEPS_BINDING, Touches,
-    },
+    gpu::{Gpu, Timestamps},
+    kernels::{Kernel, Resource},
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
@@ -23,58 +25,58 @@ use crate::{
     steps::{shadow_buffer::Tables, soft::Part, t_buffer, trace::TRACE_LEFT},
     variant::Variant,
 };
+use slots::Slots;
 
-/// Runs one frame.
-pub(crate) struct Driver<'a> {
-    pub(crate) gpu: &'a Gpu,
-    pub(crate) kernels: &'a Kernels,
+/// A frame's setting, which does not change while it is made.
+pub(crate) struct Setting<'a> {
     pub(crate) scene: &'a UploadedScene,
     pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
-    /// The cost model of `Auto`.
-    pub(crate) model: CostModel,
-    /// The 3D buffer. Until it is sized, it is the last frame's.
-    pub(crate) slots: &'a mut Option<wgpu::Buffer>,
-    /// Bytes of it that this band uses, and the most that any band has used.
-    pub(crate) slot_bytes: u64,
-    pub(crate) most_slot_bytes: u64,
-    /// The uniforms of each view. Their rows are those of the current band.
-    pub(crate) frames: Vec<layout::Frame>,
-    /// Parts of soft light, one per dispatch.
-    pub(crate) parts: Vec<Part>,
-    /// Slots a pixel of the deepest 3D buffer.
-    pub(crate) buffer_depth: u32,
-    pub(crate) timestamps: Option<&'a mut Timestamps>,
-    /// State that threads keep between dispatches, for kernels that run in steps.
-    pub(crate) lanes: Option<Lanes>,
-    /// Masks of the wanted pixels of each view in the current band, if not all are wanted.
-    pub(crate) masks: Vec<wgpu::TextureView>,
+    pub(crate) options: &'a Options,
     /// Shadow-buffers, if kernels read them.
-    pub(crate) shadow_tables: Option<Arc<Tables>>,
-    /// The texture that the current kernel writes, if any.
-    pub(crate) picture: Option<wgpu::TextureView>,
+    pub(crate) tables: Option<&'a Arc<Tables>>,
+    /// Whether passes are timed.
+    pub(crate) timed: bool,
+}
+
+/// Runs one frame.
+pub(crate) struct Driver<'a> {
+    gpu: &'a Gpu,
+    scene: &'a UploadedScene,
+    eyes: &'a Eyes,
+    variant: Variant,
+    targets: &'a Targets,
+    executor: Executor<'a>,
+    /// What steps bind, for each view.
+    resources: Vec<Resources>,
+    /// The uniforms of each view. Their rows are those of the current band.
+    frames: Vec<layout::Frame>,
+    /// Parts of soft light, one per dispatch.
+    parts: Vec<Part>,
+    slots: Slots<'a>,
+    /// State that threads keep between dispatches, for kernels that run in steps.
+    lanes: Option<Lanes>,
+    /// Masks of the wanted pixels of each view in the current band, if not all are wanted.
+    masks: Vec<wgpu::TextureView>,
     /// Time of steps on the host.
-    pub(crate) host: Duration,
-    pub(crate) rows_done: u32,
-    pub(crate) progress: &'a mut OnProgress<'a>,
+    host: Duration,
+    rows_done: u32,
+    progress: &'a mut OnProgress<'a>,
 }
 
 impl<'a> Driver<'a> {
     /// Prepares a frame's first step.
     pub(crate) fn new(
         renderer: &'a mut Renderer,
-        scene: &'a UploadedScene,
-        eyes: &'a Eyes,
-        variant: Variant,
-        targets: &'a Targets,
-        options: &Options,
+        setting: Setting<'a>,
+        model: &CostModel,
         progress: &'a mut OnProgress<'a>,
     ) -> Self {
+        let Setting { scene, eyes, variant, targets, options, tables, timed } = setting;
         if let Some(timestamps) = &mut renderer.timestamps {
             timestamps.restart();
         }
-        let model = scene.cost_model(&renderer.gpu, options);
         let jitter = Jitter::of(options);
         let frame = |view| layout::Frame {
             runs: renderer.runs,
@@ -91,25 +93,29 @@ impl<'a> Driver<'a> {
             filmic: u32::from(options.tone == Tone::Filmic),
             ..jitter.beside(eyes.frame(view))
         };
+        let views = || 0..eyes.sources.len();
+        let resources = |view: usize| {
+            let mut all = targets.resources(view, eyes.sources[view], eyes.seconds[view]);
+            scene.resources(&mut all);
+            if let Some(tables) = tables {
+                all.set(Resource::ShadowBuffers, &tables.view);
+            }
+            all
+        };
+        let timestamps = renderer.timestamps.as_mut().filter(|_| timed);
         Self {
             gpu: &renderer.gpu,
-            kernels: &renderer.kernels,
             scene,
             eyes,
             variant,
             targets,
-            model,
-            slots: &mut renderer.cache.slots,
-            slot_bytes: 0,
-            most_slot_bytes: 0,
-            frames: (0..eyes.sources.len()).map(frame).collect(),
+            executor: Executor::new(&renderer.gpu, &renderer.kernels, Some(&targets.indirect), timestamps),
+            resources: views().map(resources).collect(),
+            frames: views().map(frame).collect(),
             parts: if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() },
-            buffer_depth: 0,
-            timestamps: renderer.timestamps.as_mut(),
+            slots: Slots::new(&mut renderer.cache.slots),
             lanes: None,
             masks: Vec::new(),
-            shadow_tables: None,
-            picture: None,
             host: Duration::ZERO,
             rows_done: 0,
             progress,
@@ -117,11 +123,54 @@ impl<'a> Driver<'a> {
     }
 }
 
+impl<'a> Driver<'a> {
+    /// Returns the workgroups of a step.
+    fn launched(&self, kernel: &Kernel, view: usize, launch: Launch) -> Workgroups<'a> {
+        let targets = self.targets;
+        let rows = self.rows_of(view);
+        let block = kernel.block(&self.variant);
+        Workgroups::Number(match launch {
+            Launch::Pixels => self.workgroups(rows, [block, block]),
+            Launch::Runs(pixels) => self.workgroups(rows, [pixels, 1]),
+            Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
+            Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
+            Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
+            Launch::Primitives => t_buffer::workgroups(targets.shape.drawn),
+            Launch::Once => [1, 1, 1],
+            Launch::Listed(lists, list) => return Workgroups::Listed(targets.get(lists, 0), list),
+        })
+    }
+}
+
 impl Driver<'_> {
+    pub(crate) fn gpu(&self) -> &Gpu {
+        self.gpu
+    }
+
+    pub(crate) fn timestamps(&mut self) -> Option<&mut Timestamps> {
+        self.executor.timestamps()
+    }
+
+    /// Returns the time of steps on the host so far.
+    pub(crate) fn time_on_host(&self) -> Duration {
+        self.host
+    }
+
+    /// Returns the slots a pixel of the deepest 3D buffer so far.
+    pub(crate) fn buffer_depth(&self) -> u32 {
+        self.slots.most_depth()
+    }
+
+    /// Returns the bytes of the 3D buffer and of lanes.
+    pub(crate) fn bytes_beside_targets(&self) -> u64 {
+        self.slots.most_bytes() + self.lanes.as_ref().map_or(0, |lanes| lanes.buffer.size())
+    }
+
     /// Uploads tables that only some plans read.
-    pub(crate) async fn upload_tables(&mut self, plan: &Plan) -> Result<(), Error> {
-        if plan.touches_objects() {
-            self.scene.upload_object_table(self.gpu, self.kernels).await?;
+    pub(crate) async fn upload_tables(&mut self, used: &Used) -> Result<(), Error> {
+        if used.objects {
+            let table = self.scene.object_table(self.gpu).await?;
+            self.resources.iter_mut().for_each(|all| all.set(Resource::ObjectTable, table));
         }
         Ok(())
     }
@@ -133,15 +182,16 @@ impl Driver<'_> {
             let (width, texels) = mask.rows(band.first..band.seen.end);
             gpu.filled_texture("wanted_pixels", width, texels)
         };
-        let uploaded = gpu.checked(|| Ok(masks.iter().map(upload).collect())).await?;
+        let uploaded: Vec<_> = gpu.checked(|| Ok(masks.iter().map(upload).collect())).await?;
+        self.resources.iter_mut().zip(&uploaded).for_each(|(all, mask)| all.set(Resource::Wanted, mask));
         let before = std::mem::replace(&mut self.masks, uploaded);
         before.iter().for_each(|view| view.texture().destroy());
         Ok(())
     }
 
     /// Uploads what all bands of a plan share.
-    pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
-        self.upload_tables(plan).await?;
+    pub(crate) async fn begin(&mut self, plan: &Plan, used: &Used) -> Result<(), Error> {
+        self.upload_tables(used).await?;
         let write = || {
             self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
             Ok(())
@@ -184,30 +234,50 @@ impl Driver<'_> {
                 Stage::Host(host) => {
                     let before = std::mem::replace(&mut encoder, self.encoder());
                     gpu.checked(|| Ok(gpu.submit([before.finish()]))).await?;
-                    host.run(self).await?;
+                    self.run_on_host(*host).await?;
                 }
             }
         }
         Ok(encoder)
     }
 
+    /// Encodes a band of a plan without stages on the host, with the rows that `set_rows` was told.
+    pub(crate) fn encode_band(&mut self, encoder: &mut wgpu::CommandEncoder, plan: &Plan) {
+        self.clear(encoder, plan.clears_marks());
+        for stage in &plan.stages {
+            match stage {
+                Stage::Steps(steps) => self.encode_all(encoder, steps),
+                Stage::Host(host) => unreachable!("{host:?} cannot be encoded"),
+            }
+        }
+    }
+
     /// Clears buffers that steps add to, optionally with the marks of views that are not traced.
-    pub(crate) fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
+    fn clear(&mut self, encoder: &mut wgpu::CommandEncoder, marks: bool) {
         for (view, source) in self.eyes.sources.iter().enumerate() {
-            let pixels = (marks && *source != view).then_some(Target::View);
-            for target in [Target::Counters, Target::Bounds].into_iter().chain(pixels) {
-                if let Some(buffer) = self.targets.find((target, view)) {
+            let pixels = (marks && *source != view).then_some(Resource::View);
+            for resource in [Resource::Counters, Resource::Bounds].into_iter().chain(pixels) {
+                if let Some(buffer) = self.targets.find((resource, view)) {
                     encoder.clear_buffer(buffer, 0, None);
                 }
             }
         }
     }
 
+    /// Counts a band's rows as done, and reports it.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if the caller stops the frame.
+    pub(crate) fn band_done(&mut self, plan: &Plan, band: &Band) -> Result<(), Error> {
+        self.rows_done += band.count();
+        self.tell(plan.name(), 0.0)
+    }
+
     /// Reports a frame's progress: the rows done, plus `more` rows.
     ///
     /// # Errors
     /// [`Error::Cancelled`] if the caller stops it.
-    pub(crate) fn tell(&mut self, pass: &'static str, more: f32) -> Result<(), Error> {
+    fn tell(&mut self, pass: &'static str, more: f32) -> Result<(), Error> {
         let done = ((self.rows_done as f32 + more) / self.targets.shape.bands.height() as f32).min(1.0);
         match (self.progress)(Progress { pass, done }) {
             ControlFlow::Continue(()) => Ok(()),
@@ -239,7 +309,7 @@ impl Driver<'_> {
         bytes
     }
 
-    pub(crate) fn upload_frames(&self) {
+    fn upload_frames(&self) {
         self.gpu.queue.write_buffer(&self.targets.frames, 0, &self.frame_bytes());
     }
 
@@ -259,36 +329,43 @@ impl Driver<'_> {
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, step: Step) {
         let targets = self.targets;
         match step {
-            Step::EmptyLists(lists) => {
+            Step::EmptyLists => {
                 let empty = &targets.empty_lists;
-                encoder.copy_buffer_to_buffer(empty, 0, targets.get(lists, 0), 0, Some(empty.size()));
+                encoder.copy_buffer_to_buffer(empty, 0, targets.get(Resource::Lists, 0), 0, Some(empty.size()));
             }
-            Step::EmptySlots => {
-                let slots = self.slots.as_ref().expect("sized before the step that empties it");
-                encoder.clear_buffer(slots, 0, Some(self.slot_bytes));
-            }
+            Step::EmptySlots => self.slots.clear(encoder),
             Step::EmptyTBuffer => {
-                encoder.clear_buffer(targets.get(Target::TBuffer, 0), 0, None);
-                encoder.clear_buffer(targets.get(Target::Drawing, 0), 0, Some(t_buffer::DRAWING_HEAD));
+                encoder.clear_buffer(targets.get(Resource::TBuffer, 0), 0, None);
+                encoder.clear_buffer(targets.get(Resource::Drawing, 0), 0, Some(t_buffer::DRAWING_HEAD));
             }
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {
-                if let Launch::Listed(from, list) = launch {
-                    let head = u64::from(list) * size_of_val(&layout::EMPTY_LIST) as u64;
-                    let (lists, indirect) = (targets.get(from, 0), &targets.indirect);
-                    encoder.copy_buffer_to_buffer(lists, head, indirect, 0, Some(indirect.size()));
-                }
-                self.dispatch(encoder, name, kernel, (view, part), launch);
+                let mut resources = self.resources[view].clone();
+                resources.set(Resource::Frame, self.uniform(view, part));
+                let workgroups = self.launched(kernel, view, launch);
+                self.executor.run(encoder, name, (kernel, self.variant), &resources, workgroups);
             }
         }
+    }
+
+    /// Encodes a kernel that writes a view to a texture.
+    pub(crate) fn encode_shown(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        kernel: &'static Kernel,
+        view: usize,
+        texture: &wgpu::TextureView,
+    ) {
+        self.resources[view].set(Resource::Picture, texture);
+        self.encode(encoder, Step::Run { name: kernel.name, kernel, view, launch: Launch::Pixels, part: 0 });
     }
 
     /// Copies the rows at work of a view from its source.
     fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
         let first = self.frames[view].row_begin;
         let (width, rows) = (self.targets.shape.size[0], self.rows_of(view));
-        for target in [Target::View, Target::Linear] {
-            let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((target, view)));
+        for resource in [Resource::View, Resource::Linear] {
+            let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((resource, view)));
             if let [Some(from), Some(to)] = buffers {
                 let row = u64::from(width) * 16; // bytes, of either
                 let begin = row * u64::from(first);
@@ -297,44 +374,13 @@ impl Driver<'_> {
         }
     }
 
-    pub(crate) fn dispatch(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        name: &'static str,
-        kernel: &Kernel,
-        (view, part): (usize, usize),
-        launch: Launch,
-    ) {
-        let pipeline = self.kernels.get(self.gpu, kernel, self.variant);
-        let own = self.own_bindings(kernel, (view, part), &pipeline.own);
-        let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&pipeline.pipeline);
-        if kernel.touches.geometry() {
-            pass.set_bind_group(0, &self.scene.geometry, &[]);
+    /// Returns the uniform of a view and a part of soft light.
+    fn uniform(&self, view: usize, part: usize) -> Held {
+        Held::Uniform {
+            buffer: self.targets.frames.clone(),
+            offset: (view * self.targets.shape.parts as usize + part) as u64 * FRAME_STRIDE,
+            bytes: size_of::<layout::Frame>() as u64,
         }
-        pass.set_bind_group(1, &own, &[]);
-        if kernel.touches.table() {
-            let table = match kernel.touches {
-                Touches::Objects => &self.scene.object_table.get().expect("uploaded before the step that reads it").0,
-                _ => &self.scene.shading,
-            };
-            pass.set_bind_group(2, table, &[]);
-        }
-        let rows = self.rows_of(view);
-        let block = kernel.block(&self.variant);
-        let [x, y, z] = match launch {
-            Launch::Pixels => self.workgroups(rows, [block, block]),
-            Launch::Runs(pixels) => self.workgroups(rows, [pixels, 1]),
-            Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
-            Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
-            Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
-            Launch::Primitives => t_buffer::workgroups(self.targets.shape.drawn),
-            Launch::Once => [1, 1, 1],
-            Launch::Listed(..) => return pass.dispatch_workgroups_indirect(&self.targets.indirect, 0),
-        };
-        pass.dispatch_workgroups(x, y, z);
     }
 
     /// Returns the workgroups for this many rows, if each thread has a block of `across` x `down` pixels.
@@ -342,54 +388,5 @@ impl Driver<'_> {
         let runs = self.frames[0].runs;
         let columns = self.targets.shape.size[0].div_ceil(WORKGROUP * across);
         [columns, rows.div_ceil(WORKGROUP * down).div_ceil(runs), runs]
-    }
-
-    /// Returns bind group 1 of a kernel: the frame, the buffers in its `storage`, and its other resources.
-    fn own_bindings(
-        &self,
-        kernel: &Kernel,
-        (view, part): (usize, usize),
-        layout: &wgpu::BindGroupLayout,
-    ) -> wgpu::BindGroup {
-        let source = self.eyes.sources[view];
-        let frame = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &self.targets.frames,
-            offset: (view * self.targets.shape.parts as usize + part) as u64 * FRAME_STRIDE,
-            size: std::num::NonZeroU64::new(size_of::<layout::Frame>() as u64),
-        });
-        let buffer = |target: Target| match target.of(view, source) {
-            (Target::Slots, _) => self.slots.as_ref().expect("sized before the step that uses it"),
-            (target, view) => self.targets.get(target, view),
-        };
-        let storage = kernel.storage.iter().map(|(target, _)| buffer(*target).as_entire_binding());
-        let linear = kernel.linear(&self.variant).iter();
-        let linear = linear.map(|(target, binding)| (*binding, buffer(*target).as_entire_binding()));
-        let samples = kernel.samples(&self.variant).map(|access| {
-            let texture = self.targets.samples(samples_of(view, source, access));
-            (SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
-        });
-        let second = kernel.asks_second(&self.variant).then(|| {
-            let texture = self.targets.samples(self.eyes.seconds[view]);
-            (SECOND_SAMPLES_BINDING, wgpu::BindingResource::TextureView(texture))
-        });
-        let mask = kernel.reads_mask(&self.variant.of_kernel(kernel)).then(|| &self.masks[view]);
-        let mask = mask.map(|texture| (MASK_BINDING, wgpu::BindingResource::TextureView(texture)));
-        let tables =
-            self.shadow_tables.as_ref().filter(|_| kernel.shadow_buffer(&self.variant.of_kernel(kernel)).is_some());
-        let tables = tables.map(|tables| (SHADOW_BINDING, wgpu::BindingResource::TextureView(&tables.view)));
-        let picture = self.picture.as_ref().filter(|_| kernel.picture().is_some());
-        let picture = picture.map(|texture| (PICTURE_BINDING, wgpu::BindingResource::TextureView(texture)));
-        let lanes = self.lanes.as_ref().filter(|_| kernel.in_steps());
-        let lanes = lanes.map(|lanes| (STEPS_BINDING, lanes.buffer.as_entire_binding()));
-        let resources = (0..)
-            .zip(std::iter::once(frame).chain(storage))
-            .chain(linear)
-            .chain(samples)
-            .chain(second)
-            .chain(mask)
-            .chain(tables)
-            .chain(lanes)
-            .chain(picture);
-        bind_group_at(self.gpu, kernel.name, layout, resources)
     }
 }

@@ -3,12 +3,13 @@
 use std::{ops::ControlFlow, sync::Arc};
 
 use super::{
-    driver::Driver,
-    plan::{Launch, Plan, Stage, Step},
-    targets::{FRAME_STRIDE, Target, Targets},
+    driver::{Driver, Setting},
+    plan::Plan,
+    targets::{FRAME_STRIDE, Targets},
 };
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
+    kernels::Resource,
     rig::Eyes,
     steps::{
         shadow_buffer::Tables,
@@ -106,19 +107,20 @@ impl Renderer {
         let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());
         check(&self.gpu, options, &plan, &eyes)?;
         let variant = self.variant(scene, &eyes, options, &plan);
-        let mut used = plan.uses(&variant);
-        used.places.insert((Target::Unfinished, 0));
+        let mut used = plan.uses(&self.kernels, &variant);
+        used.places.insert((Resource::Unfinished, 0));
         let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1], drawn)), &used).await?;
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver = Driver::new(self, scene, &eyes, variant, &targets, options, &mut go_on);
-        driver.timestamps = None; // nobody reads them
-        driver.shadow_tables = tables.clone();
-        driver.upload_tables(&plan).await?;
+        let gpu = self.gpu.clone();
+        let model = scene.cost_model(&gpu, options);
+        let (eyes, targets_ref, tables_ref) = (&eyes, &*targets, tables.as_ref());
+        let setting = Setting { scene, eyes, variant, targets: targets_ref, options, tables: tables_ref, timed: false };
+        let mut driver = Driver::new(self, setting, &model, &mut go_on);
+        driver.upload_tables(&used).await?;
         let depth = options.g_buffer != GBuffer::None;
-        let gpu = driver.gpu;
         let encode = || {
-            let views = eyes.sources.iter().map(|_| EncodedView::new(gpu, eyes.pose.size, depth));
-            let encoded = Encoded::new(gpu, views.collect(), &targets, tables);
+            let views = eyes.sources.iter().map(|_| EncodedView::new(&gpu, eyes.pose.size, depth));
+            let encoded = Encoded::new(&gpu, views.collect(), &targets, tables.clone());
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
             let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
@@ -130,7 +132,7 @@ impl Renderer {
                 upload.extend(driver.frame_bytes());
                 encoded.encode_band(&mut driver, &plan, encoder, index);
                 if index + 1 == bands.count() {
-                    let unfinished = targets.get(Target::Unfinished, 0);
+                    let unfinished = targets.get(Resource::Unfinished, 0);
                     encoder.copy_buffer_to_buffer(unfinished, 0, &encoded.unfinished, 0, Some(4));
                 }
                 commands.extend(own.map(wgpu::CommandEncoder::finish));
@@ -161,29 +163,22 @@ impl Encoded {
 
     /// Encodes one band, from the upload of its uniforms to its rows of the textures.
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
-        let targets = driver.targets;
+        let targets = &self._targets;
         let uniforms = targets.shape.uniforms_bytes();
         let begin = FRAME_STRIDE + u64::from(index) * uniforms;
         encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.frames, 0, Some(uniforms));
         if index == 0 {
             encoder.copy_buffer_to_buffer(&self._upload, 0, &targets.empty_lists, 0, Some(targets.empty_lists.size()));
-            encoder.clear_buffer(targets.get(Target::Unfinished, 0), 0, None);
+            encoder.clear_buffer(targets.get(Resource::Unfinished, 0), 0, None);
         }
-        driver.clear(encoder, plan.clears_marks());
-        for stage in &plan.stages {
-            if let Stage::Steps(steps) = stage {
-                driver.encode_all(encoder, steps);
-            }
-        }
+        driver.encode_band(encoder, plan);
         for (index, view) in self.views.iter().enumerate() {
             let shown = [(&SHOW_COLOR, Some(&view.color)), (&SHOW_DEPTH, view.depth.as_ref())];
             for (kernel, texture) in shown {
-                let Some(texture) = texture else { continue };
-                driver.picture = Some(texture.create_view(&wgpu::TextureViewDescriptor::default()));
-                driver.encode(
-                    encoder,
-                    Step::Run { name: kernel.name, kernel, view: index, launch: Launch::Pixels, part: 0 },
-                );
+                if let Some(texture) = texture {
+                    let texture = texture.create_view(&wgpu::TextureViewDescriptor::default());
+                    driver.encode_shown(encoder, kernel, index, &texture);
+                }
             }
         }
     }

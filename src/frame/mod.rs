@@ -5,7 +5,7 @@ mod adaptive;
 mod bands;
 pub(crate) mod driver;
 mod encode;
-mod in_steps;
+pub(crate) mod executor;
 pub(crate) mod plan;
 mod read;
 mod rows;
@@ -27,7 +27,9 @@ pub(crate) use targets::Cache;
 use crate::{
     Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowBufferWork, ShadowReuse,
     UploadedScene, Visibility,
+    auto::CostModel,
     gpu::{Filling, Staging, Timestamps, add_times},
+    kernels::Resource,
     lanes::Steps,
     message::counted,
     rig::Eyes,
@@ -36,11 +38,11 @@ use crate::{
     variant::Variant,
 };
 use bands::{Band, Bands};
-use driver::Driver;
+use driver::{Driver, Setting};
 use plan::{Made, Plan};
 use read::{Counts, ReadBack};
 use tally::Tally;
-use targets::{Shape, Target, Targets, Used};
+use targets::{Shape, Targets, Used};
 use wanted::Wanted;
 
 /// Callback that takes rows as they are done. It is `Send`, so that its frame can move to another thread, except on
@@ -83,7 +85,13 @@ impl Done {
 /// A frame in progress.
 struct Frame<'a> {
     driver: Driver<'a>,
+    scene: &'a UploadedScene,
+    eyes: &'a Eyes,
+    targets: &'a Targets,
+    /// The cost model of `Auto`.
+    model: CostModel,
     plan: Plan,
+    used: &'a Used,
     wanted: Wanted<'a>,
     read_back: ReadBack,
     /// Staging buffers that are free.
@@ -133,8 +141,8 @@ impl Renderer {
         let drawn = if masked { None } else { self.drawn(scene, options) };
         let (method, early, plan) = self.planned(scene, eyes, options, drawn.is_some());
         let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
-        let mut used = plan.uses(&variant);
-        used.places.extend(wanted.pictures.then_some((Target::Packed, 0)));
+        let mut used = plan.uses(&self.kernels, &variant);
+        used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
         let rows = wanted.rows(eyes.pose.size).len() as u32;
         let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
         let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
@@ -145,8 +153,17 @@ impl Renderer {
         let in_flight = targets.shape.bands.count().min(2) as usize;
         let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
         stagings.extend(self.gpu.checked(make).await?);
+        let (tables, shadow_buffer) = tables.unzip();
+        let model = scene.cost_model(&self.gpu, options);
+        let setting =
+            Setting { scene, eyes, variant, targets: &targets, options, tables: tables.as_ref(), timed: true };
         let mut frame = Frame {
+            scene,
+            eyes,
+            targets: &targets,
+            model,
             plan,
+            used: &used,
             wanted,
             read_back,
             stagings,
@@ -155,12 +172,10 @@ impl Renderer {
             times: PassTimes::default(),
             in_steps: 0,
             on_rows,
-            driver: Driver::new(self, scene, eyes, variant, &targets, options, progress),
+            driver: Driver::new(self, setting, &model, progress),
         };
-        let (tables, shadow_buffer) = tables.unzip();
-        frame.driver.shadow_tables = tables;
         frame.run().await?;
-        let done = Done { shadow_buffer: shadow_buffer.unwrap_or_default(), ..frame.done(method, early, &used) };
+        let done = Done { shadow_buffer: shadow_buffer.unwrap_or_default(), ..frame.done(method, early) };
         let stagings = frame.stagings;
         self.cache.staging.extend(stagings);
         Ok(done)
@@ -268,10 +283,10 @@ impl Renderer {
 impl Frame<'_> {
     /// Runs all bands. At most two are in flight.
     async fn run(&mut self) -> Result<(), Error> {
-        self.driver.begin(&self.plan).await?;
-        let bands = self.driver.targets.shape.bands;
+        self.driver.begin(&self.plan, self.used).await?;
+        let bands = self.targets.shape.bands;
         let mut flight: Option<Flight> = None;
-        let top = self.wanted.rows(self.driver.targets.shape.size).start;
+        let top = self.wanted.rows(self.targets.shape.size).start;
         for band in (0..bands.count()).map(|index| bands.get(index).moved_down(top)) {
             let next = if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? };
             if let Some(before) = flight.replace(next) {
@@ -308,15 +323,15 @@ impl Frame<'_> {
         mut commands: wgpu::CommandEncoder,
         in_steps: bool,
     ) -> Result<Flight, Error> {
-        let (driver, read_back) = (&mut self.driver, self.read_back);
+        let (driver, targets, read_back) = (&mut self.driver, self.targets, self.read_back);
         let staging = self.stagings.pop().expect("as many as are in flight");
-        let gpu = driver.gpu;
-        let submit = move || {
-            read_back.encode(driver, &mut commands, &band, staging.buffer());
+        let gpu = driver.gpu().clone();
+        let submit = || {
+            read_back.encode(driver, targets, &mut commands, &band, staging.buffer());
             let offset = read_back.times_offset();
-            let timestamps = driver.timestamps.as_mut();
+            let timestamps = driver.timestamps();
             let names = timestamps.map(|times| times.resolve(&mut commands, staging.buffer(), offset));
-            let filling = staging.fill(gpu, commands.finish());
+            let filling = staging.fill(&gpu, commands.finish());
             Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
         };
         gpu.checked(submit).await
@@ -327,14 +342,13 @@ impl Frame<'_> {
         let mut flight = flight;
         loop {
             let Flight { band, filling, names, in_steps } = flight;
-            let (landed, staging) =
-                filling.read(self.driver.gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
+            let gpu = self.driver.gpu().clone();
+            let (landed, staging) = filling.read(&gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
             self.stagings.push(staging);
             match landed {
                 Landed::Rows(rows) => {
                     rows.map_or(Ok(()), |rows| (self.on_rows)(rows))?;
-                    self.driver.rows_done += band.count();
-                    return self.driver.tell(self.plan.name(), 0.0);
+                    return self.driver.band_done(&self.plan, &band);
                 }
                 Landed::CutShort(threads) if in_steps => return Err(Error::cut_short(threads)),
                 Landed::CutShort(threads) => {
@@ -353,46 +367,47 @@ impl Frame<'_> {
     fn landed(&mut self, bytes: &[u8], band: &Band, names: &[&'static str], in_steps: bool) -> Landed {
         let views = 0..self.tallies.len();
         let counts = Vec::from_iter(views.map(|view| self.read_back.counts(bytes, band, view)));
-        add_times(&mut self.times, names, &bytes[self.read_back.times_offset() as usize..], self.driver.gpu);
+        add_times(&mut self.times, names, &bytes[self.read_back.times_offset() as usize..], self.driver.gpu());
         let threads = counts.iter().map(|counts| counts.cut_short).sum();
         if threads > 0 {
             return Landed::CutShort(threads);
         }
-        let width = self.driver.targets.shape.size[0];
+        let width = self.targets.shape.size[0];
         let rows_of = |(view, counts): (usize, &Counts)| {
             let made = if in_steps { Made::Traced } else { counts.made(self.plan.made[view]) };
             let masks = self.wanted.masks().filter(|_| !in_steps);
             let all = u64::from(width) * u64::from(band.count());
             let pixels = masks.map_or(all, |masks| masks[view].count(band.rows.clone()));
             self.tallies[view].add(counts, pixels, made);
-            self.read_back.rows(bytes, band, view, made, self.driver.scene)
+            self.read_back.rows(bytes, band, view, made, self.scene)
         };
         let views: Vec<_> = counts.iter().enumerate().filter_map(rows_of).collect();
         Landed::Rows((!views.is_empty()).then_some(Rows { first: band.rows.start, views }))
     }
 
-    fn done(&mut self, method: Method, early: Option<Choice>, used: &Used) -> Done {
-        let Driver { eyes, targets, model, .. } = self.driver;
+    fn done(&mut self, method: Method, early: Option<Choice>) -> Done {
+        let (eyes, targets) = (self.eyes, self.targets);
         let all_in_steps = self.in_steps == targets.shape.bands.count();
         let choice = |view: usize| {
             let source = eyes.sources[view];
-            let chosen = || self.tallies[view].choice(&self.tallies[source], model, &eyes.pose);
+            let chosen = || self.tallies[view].choice(&self.tallies[source], self.model, &eyes.pose);
             (method == Method::Auto && source != view && !all_in_steps).then(|| early.unwrap_or_else(chosen))
         };
-        let timed = self.driver.timestamps.as_ref().is_some_and(|timestamps| !timestamps.is_full());
-        if !self.driver.host.is_zero() {
-            self.times.passes.insert(1.min(self.times.passes.len()), ("reproject_on_the_host", self.driver.host));
+        let choices = (0..eyes.sources.len()).map(choice).collect();
+        let timed = self.driver.timestamps().is_some_and(|timestamps| !timestamps.is_full());
+        let on_host = self.driver.time_on_host();
+        if !on_host.is_zero() {
+            self.times.passes.insert(1.min(self.times.passes.len()), ("reproject_on_the_host", on_host));
         }
-        let lanes = self.driver.lanes.as_ref().map_or(0, |lanes| lanes.buffer.size());
         Done {
             eyes: eyes.clone(),
             method: if all_in_steps { Method::Naive } else { method },
-            choices: (0..eyes.sources.len()).map(choice).collect(),
+            choices,
             tallies: std::mem::take(&mut self.tallies),
             in_steps: self.in_steps > 0,
-            buffer_depth: self.driver.buffer_depth,
+            buffer_depth: self.driver.buffer_depth(),
             times: timed.then(|| std::mem::take(&mut self.times)),
-            intermediate_bytes: targets.intermediate_bytes(used) + self.driver.most_slot_bytes + lanes,
+            intermediate_bytes: targets.intermediate_bytes(self.used) + self.driver.bytes_beside_targets(),
             shadow_buffer: ShadowBufferWork::default(),
         }
     }

@@ -1,13 +1,10 @@
 //! The plan of a method: the steps that it runs over views for each band of rows, as data.
 
-use super::{
-    driver::Driver,
-    targets::{Target, Used, samples_of},
-};
+use super::targets::Used;
 use crate::{
-    BufferDepth, Check, Error, Method, ShadowReuse, Sweep,
-    kernels::{Kernel, Touches},
-    steps::{bracket, host, mirrors, reproject, resolve, trace},
+    BufferDepth, Check, Method, ShadowReuse, Sweep,
+    kernels::{Kernel, Kernels, Resource},
+    steps::{bracket, mirrors, reproject, resolve, trace},
     variant::Variant,
 };
 
@@ -72,8 +69,8 @@ pub(crate) enum Step {
     },
     /// Copies a view from its source.
     Copy(usize),
-    /// Empties the lists of a buffer: `Lists` or `Found`.
-    EmptyLists(Target),
+    /// Empties the lists.
+    EmptyLists,
     /// Empties the 3D buffer.
     EmptySlots,
     /// Empties the T-buffer and the heads of its lists.
@@ -96,7 +93,7 @@ pub(crate) enum Launch {
     /// One per primitive of the tree.
     Primitives,
     /// By the head of a buffer's list, which an earlier step filled.
-    Listed(Target, u32),
+    Listed(Resource, u32),
     /// One workgroup.
     Once,
 }
@@ -108,15 +105,6 @@ pub(crate) enum Host {
     Sweep(usize),
     /// Sizes the 3D buffer for a view, and reprojects with it.
     Slots(BufferDepth, usize),
-}
-
-impl Host {
-    pub(crate) async fn run(self, driver: &mut Driver<'_>) -> Result<(), Error> {
-        match self {
-            Self::Sweep(view) => host::sweep(driver, view).await,
-            Self::Slots(depth, view) => host::slots(driver, depth, view).await,
-        }
-    }
 }
 
 impl Step {
@@ -187,38 +175,27 @@ impl Plan {
         })
     }
 
-    /// Returns the resources that the plan uses with kernels of this variant.
-    pub(crate) fn uses(&self, with: &Variant) -> Used {
-        let mut used = Used::default();
+    /// Returns what the plan uses of targets, with kernels of this variant.
+    pub(crate) fn uses(&self, kernels: &Kernels, with: &Variant) -> Used {
+        let mut used = Used { searched: self.samples, ..Used::default() };
         for step in self.steps() {
             match step {
                 Step::Run { kernel, view, .. } => {
-                    let source = self.sources[view];
-                    let targets = kernel
-                        .storage
-                        .iter()
-                        .map(|(target, _)| *target)
-                        .chain(kernel.linear(with).iter().map(|(target, _)| *target));
-                    used.places.extend(targets.map(|target| target.of(view, source)));
-                    used.samples.extend(kernel.samples(with).map(|access| samples_of(view, source, access)));
+                    let bound = kernels.bound(kernel, *with);
+                    used.objects |= bound.contains(&Resource::ObjectTable);
+                    used.places.extend(bound.iter().filter_map(|resource| resource.of(view, self.sources[view])));
                 }
                 Step::Copy(view) => {
-                    used.places.insert((Target::View, view));
-                    used.places.extend(with.linear.then_some((Target::Linear, view)));
+                    used.places.insert((Resource::View, view));
+                    used.places.extend(with.linear.then_some((Resource::Linear, view)));
                 }
                 // Kernels that run use the same buffers.
-                Step::EmptyLists(_) | Step::EmptySlots | Step::EmptyTBuffer => {}
+                Step::EmptyLists | Step::EmptySlots | Step::EmptyTBuffer => {}
             }
         }
-        used.places.remove(&(Target::Slots, 0)); // made when its depth is known
         // Statistics are read for every view.
-        used.places.extend(views(&self.sources).map(|view| (Target::Counters, view)));
+        used.places.extend(views(&self.sources).map(|view| (Resource::Counters, view)));
         used
-    }
-
-    /// Returns whether a step reads the table of objects.
-    pub(crate) fn touches_objects(&self) -> bool {
-        self.steps().any(|step| matches!(step, Step::Run { kernel, .. } if kernel.touches == Touches::Objects))
     }
 
     /// Returns whether the marks of views must be cleared before the first step, since steps add to them.

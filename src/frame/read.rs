@@ -4,10 +4,10 @@ use super::{
     ViewRows,
     bands::Band,
     driver::Driver,
-    plan::{Launch, Made},
-    targets::{Shape, Target},
+    plan::{Launch, Made, Step},
+    targets::{Shape, Targets},
 };
-use crate::{PixelSource, ShadowSource, UploadedScene, View, layout, steps::show::PACK};
+use crate::{PixelSource, ShadowSource, UploadedScene, View, kernels::Resource, layout, steps::show::PACK};
 
 /// Layout of a band in a staging buffer. Each view has the pixels of `pack`, linear colour, costs and counters. Times
 /// follow the last view.
@@ -75,6 +75,7 @@ impl ReadBack {
     pub(crate) fn encode(
         &self,
         driver: &mut Driver<'_>,
+        targets: &Targets,
         encoder: &mut wgpu::CommandEncoder,
         band: &Band,
         to: &wgpu::Buffer,
@@ -83,21 +84,21 @@ impl ReadBack {
         let kept = u64::from(band.seen.end - band.first);
         for view in 0..self.shape.views {
             if self.pictures {
-                driver.dispatch(encoder, PACK.name, &PACK, (view, 0), Launch::Pixels);
+                let step = Step::Run { name: PACK.name, kernel: &PACK, view, launch: Launch::Pixels, part: 0 };
+                driver.encode(encoder, step);
             }
             for part in Part::ALL {
                 let row = self.row_bytes(part);
-                let (target, begin) = match part {
-                    Part::Color => (Target::Packed, 0),
-                    Part::Depth => (Target::Packed, kept * row),
-                    Part::Slot => (Target::Packed, 2 * kept * row),
-                    Part::Linear => (Target::Linear, 0),
-                    Part::Cost => (Target::Counters, kept * layout::COUNTERS as u64 * 4),
-                    Part::Counters => (Target::Counters, 0),
+                let (place, begin) = match part {
+                    Part::Color => ((Resource::Packed, 0), 0),
+                    Part::Depth => ((Resource::Packed, 0), kept * row),
+                    Part::Slot => ((Resource::Packed, 0), 2 * kept * row),
+                    Part::Linear => ((Resource::Linear, view), 0),
+                    Part::Cost => ((Resource::Counters, view), kept * layout::COUNTERS as u64 * 4),
+                    Part::Counters => ((Resource::Counters, view), 0),
                 };
                 if row > 0 {
-                    let (target, owner) = target.of(view, view);
-                    let source = driver.targets.get(target, owner);
+                    let source = targets.get(place.0, place.1);
                     let offset = self.offset(view, part);
                     encoder.copy_buffer_to_buffer(source, begin + first * row, to, offset, Some(rows * row));
                 }

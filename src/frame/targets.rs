@@ -1,69 +1,46 @@
-//! Buffers that a frame's kernels read and write, by name.
+//! Buffers and textures that a frame's kernels read and write, by name.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
     sync::Arc,
 };
 
-use super::bands::Bands;
+use super::{
+    bands::Bands,
+    executor::{Held, Resources, indirect_buffer},
+};
 use crate::{
     Error, GBuffer,
     gpu::{Gpu, Staging, check_bytes},
-    kernels::Access,
+    kernels::Resource,
     layout::{self, WORKGROUP},
     steps::t_buffer::drawing_bytes,
 };
 
-/// A buffer of a frame, named by what it holds for a band.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Target {
-    /// Pixels of the current view.
-    View,
-    /// Pixels of its source.
-    Source,
-    /// The parts of a view's pixels that the host reads back, one view after the other.
-    Packed,
-    /// Linear colour of the current view, RGB and 1.
-    Linear,
-    /// Linear colour of its source.
-    SourceLinear,
-    /// Search depth of each tile of the current view.
-    Bounds,
-    /// Counters of each of its rows, followed by the cost map and the masks of soft light.
-    Counters,
-    /// Counters of its source.
-    SourceCounters,
-    /// Lists of pixels, with indirect heads.
-    Lists,
-    /// The same with lists of tiles, followed by the results of `search_tiles`.
-    Found,
-    /// The 3D buffer.
-    Slots,
-    /// Two words a pixel: the nearest t so far, and its primitive (`shaders/shared/t_buffer.wgsl`).
-    TBuffer,
-    /// Lists of primitives to draw into it, with indirect heads.
-    Drawing,
-    /// Number of threads of an encoded frame that did not finish.
-    Unfinished,
-}
+/// A buffer or texture of a frame, and the view that owns it. What views share belongs to view 0.
+pub(crate) type Place = (Resource, usize);
 
-/// A buffer and its view. Buffers that views share belong to view 0.
-pub(crate) type Place = (Target, usize);
+/// In place of a view: samples that nobody reads, of traced views that have a source.
+const UNREAD: usize = usize::MAX;
 
-impl Target {
-    /// Returns the buffer that a step means by this name, for a view with this source.
-    pub(crate) fn of(self, view: usize, source: usize) -> Place {
+impl Resource {
+    /// Returns what a step binds by this name, for a view with this source; `None` if targets do not hold it.
+    pub(crate) fn of(self, view: usize, source: usize) -> Option<Place> {
         match self {
-            Self::Source => (Self::View, source),
-            Self::SourceLinear => (Self::Linear, source),
-            Self::SourceCounters => (Self::Counters, source),
-            Self::View | Self::Linear | Self::Bounds | Self::Counters => (self, view),
-            Self::Packed | Self::Lists | Self::Found | Self::Slots => (self, 0),
-            Self::TBuffer | Self::Drawing | Self::Unfinished => (self, 0),
+            Self::Source => Some((Self::View, source)),
+            Self::SourceLinear => Some((Self::Linear, source)),
+            Self::SourceCounters => Some((Self::Counters, source)),
+            Self::SourceSamples => Some((Self::KeptSamples, source)),
+            Self::KeptSamples => Some((self, if view == source { view } else { UNREAD })),
+            Self::View | Self::Linear | Self::Bounds | Self::Counters => Some((self, view)),
+            Self::Packed | Self::Lists | Self::TBuffer | Self::Drawing | Self::Unfinished => Some((self, 0)),
+            Self::Frame | Self::Bvh | Self::Geometry | Self::Table | Self::ObjectTable => None,
+            Self::Slots | Self::SecondSamples | Self::Wanted | Self::ShadowBuffers | Self::Picture => None,
+            Self::Texels | Self::Steps | Self::RayList | Self::Found => None,
         }
     }
 
-    /// Returns whether the buffer is output, not an intermediate.
+    /// Returns whether the resource is output, not an intermediate.
     fn is_output(self) -> bool {
         matches!(self, Self::View | Self::Packed | Self::Linear)
     }
@@ -106,26 +83,28 @@ impl Shape {
         }
     }
 
-    fn bytes(&self, target: Target) -> u64 {
+    /// Returns the bytes of what a place holds. `searched` says whether lists have results of tile searches.
+    fn bytes(&self, resource: Resource, searched: bool) -> u64 {
         let [width, rows] = self.kept().map(u64::from);
         let pixels = width * rows;
         let tiles = width.div_ceil(layout::TILE.into()) * rows.div_ceil(layout::TILE.into());
-        match target {
-            Target::View | Target::Source => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
-            Target::Packed => pixels.saturating_mul(4 * u64::from(self.words_read())),
-            Target::Linear | Target::SourceLinear => pixels.saturating_mul(16),
-            Target::Bounds => tiles * 4 * u64::from(layout::BOUND_WORDS),
-            Target::Counters | Target::SourceCounters => {
+        match resource {
+            Resource::View => pixels.saturating_mul(size_of::<layout::Pixel>() as u64),
+            Resource::Packed => pixels.saturating_mul(4 * u64::from(self.words_read())),
+            Resource::Linear | Resource::KeptSamples => pixels.saturating_mul(16),
+            Resource::Bounds => tiles * 4 * u64::from(layout::BOUND_WORDS),
+            Resource::Counters => {
                 let each = u64::from(self.soft_sources) + u64::from(self.cost_map);
                 4 * (rows * layout::COUNTERS as u64 + pixels.saturating_mul(each))
             }
-            Target::Lists => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS),
-            Target::Found => layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + 1 + layout::TILE_WORDS),
-            // Made when its depth is known.
-            Target::Slots => 0,
-            Target::TBuffer => pixels.saturating_mul(8),
-            Target::Drawing => drawing_bytes(self.drawn),
-            Target::Unfinished => 4,
+            Resource::Lists => {
+                let results = if searched { 1 + layout::TILE_WORDS } else { 0 };
+                layout::LISTS_HEADS + 4 * tiles * u64::from(layout::TILE_PIXELS + results)
+            }
+            Resource::TBuffer => pixels.saturating_mul(8),
+            Resource::Drawing => drawing_bytes(self.drawn),
+            Resource::Unfinished => 4,
+            other => unreachable!("targets do not hold {other:?}"),
         }
     }
 
@@ -134,9 +113,9 @@ impl Shape {
     fn check(&self, gpu: &Gpu, used: &Used) -> Result<(), Error> {
         let [width, rows] = self.kept();
         let what = format!("a picture {width} pixels wide");
-        let largest = used.places.iter().map(|(target, _)| self.bytes(*target)).max().unwrap_or(0);
-        check_bytes(&what, largest, gpu.binding_limit(), "render a narrower one")?;
-        let all: u64 = used.places.iter().map(|(target, _)| self.bytes(*target)).sum();
+        let bytes = || used.buffers().map(|(resource, _)| self.bytes(resource, used.searched));
+        check_bytes(&what, bytes().max().unwrap_or(0), gpu.binding_limit(), "render a narrower one")?;
+        let all: u64 = bytes().sum();
         if all > MOST_BYTES {
             return Err(Error::Limit {
                 what: crate::message::counted(self.views, "view", "views") + &format!(" {width} pixels wide"),
@@ -150,7 +129,7 @@ impl Shape {
             Err(Error::Limit { what, needed, limit, allowed: allowed.to_string(), remedy })
         };
         let side = gpu.limits.max_texture_dimension_2d;
-        if !used.samples.is_empty() && width.max(rows) > side {
+        if used.samples().next().is_some() && width.max(rows) > side {
             let (what, needed) = (format!("{what} by bracket"), format!("a texture of {width}x{rows}"));
             return limit(
                 what,
@@ -170,35 +149,39 @@ impl Shape {
     }
 }
 
-/// The buffers of a frame. A renderer keeps them for the next one.
+/// The buffers and textures of a frame. A renderer keeps them for the next one.
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) shape: Shape,
     /// One `layout::Frame` per view and part.
     pub(crate) frames: wgpu::Buffer,
-    /// The head of the current list, copied here since an indirect buffer may not be bound for writing.
+    /// For the executor.
     pub(crate) indirect: wgpu::Buffer,
-    /// Samples of sources, which `bracket` queries.
-    samples: BTreeMap<usize, wgpu::TextureView>,
+    /// Samples of views, which `bracket` reads.
+    samples: BTreeMap<Place, wgpu::TextureView>,
     /// Initial heads of lists.
     pub(crate) empty_lists: wgpu::Buffer,
     buffers: BTreeMap<Place, wgpu::Buffer>,
 }
 
-/// In place of a source: samples that nobody queries, of traced views that have a source.
-const UNASKED: usize = usize::MAX;
-
-/// Returns whose samples a step of a view with this source writes or reads.
-pub(crate) fn samples_of(view: usize, source: usize, access: Access) -> usize {
-    if access == Access::Write && view != source { UNASKED } else { source }
-}
-
-/// The resources that a plan's steps use.
+/// What a plan's steps use of targets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) places: BTreeSet<Place>,
-    /// Views whose samples are kept, as named by `samples_of`.
-    pub(crate) samples: BTreeSet<usize>,
+    /// Whether lists have results of tile searches.
+    pub(crate) searched: bool,
+    /// Whether a step reads the objects of primitives.
+    pub(crate) objects: bool,
+}
+
+impl Used {
+    fn buffers(&self) -> impl Iterator<Item = Place> + '_ {
+        self.places.iter().copied().filter(|(resource, _)| *resource != Resource::KeptSamples)
+    }
+
+    fn samples(&self) -> impl Iterator<Item = Place> + '_ {
+        self.places.iter().copied().filter(|(resource, _)| *resource == Resource::KeptSamples)
+    }
 }
 
 /// Most bytes of a frame's buffers, and of its pictures on the host. Drivers do not report free memory, and a rig of
@@ -213,8 +196,10 @@ impl Targets {
     /// [`Error::Limit`] for a picture that the adapter cannot bind.
     pub(crate) fn new(gpu: &Gpu, shape: Shape, used: &Used) -> Result<Self, Error> {
         shape.check(gpu, used)?;
-        let buffer =
-            |place: &Place| (*place, gpu.storage_buffer(&format!("{:?} {}", place.0, place.1), shape.bytes(place.0)));
+        let buffer = |place: Place| {
+            let bytes = shape.bytes(place.0, used.searched);
+            (place, gpu.storage_buffer(&format!("{:?} {}", place.0, place.1), bytes))
+        };
         let plain = |label, size, usage| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
@@ -224,28 +209,26 @@ impl Targets {
         Ok(Self {
             shape,
             frames: plain("frames", shape.uniforms_bytes(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST),
-            indirect: plain("indirect", 12, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST),
-            samples: used.samples.iter().map(|view| (*view, samples_texture(gpu, shape.kept()))).collect(),
+            indirect: indirect_buffer(gpu),
+            samples: used.samples().map(|place| (place, samples_texture(gpu, shape.kept()))).collect(),
             empty_lists,
-            buffers: used.places.iter().map(buffer).collect(),
+            buffers: used.buffers().map(buffer).collect(),
         })
     }
 
     /// Returns whether the buffers suit another frame.
     pub(crate) fn fit(&self, shape: Shape, used: &Used) -> bool {
+        let is_large_enough = |place: Place| {
+            self.buffers.get(&place).is_some_and(|buffer| buffer.size() >= shape.bytes(place.0, used.searched))
+        };
         self.shape == shape
-            && used.places.iter().all(|place| self.buffers.contains_key(place))
-            && used.samples.iter().all(|view| self.samples.contains_key(view))
+            && used.buffers().all(is_large_enough)
+            && used.samples().all(|place| self.samples.contains_key(&place))
     }
 
-    /// Returns the buffer of a view. `Slots` belongs to the driver instead.
-    pub(crate) fn get(&self, target: Target, view: usize) -> &wgpu::Buffer {
-        &self.buffers[&(target, view)]
-    }
-
-    /// Returns the samples named by `samples_of`.
-    pub(crate) fn samples(&self, of: usize) -> &wgpu::TextureView {
-        &self.samples[&of]
+    /// Returns the buffer of a view.
+    pub(crate) fn get(&self, resource: Resource, view: usize) -> &wgpu::Buffer {
+        &self.buffers[&(resource, view)]
     }
 
     /// Returns a buffer, if the frame has it.
@@ -253,11 +236,28 @@ impl Targets {
         self.buffers.get(&place)
     }
 
+    /// Returns what steps bind for a view with these sources.
+    pub(crate) fn resources(&self, view: usize, source: usize, second: usize) -> Resources {
+        let held = |place| {
+            let texture = || self.samples.get(&place).map(Held::from);
+            self.buffers.get(&place).map(Held::from).or_else(texture)
+        };
+        let mut all = Resources::default();
+        for resource in Resource::ALL {
+            if let Some(held) = resource.of(view, source).and_then(held) {
+                all.set(*resource, held);
+            }
+        }
+        if let Some(samples) = self.samples.get(&(Resource::KeptSamples, second)) {
+            all.set(Resource::SecondSamples, samples);
+        }
+        all
+    }
+
     /// Returns the bytes of a plan's intermediates, without its output.
     pub(crate) fn intermediate_bytes(&self, used: &Used) -> u64 {
-        let between = used.places.iter().filter(|(target, _)| !target.is_output());
-        let [width, rows] = self.shape.kept().map(u64::from);
-        between.map(|place| self.buffers[place].size()).sum::<u64>() + 16 * width * rows * used.samples.len() as u64
+        let between = used.places.iter().filter(|(resource, _)| !resource.is_output());
+        between.map(|(resource, _)| self.shape.bytes(*resource, used.searched)).sum()
     }
 }
 

@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use super::{
     plan::Stage,
-    targets::Target,
     wanted::{Mask, Part},
     *,
 };
@@ -120,19 +119,22 @@ fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
             drawn: 0,
             parts: 1,
         };
-        let targets = renderer.targets(shape, &plan.uses(&variant)).await?;
+        let used = plan.uses(&renderer.kernels, &variant);
+        let targets = renderer.targets(shape, &used).await?;
         let source: Vec<_> = depths.iter().map(|&depth| layout::Pixel { depth, ..Default::default() }).collect();
-        renderer.gpu.queue.write_buffer(targets.get(Target::View, 0), 0, bytemuck::cast_slice(&source));
+        renderer.gpu.queue.write_buffer(targets.get(Resource::View, 0), 0, bytemuck::cast_slice(&source));
         let mut go_on = |_| ControlFlow::Continue(());
-        let mut driver =
-            Driver::new(&mut renderer, &scene, eyes, variant, &targets, &Options::new(Method::Naive), &mut go_on);
-        driver.begin(&plan).await?;
+        let options = &Options::new(Method::Naive);
+        let model = scene.cost_model(&renderer.gpu, options);
+        let setting = Setting { scene: &scene, eyes, variant, targets: &targets, options, tables: None, timed: true };
+        let mut driver = Driver::new(&mut renderer, setting, &model, &mut go_on);
+        driver.begin(&plan, &used).await?;
         let commands = driver.band(&plan, &bands.get(0)).await?;
         renderer.gpu.queue.submit([commands.finish()]);
         let rows = eyes.pose.size[1] as usize * layout::COUNTERS;
-        let counters: Vec<u32> = renderer.gpu.read(targets.get(Target::Counters, 1), rows).await?;
+        let counters: Vec<u32> = renderer.gpu.read(targets.get(Resource::Counters, 1), rows).await?;
         let lost = counters.iter().skip(layout::LOST_CANDIDATES).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum();
-        let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Target::View, 1), depths.len()).await?;
+        let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Resource::View, 1), depths.len()).await?;
         // Missed pixels have been marked since.
         let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
         Ok::<_, Error>((target.into_iter().map(|pixel| empty(pixel.marks)).collect(), lost))

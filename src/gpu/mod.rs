@@ -12,8 +12,8 @@ pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;
 pub(crate) use device::lock;
 pub(crate) use pipelines::{
-    Built, Pipelines, Program, TEXELS, bind_group, bind_group_at, entry, layout_of, sampled_layers_type, sampled_type,
-    storage_type, texture_type, uniform_type,
+    Built, Pipelines, Program, TEXELS, bind_group, sampled_layers_type, sampled_type, storage_type, texture_type,
+    uniform_type,
 };
 pub(crate) use staging::{Filling, Staging};
 pub(crate) use timing::{Timestamps, add_times};

@@ -10,23 +10,21 @@ use std::{
 use super::{Gpu, lock};
 
 /// The description of a pipeline.
-pub(crate) struct Program<'a> {
+pub(crate) struct Program {
     pub(crate) label: &'static str,
     /// WGSL with one entry point.
     pub(crate) text: String,
-    /// Layout of the kernel's own bind group 1.
-    pub(crate) own: Vec<wgpu::BindGroupLayoutEntry>,
-    /// Layouts of bind groups 0 and 2, which kernels share, if they are used.
-    pub(crate) shared: [Option<&'a wgpu::BindGroupLayout>; 2],
+    /// Types of the resources in bind group 0, from binding 0 on.
+    pub(crate) bindings: Vec<wgpu::BindingType>,
     /// Values of `override` constants.
     pub(crate) constants: Vec<(&'static str, f64)>,
 }
 
-/// A compute pipeline and the layout of its own bindings.
+/// A compute pipeline and the layout of its bind group.
 #[derive(Debug)]
 pub(crate) struct Pipeline {
     pub(crate) pipeline: wgpu::ComputePipeline,
-    pub(crate) own: wgpu::BindGroupLayout,
+    pub(crate) layout: wgpu::BindGroupLayout,
 }
 
 /// A pipeline that several users of a device may hold.
@@ -48,7 +46,7 @@ pub(crate) struct Held(Mutex<HashMap<[u64; 2], Weak<OnceLock<Pipeline>>>>);
 
 impl Held {
     /// Returns a pipeline. Other threads wait while one thread builds it, but not for other pipelines.
-    fn get(&self, gpu: &Gpu, program: Program<'_>) -> Built {
+    fn get(&self, gpu: &Gpu, program: Program) -> Built {
         let slot = {
             let mut held = lock(&self.0);
             let key = [0, 1].map(|seed| program.hash(seed));
@@ -64,11 +62,11 @@ impl Held {
     }
 }
 
-impl Program<'_> {
-    /// Hashes the description. The bindings of groups 0 and 2 follow from the text.
+impl Program {
+    /// Hashes the description. The bindings follow from the text.
     fn hash(&self, seed: u8) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (seed, &self.text, &self.own).hash(&mut hasher);
+        (seed, &self.text).hash(&mut hasher);
         for (name, value) in &self.constants {
             (name, value.to_bits()).hash(&mut hasher);
         }
@@ -88,23 +86,21 @@ impl<Key> Default for Pipelines<Key> {
 
 impl<Key: Eq + Hash> Pipelines<Key> {
     /// Returns the pipeline of a key, built at its first use.
-    pub(crate) fn get<'a>(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program<'a>) -> Built {
+    pub(crate) fn get(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program) -> Built {
         lock(&self.0).entry(key).or_insert_with(|| gpu.pipelines.get(gpu, program())).clone()
     }
 }
 
-fn build(gpu: &Gpu, program: Program<'_>) -> Pipeline {
+fn build(gpu: &Gpu, program: Program) -> Pipeline {
     let device = &gpu.device;
     let label = Some(program.label);
     let source = wgpu::ShaderSource::Wgsl(program.text.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-    let own =
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: program.own.as_slice() });
-    let [before, behind] = program.shared;
-    let groups = [before, Some(&own), behind];
+    let entries: Vec<_> = program.bindings.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
+    let bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label,
-        bind_group_layouts: &groups[..if behind.is_some() { 3 } else { 2 }],
+        bind_group_layouts: &[Some(&bindings)],
         immediate_size: 0,
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -115,10 +111,10 @@ fn build(gpu: &Gpu, program: Program<'_>) -> Pipeline {
         compilation_options: wgpu::PipelineCompilationOptions { constants: &program.constants, ..Default::default() },
         cache: None,
     });
-    Pipeline { pipeline, own }
+    Pipeline { pipeline, layout: bindings }
 }
 
-pub(crate) fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
 }
 
@@ -156,12 +152,6 @@ fn sampled(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type: wgpu::TextureSampleType::Uint, view_dimension, multisampled: false }
 }
 
-/// Returns a layout of bindings numbered from 0.
-pub(crate) fn layout_of(gpu: &Gpu, label: &'static str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = types.iter().zip(0..).map(|(ty, binding)| entry(binding, *ty)).collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-}
-
 /// Returns a bind group of resources in the order of their bindings.
 pub(crate) fn bind_group<'a>(
     gpu: &Gpu,
@@ -169,16 +159,7 @@ pub(crate) fn bind_group<'a>(
     layout: &wgpu::BindGroupLayout,
     resources: impl Iterator<Item = wgpu::BindingResource<'a>>,
 ) -> wgpu::BindGroup {
-    bind_group_at(gpu, label, layout, (0..).zip(resources))
-}
-
-/// Returns a bind group of resources with explicit bindings.
-pub(crate) fn bind_group_at<'a>(
-    gpu: &Gpu,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    resources: impl Iterator<Item = (u32, wgpu::BindingResource<'a>)>,
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

@@ -269,13 +269,6 @@ impl Texels {
             _ => false,
         }
     }
-
-    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
-        match self {
-            Self::Texture(view) => wgpu::BindingResource::TextureView(view),
-            Self::Buffer(buffer) => buffer.as_entire_binding(),
-        }
-    }
 }
 
 impl Drop for Texels {

@@ -10,7 +10,6 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::*;
 use crate::{
     steps::{resolve::TRACE_LISTED, trace::TRACE_LEFT},
-    traversal::Fetch,
     wgsl::{self, Condition, SHARED},
 };
 
@@ -22,7 +21,7 @@ fn place(text: &str, location: Option<naga::SourceLocation>) -> String {
 }
 
 fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
-    let text = kernel.text(with);
+    let text = kernel.linked(with).text;
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| {
         panic!("{}: {} {with:?}: {}", place(&text, error.location(&text)), kernel.name, error.emit_to_string(&text))
     })
@@ -32,7 +31,7 @@ fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
 fn modules() -> Vec<(&'static Kernel, Variant, String)> {
     let mut seen = BTreeSet::new();
     let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
-    let all = all.map(|(kernel, with)| (kernel, with, kernel.text(&with)));
+    let all = all.map(|(kernel, with)| (kernel, with, kernel.linked(&with).text));
     all.filter(|(_, _, text)| seen.insert(text.clone())).collect()
 }
 
@@ -91,13 +90,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
         raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
         raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
         raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
-        // A layout has all of the scene's bindings, whether or not the kernel uses them.
-        let scene = u32::from(kernel.touches.geometry()) + u32::from(kernel.touches.table());
-        let mut count = match with.traversal.fetch {
-            Fetch::Buffer => [0, scene, 0, 0],
-            Fetch::Texture => [0, 0, scene, 0],
-        };
-        count[0] = u32::from(kernel.touches.geometry());
+        let mut count = [0; 4];
         for (_, variable) in module.global_variables.iter() {
             let Some(binding) = &variable.binding else { continue };
             raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
@@ -108,7 +101,7 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
                 (naga::AddressSpace::Storage { .. }, _) => 1,
                 (_, naga::TypeInner::Image { class, .. }) if sampled(*class) => 3,
                 _ => 2,
-            }] += u32::from(binding.group == 1);
+            }] += 1;
         }
         let [uniforms, buffers, textures, sampled] = count;
         assert!(sampled <= 2, "{kernel:?}: {sampled} sampled textures");
@@ -128,14 +121,14 @@ fn the_limits_asked_for_are_those_that_some_kernel_needs() {
 fn specialised_kernels_make_pipelines() {
     let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
     let make = || {
-        let pipelines = Kernels::new(&gpu);
+        let pipelines = Kernels::default();
         let mut built = BTreeSet::new();
         for (index, kernel) in ALL.into_iter().enumerate() {
             let long = std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long");
-            let on_tables = ["_middles", "_texels"].iter().any(|end| kernel.name.ends_with(end));
+            let on_tables = matches!(kernel.role, Role::Draw(Canvas::Middles | Canvas::Texels));
             let step = [9, 3][usize::from(long)] * if on_tables { 3 } else { 1 };
             for with in variants_of(kernel).into_iter().skip(index % step).step_by(step) {
-                if built.insert((kernel.text(&with), with.count, with.cost_map)) {
+                if built.insert((kernel.linked(&with).text, with.count, with.cost_map)) {
                     pipelines.get(&gpu, kernel, with);
                 }
             }
@@ -145,50 +138,36 @@ fn specialised_kernels_make_pipelines() {
     pollster::block_on(gpu.checked(make)).unwrap();
 }
 
-/// Besides the scene's nodes and primitives, which count once: six storage buffers and three storage textures in all.
 #[test]
-fn no_layout_has_more_than_five_storage_buffers_or_two_storage_textures_beside_the_scene_s() {
-    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
-    let kernels = Kernels::new(&gpu);
-    for kernel in ALL {
-        for with in variants_of(kernel) {
-            let with = with.of_kernel(kernel);
-            let own = kernels.program(kernel, &with).own;
-            let count = |is: fn(&wgpu::BindingType) -> bool| own.iter().filter(|entry| is(&entry.ty)).count();
-            let textures = count(|ty| matches!(ty, wgpu::BindingType::StorageTexture { .. }));
-            let uniforms =
-                count(|ty| matches!(ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. }));
-            let sampled = count(|ty| matches!(ty, wgpu::BindingType::Texture { .. }));
-            let buffers = own.len() - textures - uniforms - sampled;
-            let table = usize::from(kernel.touches.table());
-            let (buffers, textures) = match with.traversal.fetch {
-                Fetch::Buffer => (buffers + table, textures),
-                Fetch::Texture => (buffers, textures + table),
-            };
-            assert!(buffers <= 5 && textures <= 2, "{} {with:?}: {buffers} buffers, {textures} textures", kernel.name);
-        }
-    }
-}
-
-#[test]
-fn bindings_of_group_1_are_as_the_table_says() {
-    for kernel in ALL {
-        let module = parse(kernel, &variants_of(kernel)[0]);
-        let mut found: Vec<_> = module
-            .global_variables
-            .iter()
-            .filter_map(|(_, variable)| Some((variable.binding.as_ref()?, variable.space)))
-            .filter(|(binding, _)| binding.group == 1 && (1..SHADOW_BINDING).contains(&binding.binding))
-            .map(|(binding, space)| match space {
-                naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
-                    (binding.binding, Write)
+fn bindings_are_those_that_another_compiler_sees() {
+    for (kernel, with, text) in modules() {
+        let bindings = kernel.linked(&with).bindings;
+        let module = naga::front::wgsl::parse_str(&text).unwrap();
+        let mut seen: Vec<_> = module.global_variables.iter().filter(|(_, found)| found.binding.is_some()).collect();
+        seen.sort_by_key(|(_, found)| found.binding.as_ref().unwrap().binding);
+        assert_eq!(bindings.len(), seen.len(), "{}", kernel.name);
+        for (binding, (_, found)) in bindings.iter().zip(seen) {
+            assert_eq!(Resource::named(found.name.as_deref().unwrap()), binding.resource, "{}", kernel.name);
+            let is_same = match (binding.ty, found.space) {
+                (wgpu::BindingType::Buffer { ty, .. }, naga::AddressSpace::Uniform) => {
+                    ty == wgpu::BufferBindingType::Uniform
                 }
-                _ => (binding.binding, Read),
-            })
-            .collect();
-        found.sort_by_key(|(binding, _)| *binding);
-        let stated: Vec<_> = kernel.storage.iter().zip(1..).map(|((_, access), binding)| (binding, *access)).collect();
-        assert_eq!(found, stated, "{}", kernel.name);
+                (wgpu::BindingType::Buffer { ty, .. }, naga::AddressSpace::Storage { access }) => {
+                    let read_only = !access.contains(naga::StorageAccess::STORE);
+                    ty == wgpu::BufferBindingType::Storage { read_only }
+                }
+                (wgpu::BindingType::StorageTexture { access, .. }, naga::AddressSpace::Handle) => {
+                    let naga::TypeInner::Image { class, .. } = module.types[found.ty].inner else {
+                        panic!("{found:?}")
+                    };
+                    let naga::ImageClass::Storage { access: seen, .. } = class else { panic!("{class:?}") };
+                    (access == wgpu::StorageTextureAccess::WriteOnly) == seen.contains(naga::StorageAccess::STORE)
+                }
+                (wgpu::BindingType::Texture { .. }, naga::AddressSpace::Handle) => true,
+                _ => false,
+            };
+            assert!(is_same, "{}: {binding:?} is {found:?}", kernel.name);
+        }
     }
 }
 
@@ -235,10 +214,10 @@ fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
 fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
     let mut with_tables = 0;
     for (kernel, with, text) in modules() {
-        let reads = kernel.shadow_buffer(&with.of_kernel(kernel)).is_some();
+        let reads = with.of_role(kernel.role).shadow_buffer.is_some();
         assert_eq!(text.contains("shadow_buffers"), reads, "{}", kernel.name);
         assert!(reads || !text.contains("said_by_table"), "{}", kernel.name);
-        let draws = kernel.storage.iter().any(|(target, _)| matches!(target, Target::TBuffer | Target::Drawing));
+        let draws = matches!(kernel.role, Role::Draw(_) | Role::Hits(Hits::Drawn));
         assert!(draws || !text.contains("t_buffer["), "{}", kernel.name);
         with_tables += usize::from(reads);
     }
@@ -247,7 +226,9 @@ fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
 
 #[test]
 fn sections_ask_for_choices_and_values_that_there_are() {
-    let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| kernel.choices(&with)));
+    let all = ALL
+        .into_iter()
+        .flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| kernel.choices(&with.of_role(kernel.role))));
     let there: BTreeSet<_> = all.flatten().collect();
     for definition in wgsl::shared() {
         for Condition { choice, values } in &definition.when {

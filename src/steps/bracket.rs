@@ -6,65 +6,25 @@ use super::{
 };
 use crate::{
     ShadowReuse,
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Bounds, Counters, Found, Source, SourceCounters, View},
-    },
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
-    },
+    frame::plan::{Launch, Step},
+    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
     layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
-    wgsl::part,
 };
 
-pub(crate) const BOUND_TILES: Kernel = Kernel {
-    name: "bound_tiles",
-    touches: Touches::Pixels,
-    storage: &[(Source, Read), (Bounds, Write), (Counters, Write)],
-    main: part!("bound_tiles.wgsl"),
-};
+pub(crate) const BOUND_TILES: Kernel = kernel!("bound_tiles", Role::Pixels);
 /// Marks busy lights, if visibility bits are reused.
-pub(crate) const MARK_BUSY: Kernel =
-    Kernel { name: "mark_busy", touches: Touches::Pixels, storage: &[(Bounds, Write)], main: part!("mark_busy.wgsl") };
-pub(crate) const SEARCH_TILES: Kernel = Kernel {
-    name: "search_tiles",
-    touches: Touches::Geometry,
-    storage: &[(Bounds, Read), (Counters, Write), (Found, Write)],
-    main: part!("search_tiles.wgsl"),
-};
+pub(crate) const MARK_BUSY: Kernel = kernel!("mark_busy", Role::MarkBusy);
+pub(crate) const SEARCH_TILES: Kernel = kernel!("search_tiles", Role::Hits(Hits::Tiles));
 /// Searches four tiles at once, for several samples a pixel.
-pub(crate) const SEARCH_WIDE_TILES: Kernel =
-    Kernel { name: "search_wide_tiles", main: part!("search_wide_tiles.wgsl"), ..SEARCH_TILES };
-pub(crate) const RESOLVE_TILES: Kernel = Kernel {
-    name: "resolve_tiles",
-    touches: Touches::Geometry,
-    storage: &[(View, Write), (Counters, Write), (Found, Write)],
-    main: part!("resolve_tiles.wgsl"),
-};
-pub(crate) const SHADE_SKY: Kernel = Kernel {
-    name: "shade_sky",
-    touches: Touches::Shading,
-    storage: &[(Found, Write), (View, Write), (Counters, Write)],
-    main: part!("shade_sky.wgsl"),
-};
-pub(crate) const TRACE_BOUNDED: Kernel =
-    Kernel { name: "trace_bounded", storage: &[(Found, Write), (View, Write), (Counters, Write)], ..TRACE_LISTED };
-pub(crate) const SHADE_TILES: Kernel = Kernel {
-    name: "shade_tiles",
-    touches: Touches::Shading,
-    storage: &[(Found, Write), (View, Write), (Counters, Write)],
-    main: part!("shade_tiles.wgsl"),
-};
+pub(crate) const SEARCH_WIDE_TILES: Kernel = kernel!("search_wide_tiles", Role::Hits(Hits::Tiles));
+pub(crate) const RESOLVE_TILES: Kernel = kernel!("resolve_tiles", Role::Hits(Hits::Tiles));
+pub(crate) const SHADE_SKY: Kernel = kernel!("shade_sky", Role::Shade(Shading::Sky));
+pub(crate) const TRACE_BOUNDED: Kernel = Kernel { name: "trace_bounded", ..TRACE_LISTED };
+pub(crate) const SHADE_TILES: Kernel = kernel!("shade_tiles", Role::Shade(Shading::Reused));
 pub(crate) const SHADE_LISTED: Kernel =
-    Kernel { name: "shade_listed", storage: &[(Found, Write), (View, Write), (Counters, Write)], ..SHADE_TRACED };
+    Kernel { name: "shade_listed", role: Role::Shade(Shading::Unknown), ..SHADE_TRACED };
 
-pub(crate) const CHOOSE: Kernel = Kernel {
-    name: "choose",
-    touches: Touches::Pixels,
-    storage: &[(SourceCounters, Read), (Counters, Write), (Found, Write)],
-    main: part!("choose.wgsl"),
-};
+pub(crate) const CHOOSE: Kernel = kernel!("choose", Role::Pixels);
 
 /// Returns the steps that bound tiles and mark busy lights.
 pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
@@ -79,7 +39,7 @@ pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {
 /// rays.
 pub(crate) fn resolve(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
     let launch = if wide { Launch::WideTiles } else { Launch::Tiles };
-    [vec![Step::EmptyLists(Found), step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
+    [vec![Step::EmptyLists, step(search(wide), view, launch)], resolve_listed(view, soft)].concat()
 }
 
 fn search(wide: bool) -> &'static Kernel {
@@ -88,20 +48,20 @@ fn search(wide: bool) -> &'static Kernel {
 
 fn resolve_listed(view: usize, soft: Option<usize>) -> Vec<Step> {
     let mut steps = vec![
-        step(&RESOLVE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
-        step(&SHADE_SKY, view, Launch::Listed(Found, SKY)),
-        step(&TRACE_BOUNDED, view, Launch::Listed(Found, TO_TRACE)),
-        step(&SHADE_TILES, view, Launch::Listed(Found, TO_RESOLVE)),
+        step(&RESOLVE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)),
+        step(&SHADE_SKY, view, Launch::Listed(Lists, SKY)),
+        step(&TRACE_BOUNDED, view, Launch::Listed(Lists, TO_TRACE)),
+        step(&SHADE_TILES, view, Launch::Listed(Lists, TO_RESOLVE)),
     ];
     steps.extend(soft::unknown(view, TO_LIGHT, soft));
-    steps.push(step(&SHADE_LISTED, view, Launch::Listed(Found, TO_LIGHT)));
+    steps.push(step(&SHADE_LISTED, view, Launch::Listed(Lists, TO_LIGHT)));
     steps
 }
 
 /// Returns the steps that either do the same or trace the whole view, whichever is predicted to cost less in each band.
 /// Steps of the other choice launch nothing, or their lists are empty.
 pub(crate) fn or_traced(view: usize, soft: Option<usize>, wide: bool) -> Vec<Step> {
-    let choose = vec![Step::EmptyLists(Found), step(&CHOOSE, view, Launch::Once)];
-    let search = vec![step(search(wide), view, Launch::Listed(Found, TO_SEARCH))];
+    let choose = vec![Step::EmptyLists, step(&CHOOSE, view, Launch::Once)];
+    let search = vec![step(search(wide), view, Launch::Listed(Lists, TO_SEARCH))];
     [bound(view, ShadowReuse::Two), choose, search, resolve_listed(view, soft), trace::chosen(view, soft)].concat()
 }

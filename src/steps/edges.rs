@@ -2,23 +2,11 @@
 
 use super::step;
 use crate::{
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Source, View},
-    },
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
-    },
-    wgsl::part,
+    frame::plan::{Launch, Step},
+    kernels::{Kernel, Role, kernel},
 };
 
-pub(crate) const MARK_EDGES: Kernel = Kernel {
-    name: "mark_edges",
-    touches: Touches::Objects,
-    storage: &[(Source, Read), (View, Write)],
-    main: part!("mark_edges.wgsl"),
-};
+pub(crate) const MARK_EDGES: Kernel = kernel!("mark_edges", Role::Objects);
 
 pub(crate) fn mark(view: usize) -> Vec<Step> {
     vec![step(&MARK_EDGES, view, Launch::Pixels)]

@@ -3,34 +3,17 @@
 
 use super::step;
 use crate::{
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Counters, Lists, View},
-    },
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
-    },
+    frame::plan::{Launch, Step},
+    kernels::{Kernel, Resource::Lists, Role, Shading, kernel},
     layout::TO_TRACE,
-    wgsl::part,
 };
 
-pub(crate) const LIST_MIRRORS: Kernel = Kernel {
-    name: "list_mirrors",
-    touches: Touches::Shading,
-    storage: &[(View, Read), (Lists, Write)],
-    main: part!("list_mirrors.wgsl"),
-};
-pub(crate) const TRACE_MIRRORED: Kernel = Kernel {
-    name: "trace_mirrored",
-    touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    main: part!("trace_mirrored.wgsl"),
-};
+pub(crate) const LIST_MIRRORS: Kernel = kernel!("list_mirrors", Role::Shade(Shading::ListMirrors));
+pub(crate) const TRACE_MIRRORED: Kernel = kernel!("trace_mirrored", Role::Shade(Shading::Mirrored));
 
 pub(crate) fn of(view: usize) -> Vec<Step> {
     vec![
-        Step::EmptyLists(Lists),
+        Step::EmptyLists,
         step(&LIST_MIRRORS, view, Launch::Pixels),
         step(&TRACE_MIRRORED, view, Launch::Listed(Lists, TO_TRACE)),
     ]

@@ -3,7 +3,6 @@
 
 pub(crate) mod bracket;
 pub(crate) mod edges;
-pub(crate) mod host;
 pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;

@@ -2,47 +2,15 @@
 
 use super::step;
 use crate::{
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Counters, Slots, Source, View},
-    },
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
-    },
-    wgsl::part,
+    frame::plan::{Launch, Step},
+    kernels::{Kernel, Role, kernel},
 };
 
-pub(crate) const REPROJECT: Kernel = Kernel {
-    name: "reproject",
-    touches: Touches::Pixels,
-    storage: &[(Source, Read), (View, Write)],
-    main: part!("reproject.wgsl"),
-};
-pub(crate) const REPROJECT_SLOTS: Kernel = Kernel {
-    name: "reproject_slots",
-    touches: Touches::Pixels,
-    storage: &[(Source, Read), (Slots, Write), (Counters, Write)],
-    main: part!("reproject_slots.wgsl"),
-};
-pub(crate) const REPROJECT_SCANLINE: Kernel = Kernel {
-    name: "reproject_scanline",
-    touches: Touches::Pixels,
-    storage: &[(Source, Read), (View, Write)],
-    main: part!("reproject_scanline.wgsl"),
-};
-pub(crate) const GATHER_SLOTS: Kernel = Kernel {
-    name: "gather_slots",
-    touches: Touches::Pixels,
-    storage: &[(Slots, Read), (View, Write)],
-    main: part!("gather_slots.wgsl"),
-};
-pub(crate) const DEPTH_RANGE: Kernel = Kernel {
-    name: "depth_range",
-    touches: Touches::Pixels,
-    storage: &[(View, Read), (Counters, Write)],
-    main: part!("depth_range.wgsl"),
-};
+pub(crate) const REPROJECT: Kernel = kernel!("reproject", Role::Pixels);
+pub(crate) const REPROJECT_SLOTS: Kernel = kernel!("reproject_slots", Role::Pixels);
+pub(crate) const REPROJECT_SCANLINE: Kernel = kernel!("reproject_scanline", Role::Pixels);
+pub(crate) const GATHER_SLOTS: Kernel = kernel!("gather_slots", Role::Pixels);
+pub(crate) const DEPTH_RANGE: Kernel = kernel!("depth_range", Role::Pixels);
 
 /// Keeps the nearest sample, by atomicMax.
 pub(crate) fn atomic(view: usize) -> Vec<Step> {

@@ -2,48 +2,24 @@
 
 use super::{edges, soft, step};
 use crate::{
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Counters, Lists, Source, View},
-    },
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
-    },
+    frame::plan::{Launch, Step},
+    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
     layout::TO_TRACE,
     method::Check,
     wgsl::part,
 };
 
-pub(crate) const RESOLVE_RIGHT: Kernel = Kernel {
-    name: "resolve_right",
-    touches: Touches::Geometry,
-    storage: &[(Source, Read), (View, Write), (Counters, Write), (Lists, Write)],
-    main: part!("resolve_right.wgsl"),
-};
+pub(crate) const RESOLVE_RIGHT: Kernel = kernel!("resolve_right", Role::Hits(Hits::Checked));
 /// The same without checks: the sweep has cleared gaps, and edges have been marked.
-pub(crate) const RESOLVE_TRUSTED: Kernel = Kernel { name: "resolve_trusted", ..RESOLVE_RIGHT };
-pub(crate) const TRACE_LISTED: Kernel = Kernel {
-    name: "trace_listed",
-    touches: Touches::Geometry,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    main: part!("trace_listed.wgsl"),
-};
+pub(crate) const RESOLVE_TRUSTED: Kernel =
+    Kernel { name: "resolve_trusted", role: Role::Hits(Hits::Trusted), ..RESOLVE_RIGHT };
+pub(crate) const TRACE_LISTED: Kernel = kernel!("trace_listed", Role::Hits(Hits::Listed));
 /// Shades traced pixels.
-pub(crate) const SHADE_TRACED: Kernel = Kernel {
-    name: "shade_traced",
-    touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    main: part!("shade_listed.wgsl"),
-};
+pub(crate) const SHADE_TRACED: Kernel =
+    Kernel { name: "shade_traced", role: Role::Shade(Shading::Listed), main: part!("shade_listed.wgsl") };
 
 /// Copies reused pixels from the source.
-pub(crate) const TAKE_OVER: Kernel = Kernel {
-    name: "take_over",
-    touches: Touches::Pixels,
-    storage: &[(Source, Read), (View, Write)],
-    main: part!("take_over.wgsl"),
-};
+pub(crate) const TAKE_OVER: Kernel = kernel!("take_over", Role::LinearPixels);
 
 pub(crate) fn of(view: usize, check: Check, soft: Option<usize>) -> Vec<Step> {
     let mut steps = if check == Check::Edges { edges::mark(view) } else { Vec::new() };
@@ -52,7 +28,7 @@ pub(crate) fn of(view: usize, check: Check, soft: Option<usize>) -> Vec<Step> {
         Check::Edges | Check::None => step(&RESOLVE_TRUSTED, view, Launch::Pixels),
     };
     steps.extend([
-        Step::EmptyLists(Lists),
+        Step::EmptyLists,
         checked.named(RESOLVE_RIGHT.name),
         step(&TRACE_LISTED, view, Launch::Listed(Lists, TO_TRACE)),
     ]);

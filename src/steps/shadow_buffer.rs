@@ -11,43 +11,37 @@ use glam::Vec3;
 use crate::{
     Error, Options, Renderer, UploadedScene,
     cpu::shadow_buffer::Mapping,
-    frame::targets::Target::{self, Counters, Drawing, Found, TBuffer},
-    gpu::{Gpu, bind_group, lock},
-    kernels::{
-        Access::{Read, Write},
-        Kernel, Kernels, Touches,
-    },
+    frame::executor::{Executor, Resources, Workgroups, indirect_buffer},
+    gpu::{Gpu, lock},
+    kernels::{Canvas, Kernel, Kernels, Resource, Role, kernel},
     layout::{self, WORKGROUP},
     shadow_buffer::{MAX_SHADOW_BUFFERS, Reading, ShadowBuffer, ShadowBufferWork, ShadowRule},
     steps::t_buffer::{
         self, BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, DRAWING_HEAD, PROJECT_PRIMITIVES, drawing_bytes,
     },
     variant::{Shadows, Variant},
-    wgsl::part,
 };
 
 // The T-buffer's kernels, drawing at texels' middles.
-pub(crate) const PROJECT_MIDDLES: Kernel = Kernel { name: "project_middles", ..PROJECT_PRIMITIVES };
-pub(crate) const DRAW_FEW_MIDDLES: Kernel = Kernel { name: "draw_few_middles", ..DRAW_FEW };
-pub(crate) const DRAW_MORE_MIDDLES: Kernel = Kernel { name: "draw_more_middles", ..DRAW_MORE };
-pub(crate) const DRAW_PARTS_MIDDLES: Kernel = Kernel { name: "draw_parts_middles", ..DRAW_PARTS };
-pub(crate) const READ_MIDDLES: Kernel = Kernel {
-    name: "read_middles",
-    touches: Touches::Geometry,
-    storage: &[(TBuffer, Write), (Counters, Write)],
-    main: part!("read_middles.wgsl"),
-};
+pub(crate) const PROJECT_MIDDLES: Kernel =
+    Kernel { name: "project_middles", role: Role::Draw(Canvas::Middles), ..PROJECT_PRIMITIVES };
+pub(crate) const DRAW_FEW_MIDDLES: Kernel =
+    Kernel { name: "draw_few_middles", role: Role::Draw(Canvas::Middles), ..DRAW_FEW };
+pub(crate) const DRAW_MORE_MIDDLES: Kernel =
+    Kernel { name: "draw_more_middles", role: Role::Draw(Canvas::Middles), ..DRAW_MORE };
+pub(crate) const DRAW_PARTS_MIDDLES: Kernel =
+    Kernel { name: "draw_parts_middles", role: Role::Draw(Canvas::Middles), ..DRAW_PARTS };
+pub(crate) const READ_MIDDLES: Kernel = kernel!("read_middles", Role::Draw(Canvas::Middles));
 // The T-buffer's kernels, marking whole texels where something may stand before their surface.
-pub(crate) const PROJECT_TEXELS: Kernel = Kernel { name: "project_texels", ..PROJECT_PRIMITIVES };
-pub(crate) const MARK_FEW_TEXELS: Kernel = Kernel { name: "mark_few_texels", ..DRAW_FEW };
-pub(crate) const MARK_MORE_TEXELS: Kernel = Kernel { name: "mark_more_texels", ..DRAW_MORE };
-pub(crate) const MARK_PARTS_TEXELS: Kernel = Kernel { name: "mark_parts_texels", ..DRAW_PARTS };
-pub(crate) const READ_TEXELS: Kernel = Kernel {
-    name: "read_texels",
-    touches: Touches::Geometry,
-    storage: &[(TBuffer, Read), (Found, Write), (Counters, Write)],
-    main: part!("read_texels.wgsl"),
-};
+pub(crate) const PROJECT_TEXELS: Kernel =
+    Kernel { name: "project_texels", role: Role::Draw(Canvas::Texels), ..PROJECT_PRIMITIVES };
+pub(crate) const MARK_FEW_TEXELS: Kernel =
+    Kernel { name: "mark_few_texels", role: Role::Draw(Canvas::Texels), ..DRAW_FEW };
+pub(crate) const MARK_MORE_TEXELS: Kernel =
+    Kernel { name: "mark_more_texels", role: Role::Draw(Canvas::Texels), ..DRAW_MORE };
+pub(crate) const MARK_PARTS_TEXELS: Kernel =
+    Kernel { name: "mark_parts_texels", role: Role::Draw(Canvas::Texels), ..DRAW_PARTS };
+pub(crate) const READ_TEXELS: Kernel = kernel!("read_texels", Role::Draw(Canvas::Texels));
 
 /// Format of a texel: t as bits and the slot. By the hybrid rule a plane and the slot.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
@@ -84,7 +78,6 @@ struct Layer {
 struct Filling<'a> {
     gpu: &'a Gpu,
     kernels: &'a Kernels,
-    scene: &'a UploadedScene,
     with: Variant,
     /// Number of primitives to draw.
     primitives: u32,
@@ -95,6 +88,8 @@ struct Filling<'a> {
     texels: Option<wgpu::Buffer>,
     drawing: wgpu::Buffer,
     indirect: wgpu::Buffer,
+    /// What kernels bind: all of these, and the scene's.
+    resources: Resources,
 }
 
 /// A texture that is freed when dropped, like `Texels`.
@@ -236,25 +231,23 @@ impl<'a> Filling<'a> {
         let gpu = &renderer.gpu;
         let with = Variant { close: scene.large.any_close_to(&[layer.light]), ..scene.variant };
         let primitives = t_buffer::drawn(scene, gpu).unwrap_or(0);
-        let indirect = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("indirect"),
-            size: 12,
-            usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Self {
-            gpu,
-            kernels: &renderer.kernels,
-            scene,
-            with: with.counting(options.count, false),
-            primitives,
-            uniform: gpu.uniform_buffer("table", bytemuck::bytes_of(&layout::Table::default())),
-            counters: gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4),
-            t_buffer: gpu.storage_buffer("t_buffer", 8 * texels),
-            texels: layer.margin.map(|_| gpu.storage_buffer("texels", 16 * texels)),
-            drawing: gpu.storage_buffer("drawing", drawing_bytes(primitives)),
-            indirect,
+        let indirect = indirect_buffer(gpu);
+        let uniform = gpu.uniform_buffer("table", bytemuck::bytes_of(&layout::Table::default()));
+        let counters = gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4);
+        let t_buffer = gpu.storage_buffer("t_buffer", 8 * texels);
+        let texels = layer.margin.map(|_| gpu.storage_buffer("texels", 16 * texels));
+        let drawing = gpu.storage_buffer("drawing", drawing_bytes(primitives));
+        let mut resources = Resources::default()
+            .with(Resource::Frame, &uniform)
+            .with(Resource::Counters, &counters)
+            .with(Resource::TBuffer, &t_buffer)
+            .with(Resource::Drawing, &drawing);
+        if let Some(texels) = &texels {
+            resources.set(Resource::Texels, texels);
         }
+        scene.resources(&mut resources);
+        let (kernels, with) = (&renderer.kernels, with.counting(options.count, false));
+        Self { gpu, kernels, with, primitives, uniform, counters, t_buffer, texels, drawing, indirect, resources }
     }
 
     /// Returns the buffer that the table's texels are copied from.
@@ -292,61 +285,32 @@ impl<'a> Filling<'a> {
             Some(_) => (&PROJECT_TEXELS, &READ_TEXELS),
             None => (&PROJECT_MIDDLES, &READ_MIDDLES),
         };
+        let mut executor = Executor::new(self.gpu, self.kernels, Some(&self.indirect), None);
+        let mut run = |kernel: &Kernel, resources: &Resources, workgroups: Workgroups<'_>| {
+            executor.run(encoder, kernel.name, (kernel, self.with), resources, workgroups);
+        };
+        let lists = [0, 1, 2].map(|list| Workgroups::Listed(&self.drawing, list));
         if self.primitives > 0 {
-            self.encode_one(encoder, project, t_buffer::workgroups(self.primitives));
+            run(project, &self.resources, Workgroups::Number(t_buffer::workgroups(self.primitives)));
             for _ in 0..2 {
-                self.encode_one(encoder, &BEGIN_PASS, [1, 1, 1]);
-                self.encode_listed(encoder, [&DRAW_FEW_MIDDLES, &DRAW_MORE_MIDDLES, &DRAW_PARTS_MIDDLES]);
+                run(&BEGIN_PASS, &self.resources, Workgroups::Number([1, 1, 1]));
+                for (kernel, list) in
+                    [&DRAW_FEW_MIDDLES, &DRAW_MORE_MIDDLES, &DRAW_PARTS_MIDDLES].into_iter().zip(lists)
+                {
+                    run(kernel, &self.resources, list);
+                }
             }
         }
         let side = WORKGROUP * read.block(&self.with);
-        let groups = [layer.mapping.columns, rows.len() as u32].map(|texels| texels.div_ceil(side));
-        self.encode_one(encoder, read, [groups[0], groups[1], 1]);
-        if self.primitives > 0 && layer.margin.is_some() {
-            self.encode_listed(encoder, [&MARK_FEW_TEXELS, &MARK_MORE_TEXELS, &MARK_PARTS_TEXELS]);
+        let [x, y] = [layer.mapping.columns, rows.len() as u32].map(|texels| texels.div_ceil(side));
+        run(read, &self.resources, Workgroups::Number([x, y, 1]));
+        if let Some(texels) = self.texels.as_ref().filter(|_| self.primitives > 0) {
+            // The finished texels are marked.
+            let resources = self.resources.clone().with(Resource::TBuffer, texels);
+            for (kernel, list) in [&MARK_FEW_TEXELS, &MARK_MORE_TEXELS, &MARK_PARTS_TEXELS].into_iter().zip(lists) {
+                run(kernel, &resources, list);
+            }
         }
-    }
-
-    /// Encodes kernels over the lists of `Drawing`, one after the other.
-    fn encode_listed(&self, encoder: &mut wgpu::CommandEncoder, kernels: [&Kernel; 3]) {
-        for (list, kernel) in (0..).zip(kernels) {
-            let head = list * size_of_val(&layout::EMPTY_LIST) as u64;
-            encoder.copy_buffer_to_buffer(&self.drawing, head, &self.indirect, 0, Some(self.indirect.size()));
-            self.pass(encoder, kernel, |pass| pass.dispatch_workgroups_indirect(&self.indirect, 0));
-        }
-    }
-
-    fn encode_one(&self, encoder: &mut wgpu::CommandEncoder, kernel: &Kernel, [x, y, z]: [u32; 3]) {
-        self.pass(encoder, kernel, |pass| pass.dispatch_workgroups(x, y, z));
-    }
-
-    fn pass(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        kernel: &Kernel,
-        dispatch: impl FnOnce(&mut wgpu::ComputePass<'_>),
-    ) {
-        let pipeline = self.kernels.get(self.gpu, kernel, self.with);
-        let buffer = |target: &Target| match target {
-            // The marked buffer is the one that is copied.
-            TBuffer if kernel.name.starts_with("mark_") => self.filled(),
-            TBuffer => &self.t_buffer,
-            Found => self.filled(),
-            Drawing => &self.drawing,
-            Counters => &self.counters,
-            other => unreachable!("{}: no table has {other:?}", kernel.name),
-        };
-        let storage = kernel.storage.iter().map(|(target, _)| buffer(target));
-        let own = std::iter::once(&self.uniform).chain(storage).map(wgpu::Buffer::as_entire_binding);
-        let own = bind_group(self.gpu, kernel.name, &pipeline.own, own);
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes: None };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&pipeline.pipeline);
-        if kernel.touches.geometry() {
-            pass.set_bind_group(0, &self.scene.geometry, &[]);
-        }
-        pass.set_bind_group(1, &own, &[]);
-        dispatch(&mut pass);
     }
 }
 

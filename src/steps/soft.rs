@@ -5,45 +5,18 @@
 use super::step;
 use crate::{
     Light, Options, Scene,
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Counters, Found, Lists, View},
-    },
-    kernels::{Access::Write, Kernel, Touches},
-    wgsl::part,
+    frame::plan::{Launch, Step},
+    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
-pub(crate) const TRACE_HITS: Kernel = Kernel {
-    name: "trace_hits",
-    touches: Touches::Geometry,
-    storage: &[(View, Write), (Counters, Write)],
-    main: part!("trace_hits.wgsl"),
-};
-pub(crate) const TRACE_SOFT: Kernel = Kernel {
-    name: "trace_soft",
-    touches: Touches::Shading,
-    storage: &[(View, Write), (Counters, Write)],
-    main: part!("trace_soft.wgsl"),
-};
+pub(crate) const TRACE_HITS: Kernel = kernel!("trace_hits", Role::Hits(Hits::View));
+pub(crate) const TRACE_SOFT: Kernel = kernel!("trace_soft", Role::Shade(Shading::Soft));
 /// For listed pixels that were traced.
-pub(crate) const TRACE_SOFT_LISTED: Kernel = Kernel {
-    name: "trace_soft_listed",
-    touches: Touches::Shading,
-    storage: &[(Lists, Write), (View, Write), (Counters, Write)],
-    main: part!("trace_soft_listed.wgsl"),
-};
+pub(crate) const TRACE_SOFT_LISTED: Kernel = kernel!("trace_soft_listed", Role::Shade(Shading::SoftListed));
 /// For pixels with an unknown share.
-pub(crate) const TRACE_SOFT_ASKED: Kernel = Kernel {
-    name: "trace_soft_asked",
-    storage: &[(Found, Write), (View, Write), (Counters, Write)],
-    ..TRACE_SOFT_LISTED
-};
-pub(crate) const SHADE_HITS: Kernel = Kernel {
-    name: "shade_hits",
-    touches: Touches::Shading,
-    storage: &[(View, Write), (Counters, Write)],
-    main: part!("shade_hits.wgsl"),
-};
+pub(crate) const TRACE_SOFT_ASKED: Kernel =
+    Kernel { name: "trace_soft_asked", role: Role::Shade(Shading::SoftUnknown), ..TRACE_SOFT_LISTED };
+pub(crate) const SHADE_HITS: Kernel = kernel!("shade_hits", Role::Shade(Shading::Source));
 
 /// Rays of a part: `ASKED_GROUPS` of four (soft.wgsl).
 const PART_RAYS: u32 = 16;
@@ -126,5 +99,5 @@ pub(crate) fn listed(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> 
 
 /// Returns the steps for pixels that `bracket` lists, before they are shaded.
 pub(crate) fn unknown(view: usize, list: u32, parts: Option<usize>) -> Vec<Step> {
-    asked(&TRACE_SOFT_ASKED, view, Launch::Listed(Found, list), parts.unwrap_or(0)).collect()
+    asked(&TRACE_SOFT_ASKED, view, Launch::Listed(Lists, list), parts.unwrap_or(0)).collect()
 }

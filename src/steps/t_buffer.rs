@@ -5,47 +5,24 @@
 use super::{resolve::TRACE_LISTED, step};
 use crate::{
     UploadedScene,
-    frame::{
-        plan::{Launch, Step},
-        targets::Target::{Counters, Drawing, Lists, TBuffer, View},
-    },
+    frame::plan::{Launch, Step},
     gpu::Gpu,
     kernels::{
-        Access::{Read, Write},
-        Kernel, Touches,
+        Canvas, Hits, Kernel,
+        Resource::{Drawing, Lists},
+        Role, kernel,
     },
     layout::{LIST_WORKGROUP, TO_TRACE},
-    wgsl::part,
 };
 
-pub(crate) const BEGIN_PASS: Kernel = Kernel {
-    name: "begin_pass",
-    touches: Touches::Pixels,
-    storage: &[(Drawing, Write)],
-    main: part!("begin_pass.wgsl"),
-};
-pub(crate) const PROJECT_PRIMITIVES: Kernel = Kernel {
-    name: "project_primitives",
-    touches: Touches::Geometry,
-    storage: &[(Counters, Write), (Drawing, Write)],
-    main: part!("project_primitives.wgsl"),
-};
+pub(crate) const BEGIN_PASS: Kernel = kernel!("begin_pass", Role::Pixels);
+pub(crate) const PROJECT_PRIMITIVES: Kernel = kernel!("project_primitives", Role::Draw(Canvas::Picture));
 /// Draws primitives that cover few pixels.
-pub(crate) const DRAW_FEW: Kernel = Kernel {
-    name: "draw_few",
-    touches: Touches::Geometry,
-    storage: &[(TBuffer, Write), (Counters, Write), (Drawing, Write)],
-    main: part!("draw_few.wgsl"),
-};
+pub(crate) const DRAW_FEW: Kernel = kernel!("draw_few", Role::Draw(Canvas::Picture));
 /// Draw primitives that cover a few tiles, and parts of those that cover many.
-pub(crate) const DRAW_MORE: Kernel = Kernel { name: "draw_more", main: part!("draw_more.wgsl"), ..DRAW_FEW };
-pub(crate) const DRAW_PARTS: Kernel = Kernel { name: "draw_parts", main: part!("draw_parts.wgsl"), ..DRAW_FEW };
-pub(crate) const READ_T_BUFFER: Kernel = Kernel {
-    name: "read_t_buffer",
-    touches: Touches::Geometry,
-    storage: &[(TBuffer, Read), (View, Write), (Counters, Write), (Lists, Write)],
-    main: part!("read_t_buffer.wgsl"),
-};
+pub(crate) const DRAW_MORE: Kernel = kernel!("draw_more", Role::Draw(Canvas::Picture));
+pub(crate) const DRAW_PARTS: Kernel = kernel!("draw_parts", Role::Draw(Canvas::Picture));
+pub(crate) const READ_T_BUFFER: Kernel = kernel!("read_t_buffer", Role::Hits(Hits::Drawn));
 /// Traces pixels with a t but no primitive.
 pub(crate) const TRACE_NAMELESS: Kernel = Kernel { name: "trace_nameless", ..TRACE_LISTED };
 
@@ -100,7 +77,7 @@ pub(crate) fn hits(view: usize) -> Vec<Step> {
         step(&DRAW_PARTS, view, Launch::Listed(Drawing, PARTS)),
     ];
     let read = [
-        Step::EmptyLists(Lists),
+        Step::EmptyLists,
         step(&READ_T_BUFFER, view, Launch::Pixels),
         step(&TRACE_NAMELESS, view, Launch::Listed(Lists, TO_TRACE)),
     ];
@@ -117,7 +94,7 @@ mod tests {
 
     #[test]
     fn host_and_wgsl_have_the_same_numbers() {
-        let text = part!("shared/t_buffer.wgsl").text;
+        let text = crate::wgsl::part!("shared/t_buffer.wgsl").text;
         for (name, value) in [
             ("FURTHER_PARTS", FURTHER_PARTS),
             ("GROUP", 8),

@@ -2,24 +2,14 @@
 
 use super::{soft, step, t_buffer};
 use crate::{
-    frame::{
-        plan::{Launch, Step},
-        targets::Target,
-    },
-    kernels::{Access::Write, Kernel, Touches},
+    frame::plan::{Launch, Step},
+    kernels::{Dispatches, Kernel, Resource, Role, Shading, kernel},
     layout::ALL_TRACED,
-    wgsl::part,
 };
 
-pub(crate) const TRACE_LEFT: Kernel = Kernel {
-    name: "trace_left",
-    touches: Touches::Shading,
-    storage: &[(Target::View, Write), (Target::Counters, Write)],
-    main: part!("trace_left.wgsl"),
-};
+pub(crate) const TRACE_LEFT: Kernel = kernel!("trace_left", Role::Shade(Shading::Traced(Dispatches::One)));
 /// The same in steps: threads continue in the next dispatch.
-pub(crate) const TRACE_IN_STEPS: Kernel =
-    Kernel { name: "trace_in_steps", main: part!("trace_in_steps.wgsl"), ..TRACE_LEFT };
+pub(crate) const TRACE_IN_STEPS: Kernel = kernel!("trace_in_steps", Role::Shade(Shading::Traced(Dispatches::Many)));
 
 /// Returns the steps for a view that others are made from; `drawn` if a T-buffer finds its hits.
 pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {
@@ -37,7 +27,7 @@ fn by_t_buffer(view: usize, soft: Option<usize>) -> Vec<Step> {
 
 /// Returns the steps for a view that is traced in bands where `choose` decides so.
 pub(crate) fn chosen(view: usize, soft: Option<usize>) -> Vec<Step> {
-    traced("trace_right", view, Launch::Listed(Target::Found, ALL_TRACED), soft)
+    traced("trace_right", view, Launch::Listed(Resource::Lists, ALL_TRACED), soft)
 }
 
 fn traced(name: &'static str, view: usize, launch: Launch, soft: Option<usize>) -> Vec<Step> {

@@ -3,19 +3,16 @@
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
     ShadowReuse,
-    kernels::{
-        Access::{Read, Write},
-        Kernel,
-    },
+    kernels::{Canvas, Dispatches, Does, Kernel, SampleUse, Visible},
     large::LARGE,
-    steps::{mirrors::TRACE_MIRRORED, resolve::RESOLVE_TRUSTED},
     traversal::{Boxes, Fetch, RaysPerLane},
-    wgsl::{self, Choice},
+    wgsl::{self, Choice, Linked},
 };
 
 impl Kernel {
     /// Returns a value for each choice of shared WGSL.
     pub(crate) fn choices(&self, with: &Variant) -> [Choice; 29] {
+        let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
             (true, false) => "triangles",
@@ -44,22 +41,22 @@ impl Kernel {
             Shadows::FromLight => "from_light",
             Shadows::FromSurface => "from_surface",
         };
-        let visibility = match self.name {
-            "shade_tiles" => "taken",
-            "shade_listed" | "trace_soft_asked" => "taken_or_traced",
-            _ => "traced",
+        let visibility = match visibility {
+            Visible::Traced => "traced",
+            Visible::Taken => "taken",
+            Visible::TakenOrTraced => "taken_or_traced",
         };
         let shine = match (with.shine, with.normalised) {
             (false, _) => "none",
             (true, false) => "some",
             (true, true) => "normalised",
         };
-        let mirrors = match self.name {
-            _ if !with.mirrors => "none",
-            "trace_mirrored" => "followed",
-            _ => "listed",
+        let mirrors = match (with.mirrors, follows) {
+            (false, _) => "none",
+            (true, false) => "listed",
+            (true, true) => "followed",
         };
-        let soft = match with.soft_role(self) {
+        let soft = match with.soft_role(self.role) {
             SoftRole::None => "none",
             SoftRole::Skipped => "skipped",
             SoftRole::Masked => "masked",
@@ -77,12 +74,16 @@ impl Kernel {
             ShadowReuse::Two => "two",
             ShadowReuse::Block => "block",
         };
-        let canvas = match self.name {
-            name if name.ends_with("_middles") => "middles",
-            name if name.ends_with("_texels") => "texels",
-            _ => "picture",
+        let canvas = match canvas {
+            Canvas::Picture => "picture",
+            Canvas::Middles => "middles",
+            Canvas::Texels => "texels",
         };
-        let samples = self.samples(with).map_or("none", |access| if access == Read { "read" } else { "written" });
+        let samples = match with.sample_use(self.role) {
+            SampleUse::None => "none",
+            SampleUse::Written => "written",
+            SampleUse::Read => "read",
+        };
         [
             ("primitives", primitives),
             ("planes", if with.planes > 0 { "some" } else { "none" }),
@@ -95,7 +96,7 @@ impl Kernel {
             ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
             ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
             ("jitter", if with.jitter > 1 { "rows" } else { "none" }),
-            ("dispatches", if self.in_steps() { "many" } else { "one" }),
+            ("dispatches", if dispatches == Dispatches::Many { "many" } else { "one" }),
             ("uv", if with.uv { "some" } else { "none" }),
             ("colors", if with.colors { "some" } else { "none" }),
             ("textures", if with.textures { "some" } else { "none" }),
@@ -104,25 +105,26 @@ impl Kernel {
             ("sky", sky),
             ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
             ("shadows", shadows),
-            ("shadow_buffer", self.shadow_buffer(with).map_or("none", |reading| reading.rule)),
+            ("shadow_buffer", with.shadow_buffer.map_or("none", |reading| reading.rule)),
             ("soft", soft),
             ("surroundings", surroundings),
             ("visibility", visibility),
             ("bits", bits),
             ("samples", samples),
-            ("sources", if self.asks_second(with) { "two" } else { "one" }),
+            ("sources", if with.reads_second(self.role) { "two" } else { "one" }),
             ("linear", if with.linear { "kept" } else { "none" }),
             ("wanted", if with.masked { "masked" } else { "all" }),
-            ("checks", if self.name == RESOLVE_TRUSTED.name { "none" } else { "all" }),
+            ("checks", if checks { "all" } else { "none" }),
         ]
     }
 
-    /// Returns the text for the driver.
-    pub(crate) fn text(&self, with: &Variant) -> String {
-        let body = wgsl::text(self.main, &self.choices(with));
-        let used = self.constants(with).into_iter().filter(|(name, ..)| body.contains(name));
+    /// Links the text for the driver.
+    pub(crate) fn linked(&self, with: &Variant) -> Linked {
+        let with = &with.of_role(self.role);
+        let Linked { text, bindings } = wgsl::linked(self.main, &self.choices(with));
+        let used = self.constants(with).into_iter().filter(|(name, ..)| text.contains(name));
         let constants: String = used.map(|(name, kind, value)| format!("const {name}: {kind} = {value};\n")).collect();
-        constants + &body
+        Linked { text: constants + &text, bindings }
     }
 
     /// Returns the constants that shared WGSL may use: name, type and value.
@@ -131,14 +133,14 @@ impl Kernel {
         let shares = with.shares && with.is_soft();
         let TexelPlaces { uv, colors, count } = with.texel_places();
         // Mirrored surfaces need fewer rays.
-        let fewer = if self.name == TRACE_MIRRORED.name { 4 } else { 1 };
+        let fewer = if self.role.does().follows { 4 } else { 1 };
         let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
         let flag = |name, value: bool| (name, "bool", value.to_string());
         let number = |name, value: u32| (name, "u32", format!("{value}u"));
         let mut all = vec![
             number("STACK_SIZE", with.stack_size),
             flag("KEEP_OCCLUDERS", with.bits == ShadowReuse::Two && !shares),
-            flag("KEEP_BITS", self.samples(with) == Some(Write)),
+            flag("KEEP_BITS", with.sample_use(self.role) == SampleUse::Written),
             flag("CLOSE", with.close),
             ("LARGE", "f32", format!("{LARGE:?}")),
             flag("SHINE", with.shine),
@@ -154,7 +156,7 @@ impl Kernel {
         ];
         all.extend((with.planes > 0).then(|| number("PLANES", with.planes)));
         all.extend((with.jitter > 1).then(|| number("SAMPLES_SIDE", with.jitter)));
-        if let Some(reading) = self.shadow_buffer(with) {
+        if let Some(reading) = with.shadow_buffer {
             all.push(number("BUFFERED_LIGHTS", reading.lights));
             all.push(("BUFFER_MARGIN", "f32", format!("{:?}", reading.value())));
         }

@@ -15,7 +15,7 @@ fn uses(text: &'static str) -> Vec<&'static str> {
 
 #[test]
 fn definitions_are_found_by_name_and_line() {
-    let text = "// fn none() {}\nstruct A { x: f32 }\n\nalias F = vec4<bool>;\n@group(0) @binding(1) var<storage, read> b: array<A>;\n\
+    let text = "// fn none() {}\nstruct A { x: f32 }\n\nalias F = vec4<bool>;\nvar<storage, read> b: array<A>;\n\
                 const C: u32 = (1u + 2u); override D: bool = false;\n@compute @workgroup_size(8, 8)\nfn e(id: vec3u) -> u32 {\n    \
                 if true { return 1u; }\n}\nvar<private> g: F;";
     let found: Vec<_> = definitions(part(text)).into_iter().map(|found| (found.name, found.line)).collect();
@@ -50,7 +50,7 @@ fn sections_end_at_the_next_one_at_an_end_and_with_the_file() {
 #[test]
 fn every_line_of_a_text_is_told_by_file_and_line() {
     let main = Part { file: "main.wgsl", text: "// A head.\n\nfn main() { let x = pixel_index(vec2u(0u)); }\n" };
-    let text = text(main, &[]);
+    let text = linked(main, &[]).text;
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with("// ")) {
         let origin = origin(&text, index + 1).unwrap();
         let (file, number) = origin.split_once(':').unwrap();

@@ -198,32 +198,23 @@ pub(super) fn variants() -> Vec<Variant> {
 /// light have such light. A scene without a tree has no tiles to bound and nothing to draw.
 pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
     let mut all = variants();
-    if [LIST_MIRRORS.name, TRACE_MIRRORED.name].contains(&kernel.name) {
-        all.retain(|with| with.has_tree() || with.planes > 0);
-        all.iter_mut().for_each(|with| *with = Variant { mirrors: true, ..*with }.of_kernel(kernel));
+    match kernel.role {
+        Role::Shade(Shading::ListMirrors | Shading::Mirrored) => {
+            all.retain(|with| with.has_tree() || with.planes > 0);
+            all.iter_mut().for_each(|with| with.mirrors = true);
+        }
+        Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
+        Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),
+        // Tables are read for planes alone, too.
+        Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.starts_with("read_") => {}
+        Role::Hits(Hits::Tiles | Hits::Drawn) | Role::Draw(_) => all.retain(Variant::has_tree),
+        Role::Shade(Shading::Sky | Shading::Reused | Shading::Unknown) => all.retain(Variant::has_tree),
+        Role::Pixels | Role::LinearPixels | Role::MarkBusy | Role::Objects | Role::RayList(_) => {}
+        Role::Hits(Hits::View | Hits::Checked | Hits::Trusted | Hits::Listed) => {}
+        Role::Shade(Shading::Traced(_) | Shading::Source | Shading::Listed) => {}
     }
-    if [&TRACE_SOFT, &TRACE_SOFT_LISTED, &TRACE_SOFT_ASKED].iter().any(|known| known.name == kernel.name) {
-        all.retain(Variant::is_soft);
-    }
-    if [
-        &SEARCH_TILES,
-        &SEARCH_WIDE_TILES,
-        &RESOLVE_TILES,
-        &SHADE_SKY,
-        &TRACE_BOUNDED,
-        &SHADE_TILES,
-        &SHADE_LISTED,
-        &TRACE_SOFT_ASKED,
-    ]
-    .iter()
-    .any(|known| known.name == kernel.name)
-    {
-        all.retain(Variant::has_tree);
+    if kernel.role.does().samples == SampleUse::Read {
         all.iter_mut().for_each(|with| with.samples = true);
-    }
-    let draws = ["project_", "draw_", "mark_few", "mark_more", "mark_parts", "read_t_buffer"];
-    if draws.iter().any(|begin| kernel.name.starts_with(begin)) {
-        all.retain(Variant::has_tree);
     }
     all
 }

@@ -1,8 +1,13 @@
 //! A band traced in steps, so that no limit on a thread's loops can end it.
 
-use super::{bands::Band, driver::Driver, plan::Launch};
+use super::Driver;
 use crate::{
     Error, RaysPerLane,
+    frame::{
+        bands::Band,
+        plan::{Launch, Step},
+    },
+    kernels::Resource,
     lanes::{DISPATCHES, Lanes, Steps},
     layout::WORKGROUP,
     steps::{mirrors, soft, trace::TRACE_IN_STEPS},
@@ -11,7 +16,7 @@ use crate::{
 
 impl Driver<'_> {
     /// Renders all views of a band by `Naive` in steps.
-    pub(super) async fn band_in_steps(&mut self, band: &Band, steps: Steps) -> Result<(), Error> {
+    pub(crate) async fn band_in_steps(&mut self, band: &Band, steps: Steps) -> Result<(), Error> {
         let usual = self.variant;
         if self.variant.shadows == Shadows::FromSurface {
             // Its shadow rays are traced one by one, and a lane keeps the state of one traversal only.
@@ -22,7 +27,9 @@ impl Driver<'_> {
         let rows = self.rows_in_steps(steps);
         if self.lanes.is_none() {
             let block = self.variant.traversal.rays.block();
-            self.lanes = Some(Lanes::new(self.gpu, &self.variant, rows / block * self.threads_across()).await?);
+            let lanes = Lanes::new(self.gpu, &self.variant, rows / block * self.threads_across()).await?;
+            self.resources.iter_mut().for_each(|all| all.set(Resource::Steps, &lanes.buffer));
+            self.lanes = Some(lanes);
         }
         self.set_rows(band); // those of the next band by now, if that is in flight
         let gpu = self.gpu;
@@ -71,6 +78,7 @@ impl Driver<'_> {
     async fn view_in_steps(&mut self, band: &Band, view: usize, rows: u32, steps: Steps) -> Result<(), Error> {
         let gpu = self.gpu;
         let name = if self.eyes.sources[view] == view { "trace_left" } else { "trace_right" };
+        let step = Step::Run { name, kernel: &TRACE_IN_STEPS, view, launch: Launch::Pixels, part: 0 };
         let block = self.variant.traversal.rays.block();
         let views = self.eyes.sources.len() as f32;
         for begin in band.place().step_by(rows as usize) {
@@ -84,7 +92,7 @@ impl Driver<'_> {
                 let submit = || {
                     let mut encoder = self.encoder();
                     for _ in 0..DISPATCHES {
-                        self.dispatch(&mut encoder, name, &TRACE_IN_STEPS, (view, 0), Launch::Pixels);
+                        self.encode(&mut encoder, step);
                     }
                     gpu.queue.submit([encoder.finish()]);
                     Ok(())
@@ -330,7 +338,7 @@ mod tests {
         for (traversal, stack_size) in Traversal::ALL.iter().flat_map(|&t| [8, 40, 256].map(|size| (t, size))) {
             let packed = crate::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
             let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
-            let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.text(&with)).unwrap();
+            let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.linked(&with).text).unwrap();
             let lane = module.types.iter().find_map(|(_, kind)| match kind.inner {
                 naga::TypeInner::Struct { span, .. } if kind.name.as_deref() == Some("Lane") => Some(span),
                 _ => None,

@@ -1,0 +1,11 @@
+// Objects of the primitives in the BVH's order, four a texel.
+
+//! if fetch is buffer
+var<storage, read> object_table: array<vec4u>;
+
+fn object_texel(index: u32) -> vec4u { return object_table[index]; }
+
+//! if fetch is texture
+var object_table: texture_storage_2d<rgba32uint, read>;
+
+fn object_texel(index: u32) -> vec4u { return textureLoad(object_table, texel_position(index)); }

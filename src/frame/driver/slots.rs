@@ -1,0 +1,62 @@
+//! The 3D buffer of `buffer`, sized when its depth is known (thesis, 3.1.2).
+
+use crate::{
+    Error,
+    gpu::{Gpu, check_bytes},
+};
+
+/// The 3D buffer. Until it is sized, it is the last frame's.
+pub(super) struct Slots<'a> {
+    buffer: &'a mut Option<wgpu::Buffer>,
+    /// Bytes that the current rows use.
+    bytes: u64,
+    /// The most bytes and the greatest depth that any band has used.
+    most_bytes: u64,
+    most_depth: u32,
+}
+
+impl<'a> Slots<'a> {
+    pub(super) fn new(buffer: &'a mut Option<wgpu::Buffer>) -> Self {
+        Self { buffer, bytes: 0, most_bytes: 0, most_depth: 0 }
+    }
+
+    pub(super) fn most_bytes(&self) -> u64 {
+        self.most_bytes
+    }
+
+    pub(super) fn most_depth(&self) -> u32 {
+        self.most_depth
+    }
+
+    /// Makes room for up to `rows` rows of pixels. Returns how many rows fit one binding, and the buffer.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if one row does not fit, and [`Error::OutOfMemory`].
+    pub(super) async fn size(
+        &mut self,
+        gpu: &Gpu,
+        width: u32,
+        rows: u32,
+        depth: u32,
+    ) -> Result<(u32, &wgpu::Buffer), Error> {
+        let row_bytes = u64::from(width) * u64::from(depth) * 4;
+        let allowed = gpu.binding_limit();
+        check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
+        let rows = (allowed / row_bytes).min(u64::from(rows)) as u32;
+        self.bytes = u64::from(rows) * row_bytes;
+        if self.buffer.as_ref().is_none_or(|slots| slots.size() < self.bytes) {
+            // A buffer that is too small is freed before the new one is made.
+            self.buffer.take().iter().for_each(wgpu::Buffer::destroy);
+            *self.buffer = Some(gpu.checked(|| Ok(gpu.storage_buffer("slots", self.bytes))).await?);
+        }
+        self.most_bytes = self.most_bytes.max(self.bytes);
+        self.most_depth = self.most_depth.max(depth);
+        Ok((rows, self.buffer.as_ref().expect("made above")))
+    }
+
+    /// Clears what the current rows use.
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        let slots = self.buffer.as_ref().expect("sized before the step that empties it");
+        encoder.clear_buffer(slots, 0, Some(self.bytes));
+    }
+}

@@ -1,0 +1,153 @@
+//! Runs kernels: the one place that binds resources and begins passes. Frames, ray lists and shadow-buffers use it.
+
+use std::collections::BTreeMap;
+
+use crate::{
+    gpu::{Gpu, Texels, Timestamps, bind_group},
+    kernels::{Kernel, Kernels, Resource},
+    variant::Variant,
+};
+
+/// A resource on the device.
+#[derive(Clone, Debug)]
+pub(crate) enum Held {
+    Buffer(wgpu::Buffer),
+    /// A part of a buffer of uniforms.
+    Uniform {
+        buffer: wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+    },
+    Texture(wgpu::TextureView),
+}
+
+impl Held {
+    fn binding(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Self::Buffer(buffer) => buffer.as_entire_binding(),
+            Self::Uniform { buffer, offset, bytes } => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer,
+                offset: *offset,
+                size: std::num::NonZeroU64::new(*bytes),
+            }),
+            Self::Texture(view) => wgpu::BindingResource::TextureView(view),
+        }
+    }
+}
+
+impl From<&wgpu::Buffer> for Held {
+    fn from(buffer: &wgpu::Buffer) -> Self {
+        Self::Buffer(buffer.clone())
+    }
+}
+
+impl From<&wgpu::TextureView> for Held {
+    fn from(view: &wgpu::TextureView) -> Self {
+        Self::Texture(view.clone())
+    }
+}
+
+impl From<&Texels> for Held {
+    fn from(texels: &Texels) -> Self {
+        match texels {
+            Texels::Texture(view) => view.into(),
+            Texels::Buffer(buffer) => buffer.into(),
+        }
+    }
+}
+
+/// Resources by name. Whoever makes them also frees them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Resources(BTreeMap<Resource, Held>);
+
+impl Resources {
+    /// Adds a resource, or replaces it.
+    pub(crate) fn set(&mut self, resource: Resource, held: impl Into<Held>) {
+        self.0.insert(resource, held.into());
+    }
+
+    /// Adds a resource, or replaces it.
+    pub(crate) fn with(mut self, resource: Resource, held: impl Into<Held>) -> Self {
+        self.set(resource, held);
+        self
+    }
+}
+
+/// Threads of a dispatch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Workgroups<'a> {
+    Number([u32; 3]),
+    /// By the head of a list in a buffer.
+    Listed(&'a wgpu::Buffer, u32),
+}
+
+/// Encodes kernels with their resources.
+#[derive(Debug)]
+pub(crate) struct Executor<'a> {
+    gpu: &'a Gpu,
+    kernels: &'a Kernels,
+    /// The head of the current list, copied here since an indirect buffer may not be bound for writing.
+    indirect: Option<&'a wgpu::Buffer>,
+    timestamps: Option<&'a mut Timestamps>,
+}
+
+/// Bytes of a list's head that an indirect dispatch reads.
+pub(crate) const INDIRECT_BYTES: u64 = 12;
+
+/// Returns a buffer for the heads of lists.
+pub(crate) fn indirect_buffer(gpu: &Gpu) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("indirect"),
+        size: INDIRECT_BYTES,
+        usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+impl<'a> Executor<'a> {
+    /// Makes an executor. `indirect` is needed for dispatches over lists. Without `timestamps` nothing is timed.
+    pub(crate) fn new(
+        gpu: &'a Gpu,
+        kernels: &'a Kernels,
+        indirect: Option<&'a wgpu::Buffer>,
+        timestamps: Option<&'a mut Timestamps>,
+    ) -> Self {
+        Self { gpu, kernels, indirect, timestamps }
+    }
+
+    pub(crate) fn timestamps(&mut self) -> Option<&mut Timestamps> {
+        self.timestamps.as_deref_mut()
+    }
+
+    /// Encodes a pass of one kernel. `name` is its name in times.
+    pub(crate) fn run(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        name: &'static str,
+        (kernel, with): (&Kernel, Variant),
+        resources: &Resources,
+        workgroups: Workgroups<'_>,
+    ) {
+        let pipeline = self.kernels.get(self.gpu, kernel, with);
+        let bound = self.kernels.bound(kernel, with);
+        let held = bound.iter().map(|resource| match resources.0.get(resource) {
+            Some(held) => held.binding(),
+            None => panic!("{name} binds {resource:?}, which nothing made"),
+        });
+        let group = bind_group(self.gpu, name, &pipeline.layout, held);
+        let indirect = || self.indirect.expect("made for dispatches over lists");
+        if let Workgroups::Listed(lists, list) = workgroups {
+            let head = u64::from(list) * size_of_val(&crate::layout::EMPTY_LIST) as u64;
+            encoder.copy_buffer_to_buffer(lists, head, indirect(), 0, Some(INDIRECT_BYTES));
+        }
+        let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        match workgroups {
+            Workgroups::Number([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+            Workgroups::Listed(..) => pass.dispatch_workgroups_indirect(self.indirect.expect("as above"), 0),
+        }
+    }
+}
