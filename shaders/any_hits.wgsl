@@ -6,19 +6,18 @@
 // writes  found     [rays]      1 where something is hit
 // adds    counters  [COUNTERS]  as of a view
 
-var<uniform> frame: Frame;
 var<storage, read_write> found: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn any_hits(@builtin(global_invocation_id) id: vec3u) {
     let first = id.x * RAYS;
-    if first >= frame.image_size.x || !begin_step(id.x) { return; }
+    if first >= frame.band.size.x || !begin_step(id.x) { return; }
     let listed = listed_rays(first);
     let occluded = any_hit(listed.rays, listed.t_min, listed.t_max);
     var ray = 0u;
     loop {
-        if !paused && first + ray < frame.image_size.x {
+        if !paused && first + ray < frame.band.size.x {
             found[first + ray] = select(0u, 1u, of_ray_b(occluded, ray));
         }
         ray += 1u;

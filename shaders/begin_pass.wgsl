@@ -4,7 +4,6 @@
 // launch  one thread
 // updates drawing
 
-var<uniform> frame: Frame;
 var<storage, read_write> drawing: Drawing;
 
 @compute @workgroup_size(1)

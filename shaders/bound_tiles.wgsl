@@ -8,7 +8,6 @@
 // writes  bounds    [tiles, BOUND_WORDS]  bits of the largest depth; cleared by the host
 // adds    counters  [height * COUNTERS] the target's pixels in gaps
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> bounds: array<atomic<u32>>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -19,10 +18,10 @@ const NOWHERE: f32 = 3.0e38;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let width = frame.image_size.x;
-    let row = launched_row(id) + frame.row_begin;
+    let width = frame.band.size.x;
+    let row = launched_row(id) + frame.band.row_begin;
     let begin = id.x * TILE;
-    if begin >= width || row >= frame.row_end { return; }
+    if begin >= width || row >= frame.band.row_end { return; }
     let end = min(begin + TILE, width);
     let first_tile = row / TILE * tiles_across();
     let first_pixel = row * width;
@@ -74,7 +73,7 @@ fn bound_tiles(@builtin(global_invocation_id) id: vec3u) {
 // Returns where a sample lands, counted from the begin of the sweep. It is clamped, since near z = 0 it does not fit an
 // integer.
 fn landed_at(column: u32, depth: f32) -> f32 {
-    let width = f32(frame.image_size.x);
+    let width = f32(frame.band.size.x);
     let x = clamp(landing_x(column, depth), -2.0, width + 2.0);
     return select(x, width - x, is_mirrored());
 }

@@ -6,7 +6,6 @@
 // updates counters         [rows * COUNTERS]  reads GAP_PIXELS, writes CHOSEN of the band's first row
 // updates lists            heads TO_SEARCH and ALL_TRACED: the one that is not chosen launches nothing
 
-var<uniform> frame: Frame;
 var<storage, read> source_counters: array<u32>;
 var<storage, read_write> counters: array<u32>;
 var<storage, read_write> lists: Lists;
@@ -20,7 +19,7 @@ var<workgroup> gap_sums: array<f32, LIST_WORKGROUP>;
 fn choose(@builtin(local_invocation_index) thread: u32) {
     var shadow = 0.0;
     var gaps = 0.0;
-    for (var row = frame.row_begin + thread; row < frame.row_end; row += LIST_WORKGROUP) {
+    for (var row = frame.band.row_begin + thread; row < frame.band.row_end; row += LIST_WORKGROUP) {
         // Shadow rays from mirrored surfaces belong to the target by either method.
         let words = row * COUNTERS;
         shadow += f32(source_counters[words + SHADOW_RAYS] - source_counters[words + OWN_SHADOW_RAYS]);
@@ -34,9 +33,9 @@ fn choose(@builtin(local_invocation_index) thread: u32) {
         shadow += shadow_sums[other];
         gaps += gap_sums[other];
     }
-    let pixels = f32(frame.image_size.x) * f32(frame.row_end - frame.row_begin);
-    let asked_anew = min(frame.cost_of_listed * gaps / pixels + frame.cost_of_disagreed, frame.cost_of_listed);
-    let bracket = shadow / pixels * (1.0 - asked_anew) > frame.least_spared;
-    counters[frame.row_begin * COUNTERS + CHOSEN] = select(0u, BRACKET_CHOSEN, bracket);
+    let pixels = f32(frame.band.size.x) * f32(frame.band.row_end - frame.band.row_begin);
+    let asked_anew = min(frame.costs.listed * gaps / pixels + frame.costs.disagreed, frame.costs.listed);
+    let bracket = shadow / pixels * (1.0 - asked_anew) > frame.costs.least_spared;
+    counters[frame.band.row_begin * COUNTERS + CHOSEN] = select(0u, BRACKET_CHOSEN, bracket);
     if bracket { lists.heads[ALL_TRACED].workgroups_y = 0u; } else { lists.heads[TO_SEARCH].workgroups_y = 0u; }
 }

@@ -6,19 +6,18 @@
 // writes  found     [rays]      t as bits (t_max where nothing is hit), primitive id
 // adds    counters  [COUNTERS]  as of a view
 
-var<uniform> frame: Frame;
 var<storage, read_write> found: array<vec2u>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 @compute @workgroup_size(LIST_WORKGROUP)
 fn closest_hits(@builtin(global_invocation_id) id: vec3u) {
     let first = id.x * RAYS;
-    if first >= frame.image_size.x || !begin_step(id.x) { return; }
+    if first >= frame.band.size.x || !begin_step(id.x) { return; }
     let listed = listed_rays(first);
     let hits = closest_hit(listed.rays, listed.t_min, listed.t_max);
     var ray = 0u;
     loop {
-        if !paused && first + ray < frame.image_size.x {
+        if !paused && first + ray < frame.band.size.x {
             found[first + ray] = vec2u(bitcast<u32>(of_ray(hits.t, ray)), of_ray_u(hits.primitive, ray));
         }
         ray += 1u;

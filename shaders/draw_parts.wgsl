@@ -6,7 +6,6 @@
 // updates t_buffer   [height * width * 2]; of a shadow-buffer that is marked [height * width * 4]
 // adds    counters   [height * COUNTERS], and the cost map behind them, if requested
 
-var<uniform> frame: Frame;
 var<storage, read_write> t_buffer: array<atomic<u32>>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> drawing: Drawing;

@@ -5,7 +5,6 @@
 // reads   slots  [rows * width * depth]  keys of samples, or EMPTY
 // writes  view   [height * width]        marks: key, or EMPTY
 
-var<uniform> frame: Frame;
 var<storage, read> slots: array<u32>;
 var<storage, read_write> view: array<Pixel>;
 
@@ -13,11 +12,11 @@ var<storage, read_write> view: array<Pixel>;
 fn gather_slots(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
-    let cell = (pixel.y - frame.row_begin) * frame.image_size.x + pixel.x;
+    let cell = (pixel.y - frame.band.row_begin) * frame.band.size.x + pixel.x;
     var nearest = 0u;
     // The loop's end must not be a uniform alone: Mesa's software driver would compile the kernel anew for each depth.
-    let end = (cell + 1u) * frame.buffer_depth;
-    for (var slot = cell * frame.buffer_depth; slot < end; slot += 1u) {
+    let end = (cell + 1u) * frame.band.buffer_depth;
+    for (var slot = cell * frame.band.buffer_depth; slot < end; slot += 1u) {
         nearest = max(nearest, slots[slot]);
     }
     view[pixel_index(pixel)].marks = nearest;

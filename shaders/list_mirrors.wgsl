@@ -5,7 +5,6 @@
 // reads   view       [height * width]
 // appends mirrors    TO_TRACE
 
-var<uniform> frame: Frame;
 var<storage, read> view: array<Pixel>;
 var<storage, read_write> lists: Lists;
 

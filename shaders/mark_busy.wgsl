@@ -10,7 +10,6 @@
 // reads   source_samples  texture
 // adds    bounds          [tiles, BOUND_WORDS]  a bit for each busy light, from bit 16 on for each busy share
 
-var<uniform> frame: Frame;
 var<storage, read_write> bounds: array<atomic<u32>>;
 
 // How far the tiles reach on either side, in pixels. The first is for a shadowed sample whose surface is flat for two
@@ -23,10 +22,10 @@ const FLAT: f32 = 1.0 / 32.0;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn mark_busy(@builtin(global_invocation_id) id: vec3u) {
-    let row = launched_row(id) + frame.row_begin;
+    let row = launched_row(id) + frame.band.row_begin;
     let begin = id.x * BUSY_RUN;
-    if begin >= frame.image_size.x || row >= frame.row_end { return; }
-    let end = min(begin + BUSY_RUN, frame.image_size.x);
+    if begin >= frame.band.size.x || row >= frame.band.row_end { return; }
+    let end = min(begin + BUSY_RUN, frame.band.size.x);
     // One bit for each column whose sample is busy for some light. Few are.
     var busy_columns = 0u;
     var samples = samples_around(row, begin);
@@ -94,7 +93,7 @@ fn mark(row: u32, column: u32) {
 // Returns the sample `offset` columns away. Outside the picture it is one without known bits.
 fn sample_in_row(row: u32, column: u32, offset: i32) -> SourceSample {
     let place = i32(column) + offset;
-    let inside = (place >= 0) & (place < i32(frame.image_size.x));
+    let inside = (place >= 0) & (place < i32(frame.band.size.x));
     let sample = source_sample(vec2u(u32(select(0, place, inside)), row));
     let component = select(MISS, sample.component, inside);
     return SourceSample(sample.depth, sample.other, component, select(0u, sample.bits, inside));
@@ -110,12 +109,12 @@ fn unlike(a: SourceSample, b: SourceSample) -> u32 {
 // depths lie on a line.
 fn is_flat(a: SourceSample, b: SourceSample, c: SourceSample, apart: f32) -> bool {
     let off = abs(b.depth / a.depth + b.depth / c.depth - 2.0);
-    return a.component == b.component && c.component == b.component && off < FLAT * apart * length(frame.step_x);
+    return a.component == b.component && c.component == b.component && off < FLAT * apart * column_step();
 }
 
 fn mark_tiles(row: u32, x: f32, reach: f32, busy: u32) {
     let low = max(x - reach, 0.0);
-    let high = min(x + reach, f32(frame.image_size.x) - 0.5);
+    let high = min(x + reach, f32(frame.band.size.x) - 0.5);
     if busy == 0u || !(low <= high) { return; }
     let first = row / TILE * tiles_across();
     var tile = u32(low) / TILE;

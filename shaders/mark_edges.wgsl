@@ -6,7 +6,6 @@
 // updates view    [height * width]  marks: key, or EMPTY; BAD is added
 //         object_table  objects of the primitives in the BVH's order, four a texel
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<Pixel>;
 
@@ -29,7 +28,7 @@ fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
 
 // Nothing differs beyond the picture's edge.
 fn differs(hit: Pixel, at: vec2i) -> bool {
-    if any(at < vec2i(0)) || any(at >= vec2i(frame.image_size)) { return false; }
+    if any(at < vec2i(0)) || any(at >= vec2i(frame.band.size)) { return false; }
     let other = source[pixel_index(vec2u(at))];
     return object_of(hit.slot) != object_of(other.slot)
         || abs(parallax(hit.depth) - parallax(other.depth)) > EDGE_PX;

@@ -7,7 +7,6 @@
 // adds    counters   [height * COUNTERS]
 // appends drawing
 
-var<uniform> frame: Frame;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> drawing: Drawing;
 

@@ -6,7 +6,6 @@
 // slot; MISS: nothing hit; UNFILLED: not known
 // adds    counters  [COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> t_buffer: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 

@@ -8,7 +8,6 @@
 // adds    counters  [height * COUNTERS]
 // appends lists     TO_TRACE
 
-var<uniform> frame: Frame;
 var<storage, read> t_buffer: array<u32>;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -19,7 +18,7 @@ fn read_t_buffer(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     if !any_ray(wanted) { return; }
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     var nearest = nearest_plane(rays, F(0.0), F(FAR));
     var nameless: U;
     var ray = 0u;

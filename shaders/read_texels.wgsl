@@ -9,7 +9,6 @@
 //                                                      or UNFILLED: not known
 // adds    counters  [COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read> t_buffer: array<u32>;
 var<storage, read_write> texels: array<vec4u>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -26,7 +25,7 @@ fn read_texels(@builtin(global_invocation_id) id: vec3u) {
     var mark = 0u;
     if slot < UNFILLED {
         plane = shown_plane(slot);
-        let at = vec2f(f32(texel.y + frame.first_row), f32(texel.x));
+        let at = vec2f(f32(texel.y + frame.band.first_row), f32(texel.x));
         mark = select(0u, SOMETHING_BEFORE, plane_stands_before(slot, plane, at));
     }
     texels[index] = vec4u(bitcast<vec3u>(plane), slot | mark);

@@ -12,7 +12,6 @@ struct ContestedPixel {
     color: u32,
 }
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<ContestedPixel>;
 

@@ -6,16 +6,15 @@
 // reads   source  [height * width]
 // writes  view    [height * width]  marks: key of the sample, or EMPTY; cleared by the host
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<Pixel>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn reproject_scanline(@builtin(global_invocation_id) id: vec3u) {
-    let row = frame.row_begin + id.y * WORKGROUP + id.x;
-    if id.x >= WORKGROUP || row >= frame.row_end { return; }
-    let first = i32(row * frame.image_size.x);
-    let end = first + i32(frame.image_size.x);
+    let row = frame.band.row_begin + id.y * WORKGROUP + id.x;
+    if id.x >= WORKGROUP || row >= frame.band.row_end { return; }
+    let first = i32(row * frame.band.size.x);
+    let end = first + i32(frame.band.size.x);
     // The pixel where the previous sample landed.
     var before = landed_on(0u, first);
     // Loops over pixel indices, not columns: Mesa's software driver compiles a loop whose end is a uniform anew for

@@ -7,7 +7,6 @@
 // writes  slots     [rows * width * depth]   keys, or EMPTY; cleared by the host
 // adds    counters  [height * COUNTERS]      one for each candidate that met a taken slot: of the two one is lost
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> slots: array<atomic<u32>>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -18,8 +17,8 @@ fn reproject_slots(@builtin(global_invocation_id) id: vec3u) {
     if outside(pixel) { return; }
     let column = target_column(pixel.x, source[pixel_index(pixel)].depth);
     if column < 0 { return; }
-    let cell = (pixel.y - frame.row_begin) * frame.image_size.x + u32(column);
-    let before = atomicMax(&slots[cell * frame.buffer_depth + pixel.x % frame.buffer_depth], key_of(pixel.x));
+    let cell = (pixel.y - frame.band.row_begin) * frame.band.size.x + u32(column);
+    let before = atomicMax(&slots[cell * frame.band.buffer_depth + pixel.x % frame.band.buffer_depth], key_of(pixel.x));
     if before != 0u {
         atomicAdd(&counters[pixel.y * COUNTERS + LOST_CANDIDATES], 1u);
     }

@@ -9,7 +9,6 @@
 // adds    counters  [height * COUNTERS]
 // appends lists
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;

@@ -8,7 +8,6 @@
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_TRACE; reads TO_RESOLVE
 
-var<uniform> frame: Frame;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
@@ -29,7 +28,7 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
     // Pixels whose list overflowed are traced, as without a bound.
     let fits = listed <= LIST_MOST;
     let bound = select(0.0, bitcast<f32>(lists.entries[tile]), fits);
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     var nearest = nearest_listed(rays, list + 1u, select(0u, listed, fits), pixels);
     let finished = (nearest.t <= F(bound)) | (F(bound) >= F(FAR));
     nearest.primitive = select(U(MISS), nearest.primitive, finished);

@@ -8,7 +8,6 @@
 // writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
 
-var<uniform> frame: Frame;
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
@@ -27,10 +26,10 @@ var<private> covering: array<Covering, KEPT + 1u>;
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.row_begin);
+    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * TILE + vec2u(0u, frame.band.row_begin);
     if outside(corner) || !is_any_wanted(corner) { return; }
-    let size = min(vec2u(TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
-    let tile = Tile(corner + vec2u(0u, frame.first_row), size);
+    let size = min(vec2u(TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
+    let tile = Tile(corner + vec2u(0u, frame.band.first_row), size);
     let place = bound_place(corner);
     let bound = min(bitcast<f32>(bounds[place]) * BETWEEN, FAR);
     let found = found_in_tile(corner);
@@ -48,7 +47,7 @@ fn search_tiles(@builtin(global_invocation_id) id: vec3u) {
         if block >= TILE_BLOCKS { break; }
     }
     let list = select(SKY, TO_RESOLVE, anything);
-    let tile_index = (corner.y - frame.row_begin) / TILE * tiles_across() + corner.x / TILE;
+    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
     count_pixel(corner);
     count_view(corner.y, 0u, nodes_visited, primitives_tested);

@@ -8,7 +8,6 @@
 // writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
 // appends lists     TO_RESOLVE, SKY: tiles of the rows at work
 
-var<uniform> frame: Frame;
 var<storage, read> bounds: array<u32>;
 var<storage, read_write> counters: array<atomic<u32>>;
 var<storage, read_write> lists: Lists;
@@ -32,10 +31,10 @@ var<private> searched: vec2u;   // corner of the first tile, in the picture
 
 @compute @workgroup_size(WORKGROUP, WORKGROUP)
 fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
-    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * WIDE_TILE + vec2u(0u, frame.row_begin);
+    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * WIDE_TILE + vec2u(0u, frame.band.row_begin);
     if outside(corner) { return; }
-    let size = min(vec2u(WIDE_TILE), vec2u(frame.image_size.x, frame.row_end) - corner);
-    searched = corner + vec2u(0u, frame.first_row);
+    let size = min(vec2u(WIDE_TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
+    searched = corner + vec2u(0u, frame.band.first_row);
     let bound = deepest_bound(corner);
     let found = found_in_tile(corner);
     search(Tile(searched, size), found, min(bound * DEEPER, FAR));
@@ -76,7 +75,7 @@ fn deepest_bound(corner: vec2u) -> f32 {
 
 // Finishes a tile's lists and appends the tile to TO_RESOLVE or SKY.
 fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
-    var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.first_row), vec2u(TILE)));
+    var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.band.first_row), vec2u(TILE)));
     lists.entries[found] = bitcast<u32>(bound);
     lists.entries[found + BUSY_WORD] = bounds[bound_place(corner) + 1u];
     var block = 0u;
@@ -88,14 +87,14 @@ fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool)
         if block >= TILE_BLOCKS { break; }
     }
     let list = select(SKY, TO_RESOLVE, anything);
-    let tile_index = (corner.y - frame.row_begin) / TILE * tiles_across() + corner.x / TILE;
+    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
     append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
 }
 
 // Returns the first and last column and row of samples, from the corner, that a projection with these bounds may cover.
-// If a first exceeds its last, there is none. Samples are jittered along their rows only.
+// If a first exceeds its last, there is none.
 fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
-    let margin = vec2f(frame.wider, frame.wider - jitter_reach());
+    let margin = guard_band();
     let corner = vec2f(tile.corner) + 0.5;
     let most = vec2f(tile.size) - 1.0;
     let first = ceil(clamp(projected.xy - margin - corner, vec2f(0.0), most + 1.0));

@@ -5,7 +5,6 @@
 // writes  kept_samples  texture, by bracket
 // adds    counters        [height * COUNTERS]; reads masks behind them
 
-var<uniform> frame: Frame;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
@@ -16,7 +15,7 @@ fn shade_hits(@builtin(global_invocation_id) id: vec3u) {
     leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
     throw_dice(pixels, 0u);
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     let found = target_hits(pixels, wanted);
     keep_view(pixels, wanted, shade(rays, found, surfaces_at(rays, found)));
     let first = pixel_of_ray(pixels, 0u);

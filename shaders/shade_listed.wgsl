@@ -6,7 +6,6 @@
 // updates view         [height * width]      color
 // adds    counters     [height * COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -15,7 +14,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
     let listed = listed_pixels(TO_SHADE, id.x);
     if !any_ray(listed.wanted) { return; }
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, listed.pixels));
+    let rays = rays_of(listed.pixels);
     let found = target_hits(listed.pixels, listed.wanted);
     let surfaces = surfaces_at(rays, found);
     throw_dice(listed.pixels, 0u);

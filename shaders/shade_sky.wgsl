@@ -6,7 +6,6 @@
 // writes  view         [height * width]
 // adds    counters     [height * COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -15,7 +14,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
     let block = listed_tile_pixels(SKY, id.x);
     if !any_ray(block.wanted) { return; }
-    let direction = pixel_directions(frame.target_corner, block.pixels);
+    let direction = rays_of(block.pixels).direction;
     let color = sky(direction);
     let packed = packed_srgb(color);
     var ray = 0u;

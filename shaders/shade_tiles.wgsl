@@ -6,7 +6,6 @@
 // adds    counters     [height * COUNTERS]
 // appends lists        TO_LIGHT; reads TO_RESOLVE
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -15,7 +14,7 @@ var<storage, read_write> counters: array<atomic<u32>>;
 fn shade_tiles(@builtin(global_invocation_id) id: vec3u) {
     let block = listed_tile_pixels(TO_RESOLVE, id.x);
     if !any_ray(block.wanted) { return; }
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, block.pixels));
+    let rays = rays_of(block.pixels);
     let found = target_hits(block.pixels, block.wanted);
     let surfaces = surfaces_at(rays, found);
     throw_dice(block.pixels, 0u);

@@ -6,7 +6,6 @@
 // writes  picture     [height, width]    sRGB-encoded, alpha 1
 // adds    unfinished  [1]                threads that an adapter ended
 
-var<uniform> frame: Frame;
 var<storage, read> view: array<Pixel>;
 var<storage, read> counters: array<u32>;
 var<storage, read_write> unfinished: array<atomic<u32>>;
@@ -21,5 +20,5 @@ fn show_color(@builtin(global_invocation_id) id: vec3u) {
         if ended > 0u { atomicAdd(&unfinished[0], ended); }
     }
     let color = unpack4x8unorm(view[pixel_index(pixel)].color);
-    textureStore(picture, pixel + vec2u(0u, frame.first_row), color);
+    textureStore(picture, pixel + vec2u(0u, frame.band.first_row), color);
 }

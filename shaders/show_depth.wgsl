@@ -4,7 +4,6 @@
 // reads   view     [rows * width]
 // writes  picture  [height, width]  depth, FAR where nothing was hit
 
-var<uniform> frame: Frame;
 var<storage, read> view: array<Pixel>;
 var picture: texture_storage_2d<r32float, write>;
 
@@ -13,5 +12,5 @@ fn show_depth(@builtin(global_invocation_id) id: vec3u) {
     let pixel = thread_pixel(id);
     if outside(pixel) { return; }
     let depth = view[pixel_index(pixel)].depth;
-    textureStore(picture, pixel + vec2u(0u, frame.first_row), vec4f(depth, 0.0, 0.0, 1.0));
+    textureStore(picture, pixel + vec2u(0u, frame.band.first_row), vec4f(depth, 0.0, 0.0, 1.0));
 }

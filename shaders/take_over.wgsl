@@ -5,7 +5,6 @@
 // reads   source  [height * width]
 // updates view    [height * width]  all but marks
 
-var<uniform> frame: Frame;
 var<storage, read> source: array<Pixel>;
 var<storage, read_write> view: array<Pixel>;
 

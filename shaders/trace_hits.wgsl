@@ -4,7 +4,6 @@
 // writes  view      [height * width]      all but color
 // adds    counters  [height * COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
@@ -14,7 +13,7 @@ fn trace_hits(@builtin(global_invocation_id) id: vec3u) {
     let wanted = inside_rows(pixels);
     leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     let nearest = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
     keep_hits(pixels, wanted, nearest);
     let first = pixel_of_ray(pixels, 0u);

@@ -5,13 +5,12 @@
 // writes  view      [height * width]
 // adds    counters  [height * COUNTERS], and the cost map behind them, if requested
 
-var<uniform> frame: Frame;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
 // Returns a thread's lane. Lanes follow the launch row by row, in whole workgroups.
 fn lane_of(id: vec3u) -> u32 {
-    let workgroups = (frame.image_size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
+    let workgroups = (frame.band.size.x + WORKGROUP * BLOCK.x - 1u) / (WORKGROUP * BLOCK.x);
     return launched_row(id) * workgroups * WORKGROUP + id.x;
 }
 
@@ -30,7 +29,7 @@ fn trace_in_steps(@builtin(global_invocation_id) id: vec3u) {
     let pixels = block_pixels(id);
     let wanted = inside_rows(pixels);
     if !any_ray(wanted) || !begin_step(lane_of(id)) { return; }
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     let seen = seen_by(rays, wanted);
     if !paused {
         let samples = shade(rays, seen, surfaces_at(rays, seen));

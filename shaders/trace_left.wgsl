@@ -5,7 +5,6 @@
 // writes  kept_samples                    texture, by bracket
 // adds    counters                        [height * COUNTERS], and the cost map behind them, if requested
 
-var<uniform> frame: Frame;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
 
@@ -15,7 +14,7 @@ fn trace_left(@builtin(global_invocation_id) id: vec3u) {
     let wanted = inside_rows(pixels);
     leave_out(pixels, wanted);
     if !any_ray(wanted) { return; }
-    let samples = trace_pixels(Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels)), wanted);
+    let samples = trace_pixels(rays_of(pixels), wanted);
     keep_view(pixels, wanted, samples);
     let first = pixel_of_ray(pixels, 0u);
     count_pixel(first);

@@ -6,7 +6,6 @@
 // updates view         [height * width]      depth, read as the depth up to which space is empty; slot
 // adds    counters     [height * COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -16,7 +15,7 @@ fn trace_listed(@builtin(global_invocation_id) id: vec3u) {
     let listed = listed_pixels(TO_TRACE, id.x);
     if !any_ray(listed.wanted) { return; }
     let free = target_hits(listed.pixels, listed.wanted).t;
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, listed.pixels));
+    let rays = rays_of(listed.pixels);
     let nearest = closest_hit(rays, free, select(F(NEVER), F(FAR), listed.wanted));
     keep_hits(listed.pixels, listed.wanted, nearest);
     let first = pixel_of_ray(listed.pixels, 0u);

@@ -6,7 +6,6 @@
 // updates view       [height * width]      color
 // adds    counters   [height * COUNTERS]
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;
@@ -30,7 +29,7 @@ var<private> waiting: u32;
 const FAINT: f32 = 1.0 / 4096.0;
 
 fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
-    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.bounces || waiting >= MOST_PENDING { return; }
+    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.lighting.bounces || waiting >= MOST_PENDING { return; }
     pending[waiting] = Pending(origin, direction, weight, travelled, depth);
     waiting += 1u;
 }
@@ -99,13 +98,12 @@ fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
     let listed = listed_pixels(TO_TRACE, id.x);
     if !any_ray(listed.wanted) { return; }
     let first = pixel_of_ray(listed.pixels, 0u);
-    let primary = pixel_directions(frame.target_corner, listed.pixels);
+    let own = rays_of(listed.pixels);
     // The first ray's direction is scaled so that t is depth; all others are unit vectors.
-    var ray = Pending(frame.target_eye, of_ray3(primary, 0u), vec3f(1.0), 0.0, 0u);
+    var ray = Pending(own.origin, of_ray3(own.direction, 0u), vec3f(1.0), 0.0, 0u);
     var hits = target_hits(listed.pixels, listed.wanted);
     // A hit reused from another view's sample is intersected anew by this pixel's own ray, if it hits. Else rays would
     // begin beside the pixel.
-    let own = Rays(ray.origin, primary);
     if COUNT { primitives_tested += 1u; }
     let met = met_at(hits.slot, own);
     hits.t = select(hits.t, met.t, met.hit & (met.t >= F(0.0)));

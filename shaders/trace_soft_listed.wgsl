@@ -6,7 +6,6 @@
 // reads   view      [height * width]
 // adds    counters  [height * COUNTERS], and masks behind them
 
-var<uniform> frame: Frame;
 var<storage, read_write> lists: Lists;
 var<storage, read_write> view: array<Pixel>;
 var<storage, read_write> counters: array<atomic<u32>>;

@@ -171,7 +171,8 @@ impl<'a> List<'a> {
         let gpu = &renderer.gpu;
         let fetch = scene.variant.traversal.fetch;
         let count = rays.len() as u32;
-        let frame = layout::Frame { image_size: [count, 1], ..Default::default() };
+        let band = layout::Band { size: [count, 1], ..Default::default() };
+        let frame = layout::Frame { band, ..Default::default() };
         let texels = gpu.upload("rays", &texels(rays, scene.origin), fetch).await?;
         let make = || {
             let frame = gpu.uniform_buffer("frame", bytemuck::bytes_of(&frame));

@@ -2,10 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// `Frame` of shaders/shared/types.wgsl.
+/// `Eyes` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Frame {
+pub(crate) struct Eyes {
     pub(crate) source_eye: [f32; 3],
     pub(crate) parallax_px: f32,
     pub(crate) target_eye: [f32; 3],
@@ -15,39 +15,82 @@ pub(crate) struct Frame {
     pub(crate) target_corner: [f32; 3],
     pub(crate) same_parallax: f32,
     pub(crate) step_x: [f32; 3],
-    pub(crate) buffer_depth: u32,
-    pub(crate) step_y: [f32; 3],
-    pub(crate) row_begin: u32,
-    pub(crate) right_axis: [f32; 3],
-    pub(crate) row_end: u32,
-    pub(crate) image_size: [u32; 2],
     pub(crate) longest: f32,
-    pub(crate) runs: u32,
-    pub(crate) forward: [f32; 3],
+    pub(crate) step_y: [f32; 3],
     pub(crate) wider: f32,
-    pub(crate) first_row: u32,
-    pub(crate) least_spared: f32,
-    pub(crate) cost_of_listed: f32,
-    pub(crate) cost_of_disagreed: f32,
+    pub(crate) right_axis: [f32; 3],
+    pub(crate) at_infinity: f32,
+    pub(crate) forward: [f32; 3],
+    pub(crate) pixel_side: f32,
     pub(crate) second_parallax_px: f32,
     pub(crate) second_same_parallax: f32,
-    pub(crate) bounces: u32,
-    pub(crate) words_read: u32,
-    pub(crate) soft_light: u32,
-    pub(crate) soft_slot: u32,
-    pub(crate) soft_first: u32,
-    pub(crate) soft_sources: u32,
+    pub(crate) _pad: [u32; 2],
+}
+
+/// `Band` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Band {
+    pub(crate) size: [u32; 2],
+    pub(crate) row_begin: u32,
+    pub(crate) row_end: u32,
+    pub(crate) first_row: u32,
+    pub(crate) runs: u32,
+    pub(crate) buffer_depth: u32,
+    pub(crate) jitter_seed: u32,
+}
+
+/// `Lighting` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Lighting {
+    pub(crate) light: u32,
+    pub(crate) slot: u32,
+    pub(crate) first_ray: u32,
+    pub(crate) sources: u32,
     pub(crate) seed: u32,
     pub(crate) occlusion_radius: f32,
     pub(crate) share_tolerance: f32,
+    pub(crate) bounces: u32,
+}
+
+/// `Display` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Display {
     pub(crate) exposure: f32,
     pub(crate) filmic: u32,
-    pub(crate) jitter_seed: u32,
-    pub(crate) zero_b: u32,
-    pub(crate) zero: u32,
-    pub(crate) at_infinity: f32,
-    pub(crate) pixel_side: f32,
-    pub(crate) _pad: [u32; 2],
+    pub(crate) words_read: u32,
+    pub(crate) _pad: u32,
+}
+
+/// `Costs` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Costs {
+    pub(crate) least_spared: f32,
+    pub(crate) listed: f32,
+    pub(crate) disagreed: f32,
+    pub(crate) _pad: u32,
+}
+
+/// `Frame` of shaders/shared/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Frame {
+    pub(crate) eyes: Eyes,
+    pub(crate) band: Band,
+    pub(crate) lighting: Lighting,
+    pub(crate) display: Display,
+    pub(crate) costs: Costs,
+}
+
+/// `Frame` of shaders/shared/frame.wgsl for a light's shadow-buffer.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct TableFrame {
+    pub(crate) mapping: Mapping,
+    pub(crate) band: Band,
 }
 
 /// `Bvh` of shaders/shared/bvh.wgsl.
@@ -79,11 +122,11 @@ pub(crate) struct Pixel {
     pub(crate) color: u32,
 }
 
-/// `Frame` of shaders/shared/types.wgsl for a light's table.
+/// `Mapping` of shaders/shared/frame.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Table {
-    pub(crate) target_eye: [f32; 3],
+pub(crate) struct Mapping {
+    pub(crate) light: [f32; 3],
     pub(crate) theta_begin: f32,
     pub(crate) axis_x: [f32; 3],
     pub(crate) theta_step: f32,
@@ -91,11 +134,9 @@ pub(crate) struct Table {
     pub(crate) phi_begin: f32,
     pub(crate) axis_z: [f32; 3],
     pub(crate) phi_step: f32,
-    pub(crate) image_size: [u32; 2],
     pub(crate) columns: u32,
-    pub(crate) first_row: u32,
     pub(crate) margin: f32,
-    pub(crate) _pad: [u32; 3],
+    pub(crate) _pad: [u32; 2],
 }
 
 /// The head of an empty list (`shaders/shared/lists.wgsl`): an indirect dispatch of no workgroups, and no entries.
@@ -149,7 +190,7 @@ pub(crate) const OWN_SHADOW_RAYS: usize = 12;
 /// Value of `CHOSEN` in a band's first row if `bracket` is cheaper.
 pub(crate) const BRACKET_CHOSEN: u32 = 1;
 
-/// Marks of pixels (`shaders/shared/reprojection.wgsl`).
+/// Marks of pixels (`shaders/shared/marks.wgsl`).
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::{
     Choice, Convergence, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera,
     View, Work, cpu,
-    frame::uniform::{frame_uniform, same_parallax},
+    frame::uniform::{eyes_uniform, same_parallax},
     layout,
 };
 
@@ -212,12 +212,12 @@ impl Eyes {
     }
 
     /// Returns the uniform that describes a view and its source to kernels.
-    pub(crate) fn frame(&self, view: usize) -> layout::Frame {
+    pub(crate) fn uniform(&self, view: usize) -> layout::Eyes {
         let apart = self.offsets[view] - self.offsets[self.seconds[view]];
-        layout::Frame {
+        layout::Eyes {
             second_parallax_px: self.pose.parallax().times(apart).scale_px,
             second_same_parallax: same_parallax(&self.pose, apart),
-            ..frame_uniform(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
+            ..eyes_uniform(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
         }
     }
 

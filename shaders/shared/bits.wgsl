@@ -28,21 +28,6 @@ fn light_mask(light: u32) -> u32 {
 fn is_known(taken: Taken, light: u32) -> B { return (taken.known & U(light_mask(light))) != U(0u); }
 fn is_lit(taken: Taken, light: u32) -> B { return (taken.lit & U(light_mask(light))) != U(0u); }
 
-// A source view that a target queries.
-struct Asked {
-    parallax_px: f32,     // like frame.parallax_px
-    same_parallax: f32,
-    second: bool,
-}
-
-fn nearest_source() -> Asked {
-    return Asked(frame.parallax_px, frame.same_parallax, false);
-}
-
-fn parallax_from(source: Asked, z: f32) -> f32 {
-    return source.parallax_px * (frame.at_infinity - frame.parallax_distance / z);
-}
-
 // Returns the known visibility bits of hit points at right pixels, packed as in SourceSample.bits. Busy lights are
 // unknown.
 fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> Taken {
@@ -84,7 +69,7 @@ fn place_between(source: Asked, pixel: vec2u, z: f32) -> Between {
     let point_parallax = parallax_from(source, z);
     let position = f32(pixel.x) + 0.5 - point_parallax;
     let column = floor(position - 0.5);
-    let usable = (column >= 0.0) & (column + 1.0 < f32(frame.image_size.x));
+    let usable = (column >= 0.0) & (column + 1.0 < f32(frame.band.size.x));
     let first = vec2u(u32(select(0.0, column, usable)), pixel.y);
     return Between(source, usable, first, position - 0.5 - column, point_parallax);
 }
@@ -108,7 +93,7 @@ fn sample_of(source: Asked, pixel: vec2u) -> SourceSample {
 // Queries the second source, on the target's other side, for bits that the nearest source leaves open. It sees surfaces
 // that are hidden from the first.
 fn asked_also(bits: u32, pixels: Pixels, hits_there: Hits, surfaces: Surfaces, ray: u32) -> u32 {
-    let second = Asked(frame.second_parallax_px, frame.second_same_parallax, true);
+    let second = second_source();
     let at = place_between(second, pixel_of_ray(pixels, ray), of_ray(hits_there.t, ray));
     let more = bits_of_ray(at, hits_there, surfaces, ray);
     let known = (more >> 16u) & ~(bits >> 16u);
@@ -195,7 +180,7 @@ fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
 const SAME_NORMAL: f32 = 0.9;
 
 fn agreed_bits(at: Between, component: u32, normal: vec3f, slot: u32) -> u32 {
-    if at.first.y == 0u || at.first.y + 1u >= frame.image_size.y { return 0u; }
+    if at.first.y == 0u || at.first.y + 1u >= frame.band.size.y { return 0u; }
     var row = at.first.y - 1u;
     var bits: u32;
     loop {

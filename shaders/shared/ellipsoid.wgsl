@@ -2,7 +2,7 @@
 // is then that of sphere.wgsl.
 
 // In a scene with ellipsoids spheres are ellipsoids too, with the identity as their matrix. So these functions replace
-// the sphere functions of sphere.wgsl and bounds.wgsl.
+// the sphere functions of sphere.wgsl and projection.wgsl.
 
 //! if texels is ellipsoids
 // A primitive, as intersection needs it. An ellipsoid has its centre in a. The rows b, c and d form the matrix that
@@ -114,25 +114,6 @@ fn radius_there(primitive: Primitive, normal: vec3f) -> f32 {
     let lengths = vec3f(length(primitive.b), length(primitive.c), length(primitive.d));
     let grown = lengths.x * lengths.y * lengths.z * length(to_sphere(primitive, normal) / (lengths * lengths));
     return primitive.reach * inverseSqrt(grown);
-}
-
-// Returns the least and largest column and row of an ellipsoid's projection; EVERYWHERE if it comes close to the plane
-// of the eyes. The bounds are tangent planes through the eye, along the picture's columns and rows.
-fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
-    let center = primitive.a - frame.target_eye;
-    let up = cross(frame.right_axis, projection.forward);
-    // The lengths of these vectors are its extents along the axes.
-    let forward = half_widths(primitive, projection.forward);
-    let z = dot(center, projection.forward);
-    let depth = length(forward);
-    let columns = touching(dot(center, frame.right_axis), z, half_widths(primitive, frame.right_axis), forward, depth);
-    let rows = touching(dot(center, up), z, half_widths(primitive, up), forward, depth);
-    let per_column = 1.0 / dot(frame.step_x, frame.right_axis);
-    let per_row = 1.0 / dot(frame.step_y, up);
-    let x = (columns - dot(frame.target_corner, frame.right_axis)) * per_column;
-    let y = (rows - dot(frame.target_corner, up)) * per_row;
-    let bounds = vec4f(min(x.x, x.y), min(y.x, y.y), max(x.x, x.y), max(y.x, y.y));
-    return select(EVERYWHERE, bounds, z - depth > (length(center) + primitive.reach) * NEAR_PLANE);
 }
 
 // Returns an axis's components along the ellipsoid's semi-axes, each times the semi-axis.

@@ -1,19 +1,7 @@
-// Ray directions through jittered samples. All samples of a row share one offset from their centres (DESIGN, section
-// 3). src/samples/jitter.rs has the same arithmetic.
+// Offsets of jittered samples. All samples of a row share one offset from their centres (DESIGN, section 3).
+// src/samples/jitter.rs has the same arithmetic.
 
 //! if jitter is rows
-// Returns directions from an eye through jittered samples.
-fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
-    let row = pixels.y + frame.first_row;
-    let x = F(pixels.x) + 0.5 + sample_aside(row);
-    let y = F(row) + 0.5;
-    return F3(
-        corner.x + frame.step_x.x * x + frame.step_y.x * y,
-        corner.y + frame.step_x.y * x + frame.step_y.y * y,
-        corner.z + frame.step_x.z * x + frame.step_y.z * y,
-    );
-}
-
 // Returns the offset of a row's samples from their cells' centres, to the right, in cell widths. The rows of a pixel
 // take its SAMPLES_SIDE strata in the order of their hashes.
 fn sample_aside(row: U) -> F {
@@ -32,7 +20,7 @@ fn sample_aside(row: U) -> F {
 }
 
 fn row_hash(row: U) -> U {
-    return hashed(row ^ hashed(U(frame.jitter_seed)));
+    return hashed(row ^ hashed(U(frame.band.jitter_seed)));
 }
 
 // PCG (O'Neill 2014) as a hash of one word (Jarzynski & Olano 2020).

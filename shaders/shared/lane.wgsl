@@ -100,23 +100,11 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
 
 // Returns the pixels of a thread in a launch over blocks.
 fn block_pixels(id: vec3u) -> Pixels {
-    let first = pixel_in_tile(vec2u(id.x, launched_row(id))) * BLOCK + vec2u(0u, frame.row_begin);
+    let first = pixel_in_tile(vec2u(id.x, launched_row(id))) * BLOCK + vec2u(0u, frame.band.row_begin);
     return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
 }
 
 // Returns which pixels lie in the picture and in this dispatch's rows.
 fn in_picture(pixels: Pixels) -> B {
-    return (pixels.x < U(frame.image_size.x)) & (pixels.y < U(frame.row_end));
-}
-
-//! if jitter is none
-// Returns directions from an eye through the pixels' centres.
-fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
-    let x = F(pixels.x) + 0.5;
-    let y = F(pixels.y + frame.first_row) + 0.5;
-    return F3(
-        corner.x + frame.step_x.x * x + frame.step_y.x * y,
-        corner.y + frame.step_x.y * x + frame.step_y.y * y,
-        corner.z + frame.step_x.z * x + frame.step_y.z * y,
-    );
+    return (pixels.x < U(frame.band.size.x)) & (pixels.y < U(frame.band.row_end));
 }

@@ -74,7 +74,7 @@ fn listed_pixels(list: u32, thread: u32) -> ListedPixels {
         ray += 1u;
         if ray >= RAYS { break; }
     }
-    let width = frame.image_size.x;
+    let width = frame.band.size.x;
     return ListedPixels(Pixels(index % width, index / width), wanted == U(1u));
 }
 
@@ -84,7 +84,7 @@ fn listed_tile_pixels(list: u32, thread: u32) -> ListedPixels {
     let count = atomicLoad(&lists.heads[list].count);
     let place = thread / threads;
     let tile = lists.entries[place_in(list, min(place, max(count, 1u) - 1u))];
-    let corner = vec2u(tile % tiles_across(), tile / tiles_across()) * TILE + vec2u(0u, frame.row_begin);
+    let corner = vec2u(tile % tiles_across(), tile / tiles_across()) * TILE + vec2u(0u, frame.band.row_begin);
     let block = thread % threads;
     let across = TILE / BLOCK.x;
     let first = corner + vec2u(block % across, block / across) * BLOCK;
@@ -106,7 +106,7 @@ const BUSY_WORD: u32 = 641u;
 
 // Returns where the results of a pixel's tile begin in `lists.entries`.
 fn found_in_tile(pixel: vec2u) -> u32 {
-    let row = (pixel.y - frame.row_begin) / TILE;
+    let row = (pixel.y - frame.band.row_begin) / TILE;
     return lists_end() + (row * tiles_across() + pixel.x / TILE) * TILE_WORDS;
 }
 

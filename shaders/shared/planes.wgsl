@@ -62,33 +62,6 @@ fn nearest_plane(rays: Rays, t_min: F, t_max: F) -> Hits {
     return hits;
 }
 
-// Share of the length of a tile's longest ray. It exceeds the rounding of a ray's speed of approach to a plane.
-const PLANE_SLACK: f32 = 1.0 / 524288.0;
-
-// Returns whether some ray of a tile may meet a plane. The speed of approach is linear in column and row, so it is
-// largest in a corner. The loop has no return, since llvmpipe's OpenGL returns the value behind the loop then.
-fn meets_planes(tile: Tile) -> bool {
-    // Jittered samples are offset along their rows.
-    let aside = vec2f(jitter_reach(), 0.0);
-    let middle = vec2f(tile.corner) + 0.5;
-    let first = middle - aside;
-    let last = middle + vec2f(tile.size) - 1.0 + aside;
-    var met = false;
-    var slot = 0u;
-    loop {
-        let normal = bitcast<vec3f>(primitive_texel(slot, 1u).xyz);
-        let towards = select(normal, -normal, plane_above(slot, frame.target_eye) < 0.0);
-        let columns = vec2f(first.x, last.x) * dot(towards, frame.step_x);
-        let rows = vec2f(first.y, last.y) * dot(towards, frame.step_y);
-        let fastest = dot(towards, frame.target_corner) + max(columns.x, columns.y) + max(rows.x, rows.y);
-        met |= fastest >= -frame.longest * PLANE_SLACK;
-        slot += 1u;
-        if slot >= PLANES { break; }
-    }
-    cut_short |= slot < PLANES;
-    return met;
-}
-
 // Returns whether anything is hit with t in [t_min, t_max].
 fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
     return any_slot(rays, t_min, t_max) != U(MISS);
@@ -117,7 +90,7 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let direction = of_ray3(rays.direction, ray);
     let from_point = direction * of_ray(hits.t, ray) - (point - rays.origin);
     let uv = vec2f(dot(from_point, u), dot(from_point, v));
-    let width = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x) * frame.pixel_side;
+    let width = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
     let slope = max(abs(dot(normal, direction)), 1e-9);
     let head = table_texel(head_at);
     if (head.x & 15u) != CHECKERBOARD {

@@ -1,5 +1,5 @@
 // A list of rays, two texels each: direction and t_min, then origin and t_max. The rays of a lane have one origin.
-// frame.image_size.x is the number of rays.
+// frame.band.size.x is the number of rays.
 
 //! if fetch is buffer
 var<storage, read> ray_list: array<vec4u>;
@@ -26,7 +26,7 @@ fn listed_rays(first: u32) -> ListedRays {
     var t_max = F(NEVER);
     var ray = 0u;
     loop {
-        if first + ray < frame.image_size.x {
+        if first + ray < frame.band.size.x {
             let near = bitcast<vec4f>(ray_texel(2u * (first + ray)));
             direction = with_ray3(direction, ray, near.xyz);
             t_min = with_ray(t_min, ray, near.w);

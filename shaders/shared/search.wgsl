@@ -27,7 +27,7 @@ var<private> kept: u32;
 
 fn search(tile: Tile, found: u32, limit: f32) {
     let projection = projection_of(tile);
-    let offsets = offsets_from(frame.target_eye);
+    let offsets = offsets_from(eye_point());
     var links: array<u32, STACK_SIZE + LEAVES>;
     links[0] = DONE;
     var top = 0u;

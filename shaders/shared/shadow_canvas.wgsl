@@ -17,7 +17,7 @@ fn block_texels(id: vec3u) -> Pixels {
 }
 
 fn inside_table(texels: Pixels) -> B {
-    return (texels.x < U(frame.columns)) & (texels.y < U(frame.image_size.y));
+    return (texels.x < U(frame.mapping.columns)) & (texels.y < U(frame.band.size.y));
 }
 
 // The nearest hit in a texel.
@@ -39,7 +39,7 @@ fn count_test(place: vec2u) {
 }
 
 // Returns an upper bound, in texels, of the rounding of angles and places in the table.
-fn slack_of_places() -> f32 { return 0.02 + 4e-6 / frame.theta_step; }
+fn slack_of_places() -> f32 { return 0.02 + 4e-6 / frame.mapping.theta_step; }
 
 // A cone of directions from the light that contains a primitive.
 struct Cap {
@@ -54,7 +54,7 @@ const CAP_SLACK: f32 = 4e-6;
 
 fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
     let radius = angle_of(sine, cosine) + CAP_SLACK;
-    return Cap(select(frame.axis_z, axis, is_narrow), select(ALL_AROUND, radius, is_narrow), select(1.0, sine + CAP_SLACK, is_narrow));
+    return Cap(select(frame.mapping.axis_z, axis, is_narrow), select(ALL_AROUND, radius, is_narrow), select(1.0, sine + CAP_SLACK, is_narrow));
 }
 
 // For wider triangles the corners' mean direction says little.
@@ -63,9 +63,9 @@ const WIDEST_CHORD: f32 = 1.2;
 // Returns a cone around the sum of the corners' directions. A cone narrower than a hemisphere contains the triangle if
 // it contains the corners.
 fn triangle_cap(primitive: Primitive) -> Cap {
-    let a = normalize(primitive.a - frame.target_eye);
-    let b = normalize(primitive.b - frame.target_eye);
-    let c = normalize(primitive.c - frame.target_eye);
+    let a = normalize(primitive.a - eye_point());
+    let b = normalize(primitive.b - eye_point());
+    let c = normalize(primitive.c - eye_point());
     let axis = normalize(a + b + c);
     // By chords, since a small angle's cosine is inexact.
     let chord = max(length(a - axis), max(length(b - axis), length(c - axis)));
@@ -77,7 +77,7 @@ fn triangle_cap(primitive: Primitive) -> Cap {
 
 // Returns the cone of a ball. For an ellipsoid it is that of the sphere around it.
 fn ball_cap(primitive: Primitive) -> Cap {
-    let center = primitive.a - frame.target_eye;
+    let center = primitive.a - eye_point();
     let distance = length(center);
     let is_narrow = ball_radius(primitive) < 0.99 * distance;
     let sine = select(0.0, ball_radius(primitive) / distance, is_narrow);
@@ -94,16 +94,16 @@ struct Angles {
 }
 
 fn angles_of(cap: Cap) -> Angles {
-    let x = dot(cap.axis, frame.axis_x);
-    let y = dot(cap.axis, frame.axis_y);
+    let x = dot(cap.axis, frame.mapping.axis_x);
+    let y = dot(cap.axis, frame.mapping.axis_y);
     let aside = sqrt(x * x + y * y);
-    let theta = angle_of(aside, dot(cap.axis, frame.axis_z));
+    let theta = angle_of(aside, dot(cap.axis, frame.mapping.axis_z));
     // Around a pole any azimuth is possible.
     let has_pole = cap.radius >= theta - CAP_SLACK || cap.radius >= 3.1415926 - theta - CAP_SLACK;
     let sine = min(cap.sine / max(aside, 1e-9), 1.0);
     // Near 1 the cosine rounds by more than the sine.
     let wide = angle_of(sine, sqrt((1.0 - sine) * (1.0 + sine))) + 2e-3 * sine * sine * sine + CAP_SLACK;
-    let phi = angle_of(y, x) - frame.phi_begin;
+    let phi = angle_of(y, x) - frame.mapping.phi_begin;
     return Angles(vec2f(theta - cap.radius, theta + cap.radius), vec2f(phi - wide, phi + wide), has_pole);
 }
 
@@ -112,10 +112,10 @@ fn angles_of(cap: Cap) -> Angles {
 fn triangle_angles(primitive: Primitive) -> Angles {
     let around = angles_of(triangle_cap(primitive));
     if around.all_around { return around; }
-    let turn = mat3x3f(frame.axis_x, frame.axis_y, frame.axis_z);
-    let a = normalize(primitive.a - frame.target_eye) * turn;
-    let b = normalize(primitive.b - frame.target_eye) * turn;
-    let c = normalize(primitive.c - frame.target_eye) * turn;
+    let turn = mat3x3f(frame.mapping.axis_x, frame.mapping.axis_y, frame.mapping.axis_z);
+    let a = normalize(primitive.a - eye_point()) * turn;
+    let b = normalize(primitive.b - eye_point()) * turn;
+    let c = normalize(primitive.c - eye_point()) * turn;
     let middle = 0.5 * (around.phi.x + around.phi.y);
     let phis = vec3f(phi_beside(a, middle), phi_beside(b, middle), phi_beside(c, middle));
     let low = max(around.phi.x, min(phis.x, min(phis.y, phis.z)) - CAP_SLACK);
@@ -128,7 +128,7 @@ fn triangle_angles(primitive: Primitive) -> Angles {
 
 // Returns the phi of a direction in the axes, at most half a turn from another one.
 fn phi_beside(v: vec3f, middle: f32) -> f32 {
-    let phi = angle_of(v.y, v.x) - frame.phi_begin;
+    let phi = angle_of(v.y, v.x) - frame.mapping.phi_begin;
     return phi - TURN * floor((phi - middle) / TURN + 0.5);
 }
 
@@ -152,12 +152,12 @@ fn thetas_of(a: vec3f, b: vec3f) -> vec2f {
 // Returns the first and last column and row of the table, within the rows at work, that a range of angles may reach. If
 // a first exceeds its last, there is none. Columns may exceed the last one, since they wrap around.
 fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
-    let rows = i32(frame.image_size.y);
-    let begin = i32(frame.first_row);
-    let columns = i32(frame.columns);
-    let first_row = clamp(begin_of(angles.theta.x - frame.theta_begin, reaches), f32(begin), f32(begin + rows));
-    let last_row = clamp(end_of(angles.theta.y - frame.theta_begin, reaches), f32(begin - 1), f32(begin + rows - 1));
-    let is_whole = frame.theta_begin == 0.0;
+    let rows = i32(frame.band.size.y);
+    let begin = i32(frame.band.first_row);
+    let columns = i32(frame.mapping.columns);
+    let first_row = clamp(begin_of(angles.theta.x - frame.mapping.theta_begin, reaches), f32(begin), f32(begin + rows));
+    let last_row = clamp(end_of(angles.theta.y - frame.mapping.theta_begin, reaches), f32(begin - 1), f32(begin + rows - 1));
+    let is_whole = frame.mapping.theta_begin == 0.0;
     var first_column = i32(clamp(begin_of(angles.phi.x, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
     var last_column = i32(clamp(end_of(angles.phi.y, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
     if angles.all_around || (is_whole && last_column - first_column >= columns - 1) {
@@ -176,43 +176,43 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
 
 // Return the first texel that a range of angles may reach, and the last one. `reaches` says how far a texel extends on
 // either side of its middle.
-fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.theta_step - reaches.x); }
-fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.theta_step - reaches.y); }
+fn begin_of(angle: f32, reaches: vec2f) -> f32 { return ceil(angle / frame.mapping.theta_step - reaches.x); }
+fn end_of(angle: f32, reaches: vec2f) -> f32 { return floor(angle / frame.mapping.theta_step - reaches.y); }
 
 fn is_out_of_sight(primitive: Primitive, canvas: Canvas) -> bool { return false; }
 
 // Returns where a lane's texels are: columns wrap around.
 fn on_canvas(texels: Pixels) -> Pixels {
-    let columns = U(frame.columns);
+    let columns = U(frame.mapping.columns);
     return Pixels(select(texels.x, texels.x - columns, texels.x >= columns), texels.y);
 }
 
 // Returns rays from the light through texels' middles.
 fn rays_from(texels: Pixels) -> Rays {
-    return Rays(frame.target_eye, directions_at(F(texels.y + frame.first_row) + 0.5, F(texels.x) + 0.5));
+    return Rays(eye_point(), directions_at(F(texels.y + frame.band.first_row) + 0.5, F(texels.x) + 0.5));
 }
 
 // Returns directions of places in the table, in texels.
 fn directions_at(rows: F, columns: F) -> F3 {
-    let theta = rows * frame.theta_step + frame.theta_begin;
-    let phi = columns * frame.phi_step + frame.phi_begin;
+    let theta = rows * frame.mapping.theta_step + frame.mapping.theta_begin;
+    let phi = columns * frame.mapping.phi_step + frame.mapping.phi_begin;
     let across = sine(theta);
     let x = across * cosine(phi);
     let y = across * sine(phi);
     let z = cosine(theta);
     return F3(
-        x * frame.axis_x.x + y * frame.axis_y.x + z * frame.axis_z.x,
-        x * frame.axis_x.y + y * frame.axis_y.y + z * frame.axis_z.y,
-        x * frame.axis_x.z + y * frame.axis_y.z + z * frame.axis_z.z,
+        x * frame.mapping.axis_x.x + y * frame.mapping.axis_y.x + z * frame.mapping.axis_z.x,
+        x * frame.mapping.axis_x.y + y * frame.mapping.axis_y.y + z * frame.mapping.axis_z.y,
+        x * frame.mapping.axis_x.z + y * frame.mapping.axis_y.z + z * frame.mapping.axis_z.z,
     );
 }
 
 // Returns which directions may meet a triangle: those on the inner side of the planes through the light and its edges,
 // for some winding, or within `reach` of it. The sine of their angle to a plane exceeds -reach.
 fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
-    let a = primitive.a - frame.target_eye;
-    let b = primitive.b - frame.target_eye;
-    let c = primitive.c - frame.target_eye;
+    let a = primitive.a - eye_point();
+    let b = primitive.b - eye_point();
+    let c = primitive.c - eye_point();
     let values = triangle_weights(directions, a, b, c);
     // Normals of long edges that pass the light closely are mostly rounding.
     let rounding = (length(a) + primitive.reach) * primitive.reach * DOUBT;
@@ -227,7 +227,7 @@ const BLOCK_REACH: f32 = 1.5;
 
 // Returns the blocks of a tile of texels, one bit each, that may lie within a triangle's edges.
 fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
-    let reach = BLOCK_REACH * frame.theta_step + CAP_SLACK;
+    let reach = BLOCK_REACH * frame.mapping.theta_step + CAP_SLACK;
     var bits = 0u;
     var block = 0u;
     loop {
@@ -279,7 +279,7 @@ fn draw(primitive: Primitive, slot: u32, texels: Pixels, last: vec2i) -> Later {
             let x = bitcast<f32>(atomicLoad(&t_buffer[place]));
             let y = bitcast<f32>(atomicLoad(&t_buffer[place + 1u]));
             let z = bitcast<f32>(atomicLoad(&t_buffer[place + 2u]));
-            let at = vec2f(f32(texel.y + frame.first_row), f32(texel.x));
+            let at = vec2f(f32(texel.y + frame.band.first_row), f32(texel.x));
             if stands_before(primitive, vec3f(x, y, z), at) { atomicOr(&t_buffer[place + 3u], SOMETHING_BEFORE); }
         }
     }
@@ -293,7 +293,7 @@ fn draw_again(primitive: Primitive, slot: u32, texels: Pixels, later: Later) {}
 const TEXEL_REACH: f32 = 0.75;
 
 // Returns the tolerated distance before a texel's surface, as a share of the distance from the light.
-fn allowed_before() -> f32 { return frame.margin * frame.theta_step + ON_PLANE; }
+fn allowed_before() -> f32 { return frame.mapping.margin * frame.mapping.theta_step + ON_PLANE; }
 
 fn middle_of(texel: vec2f) -> F3 { return directions_at(F(texel.x + 0.5), F(texel.y + 0.5)); }
 
@@ -316,8 +316,8 @@ const WIDEST_TEXEL: f32 = 0.65;
 fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
     let difference = other - plane;
     let allowed = allowed_before() * length(plane);
-    let out = 0.05 + CAP_SLACK / frame.theta_step;
-    var before = frame.theta_step > WIDEST_TEXEL;
+    let out = 0.05 + CAP_SLACK / frame.mapping.theta_step;
+    var before = frame.mapping.theta_step > WIDEST_TEXEL;
     var corner = 0u;
     loop {
         let aside = select(vec2f(-out), vec2f(1.0 + out), vec2<bool>((corner & 1u) != 0u, (corner & 2u) != 0u));
@@ -331,11 +331,11 @@ fn is_before(other: vec3f, plane: vec3f, texel: vec2f) -> bool {
 }
 
 fn triangle_touches_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> bool {
-    let reach = TEXEL_REACH * frame.theta_step + CAP_SLACK;
+    let reach = TEXEL_REACH * frame.mapping.theta_step + CAP_SLACK;
     if !any_ray(is_within_edges(primitive, middle_of(texel), reach)) { return false; }
     // f32 is too coarse for a large triangle's plane.
     if CLOSE {
-        let light = frame.target_eye;
+        let light = eye_point();
         if is_close(primitive.a - light, primitive.b - light, primitive.c - light, primitive.reach) { return true; }
     }
     return is_before(triangle_plane(primitive), plane, texel);
@@ -344,14 +344,14 @@ fn triangle_touches_before(primitive: Primitive, plane: vec3f, texel: vec2f) -> 
 fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
     let cap = ball_cap(primitive);
     let aside = length(of_ray3(middle_of(texel), 0u) - cap.axis);
-    return aside <= cap.radius + TEXEL_REACH * frame.theta_step + CAP_SLACK;
+    return aside <= cap.radius + TEXEL_REACH * frame.mapping.theta_step + CAP_SLACK;
 }
 
 // Returns the plane of a triangle, relative to the light: the dot product of its points with this vector is 1. It is 0
 // for a plane through the light, which does not see the triangle.
 fn triangle_plane(primitive: Primitive) -> vec3f {
     let normal = normalize(largest_one(cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a))));
-    let height = dot(normal, primitive.a - frame.target_eye);
+    let height = dot(normal, primitive.a - eye_point());
     return select(normal / height, vec3f(0.0), height == 0.0);
 }
 
@@ -359,7 +359,7 @@ fn triangle_plane(primitive: Primitive) -> vec3f {
 // Returns the plane of the circle of a ball's outline. Whatever lies behind it hides no point of the ball that faces
 // the light. It is 0 if the light is inside.
 fn ball_plane(primitive: Primitive) -> vec3f {
-    let center = primitive.a - frame.target_eye;
+    let center = primitive.a - eye_point();
     let distance = length(center);
     let radius = primitive.b.x;
     if distance <= radius { return vec3f(0.0); }
@@ -369,7 +369,7 @@ fn ball_plane(primitive: Primitive) -> vec3f {
 //! if canvas is texels and texels is ellipsoids
 // The same for an ellipsoid: the plane of the sphere that its matrix maps it to, mapped back.
 fn ball_plane(primitive: Primitive) -> vec3f {
-    let center = to_sphere(primitive, primitive.a - frame.target_eye);
+    let center = to_sphere(primitive, primitive.a - eye_point());
     let distance = length(center);
     let radius = primitive.reach;
     if distance <= radius { return vec3f(0.0); }
@@ -414,7 +414,7 @@ fn plane_stands_before(shown: u32, plane: vec3f, texel: vec2f) -> bool { return 
 //! if canvas is texels and planes is some
 fn shown_plane(slot: u32) -> vec3f {
     if slot >= PLANES { return plane_in_tree(slot); }
-    let height = plane_above(slot, frame.target_eye);
+    let height = plane_above(slot, eye_point());
     return select(bitcast<vec3f>(primitive_texel(slot, 1u).xyz) / height, vec3f(0.0), height == 0.0);
 }
 

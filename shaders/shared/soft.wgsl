@@ -7,7 +7,7 @@ const POINT: u32 = 0u;
 // 1 is a ball; its size is the radius.
 const RECTANGLE: u32 = 2u;     // third and fourth texel: from its middle to the middles of two sides
 const SUN: u32 = 3u;           // its position is a unit direction; size: tangent of the radius
-const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after frame.occlusion_radius
+const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after frame.lighting.occlusion_radius
 
 //! if soft is none
 fn light_kind(light: u32) -> u32 { return POINT; }
@@ -66,9 +66,9 @@ fn soft_light(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32) -> Light { 
 // Returns the index of a mask, which has one bit for each of a pixel's rays to a source that arrives. Masks are stored
 // in `counters`, behind the counters and the cost map, since a further buffer would exceed a kernel's limit.
 fn mask_place(slot: u32, ray: u32) -> u32 {
-    let pixels = frame.image_size.x * frame.image_size.y;
-    let first = frame.image_size.y * COUNTERS + select(0u, pixels, COST_MAP);
-    return first + pixel_index(pixel_of_ray(dice, ray)) * frame.soft_sources + slot;
+    let pixels = frame.band.size.x * frame.band.size.y;
+    let first = frame.band.size.y * COUNTERS + select(0u, pixels, COST_MAP);
+    return first + pixel_index(pixel_of_ray(dice, ray)) * frame.lighting.sources + slot;
 }
 
 //! if soft is masked or asked or followed
@@ -114,8 +114,8 @@ fn scrambled(words: vec3u) -> vec3u {
 
 fn spin_of(light: u32, ray: u32) -> vec2f {
     let pixel = pixel_of_ray(dice, ray);
-    let which = (light + 1u) * 0x9e3779b9u + dice_salt * 0x85ebca6bu + frame.seed;
-    let random = scrambled(vec3u(pixel.x, pixel.y + frame.first_row, which));
+    let which = (light + 1u) * 0x9e3779b9u + dice_salt * 0x85ebca6bu + frame.lighting.seed;
+    let random = scrambled(vec3u(pixel.x, pixel.y + frame.band.first_row, which));
     return vec2f(random.xy >> vec2u(8u)) / 16777216.0;
 }
 
@@ -190,7 +190,7 @@ fn facing_four(aim: Aim, index: vec4u, x: vec4f, y: vec4f, z: vec4f) -> Four {
     let cosine = rays.x * aim.shading_normal.x + rays.y * aim.shading_normal.y + rays.z * aim.shading_normal.z;
     rays.wanted &= (above > vec4f(0.0)) & (cosine > vec4f(0.0)) & (far > vec4f(0.0));
     if aim.kind == SURROUNDINGS {
-        rays.far = vec4f(frame.occlusion_radius);
+        rays.far = vec4f(frame.lighting.occlusion_radius);
     } else {
         rays.weight = cosine;
     }
@@ -303,10 +303,10 @@ fn mask_of(aim: Aim, slot: u32, ray: u32) -> u32 {
 // Groups of four rays per dispatch and source. This bounds a thread's work for any number of sources.
 const ASKED_GROUPS: u32 = 4u;
 
-// Traces rays to frame.soft_light, beginning with ray frame.soft_first, from the hits of target pixels.
+// Traces rays to frame.lighting.light, beginning with ray frame.lighting.first_ray, from the hits of target pixels.
 fn ask_light(pixels: Pixels, wanted: B) {
     let found = target_hits(pixels, wanted);
-    let rays = Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    let rays = rays_of(pixels);
     let surfaces = surfaces_at(rays, found);
     throw_dice(pixels, 0u);
     ask_source(pixels, found, surfaces);
@@ -314,17 +314,17 @@ fn ask_light(pixels: Pixels, wanted: B) {
     var ray = 0u;
     loop {
         if of_ray_b(lit, ray) {
-            let aim = aim_at(surfaces, frame.target_eye, frame.soft_light, ray);
-            if known_share(frame.soft_light, frame.soft_slot, aim.count, ray) < 0.0 {
+            let aim = aim_at(surfaces, rays.origin, frame.lighting.light, ray);
+            if known_share(frame.lighting.light, frame.lighting.slot, aim.count, ray) < 0.0 {
                 var mask = 0u;
                 var group = 0u;
                 loop {
-                    let at = frame.soft_first / 4u + group;
+                    let at = frame.lighting.first_ray / 4u + group;
                     mask |= traced_four(aim, at) << (4u * at);
                     group += 1u;
                     if group >= ASKED_GROUPS { break; }
                 }
-                atomicOr(&counters[mask_place(frame.soft_slot, ray)], mask);
+                atomicOr(&counters[mask_place(frame.lighting.slot, ray)], mask);
             }
         }
         ray += 1u;

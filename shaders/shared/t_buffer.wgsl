@@ -70,7 +70,7 @@ fn place_of_part(part: u32) -> u32 {
 //! if canvas is picture
 // Returns the row that counts work of no particular row. It is one of the band's own, above which are up to two others.
 fn counted_row() -> u32 {
-    return min(frame.row_begin + 2u, frame.row_end - 1u);
+    return min(frame.band.row_begin + 2u, frame.band.row_end - 1u);
 }
 
 // Where a primitive may be visible.
@@ -103,16 +103,16 @@ const PRODUCT_SLACK: f32 = 1.0 / 1048576.0;
 
 // Returns an upper bound of the dot product of v with the offset from the eye to any point of a triangle.
 fn triangle_most(primitive: Primitive, v: vec3f) -> f32 {
-    let a = primitive.a - frame.target_eye;
-    let b = primitive.b - frame.target_eye;
-    let c = primitive.c - frame.target_eye;
+    let a = primitive.a - eye_point();
+    let b = primitive.b - eye_point();
+    let c = primitive.c - eye_point();
     let farthest = sqrt(dot(a, a)) + primitive.reach;
     return max(dot(a, v), max(dot(b, v), dot(c, v))) + farthest * components(v) * PRODUCT_SLACK;
 }
 
 // The same for a sphere or an ellipsoid.
 fn ball_most(primitive: Primitive, v: vec3f) -> f32 {
-    let center = primitive.a - frame.target_eye;
+    let center = primitive.a - eye_point();
     let farthest = length(center) + ball_radius(primitive);
     return dot(center, v) + ball_reach(primitive, v) + farthest * components(v) * PRODUCT_SLACK;
 }
@@ -124,8 +124,8 @@ alias Canvas = Projection;
 fn canvas_at_work() -> Canvas { return projection_of(rows_at_work()); }
 
 fn rows_at_work() -> Tile {
-    let size = vec2u(frame.image_size.x, frame.row_end - frame.row_begin);
-    return Tile(vec2u(0u, frame.first_row + frame.row_begin), size);
+    let size = vec2u(frame.band.size.x, frame.band.row_end - frame.band.row_begin);
+    return Tile(vec2u(0u, frame.band.first_row + frame.band.row_begin), size);
 }
 
 // Returns whether the planes around the rays of the rows at work exclude a primitive. A primitive that reaches the
@@ -140,8 +140,7 @@ fn is_out_of_sight(primitive: Primitive, projection: Canvas) -> bool {
 // within the rows at work. If a first exceeds its last, there is none.
 fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
     let bounds = projected_bounds(primitive, projection);
-    // Samples are jittered along their rows only.
-    let margin = vec2f(frame.wider, frame.wider - jitter_reach());
+    let margin = guard_band();
     let rows = rows_at_work();
     let low = vec2f(rows.corner);
     let high = low + vec2f(rows.size) - 1.0;
@@ -154,7 +153,7 @@ fn drawn_over(primitive: Primitive, projection: Canvas) -> vec4i {
 fn on_canvas(pixels: Pixels) -> Pixels { return pixels; }
 
 fn rays_from(pixels: Pixels) -> Rays {
-    return Rays(frame.target_eye, pixel_directions(frame.target_corner, pixels));
+    return rays_of(pixels);
 }
 
 //! end
@@ -168,7 +167,7 @@ fn tiles_over(over: vec4i) -> u32 {
 
 // Returns a lane's pixels from a given pixel of the picture on, in buffer coordinates.
 fn pixels_from(corner: vec2u) -> Pixels {
-    return Pixels(RAY_X + U(corner.x), RAY_Y + U(corner.y - frame.first_row));
+    return Pixels(RAY_X + U(corner.x), RAY_Y + U(corner.y - frame.band.first_row));
 }
 
 // Deferred rays, one bit each.
@@ -185,7 +184,7 @@ var<private> names_primitives: bool;
 // Returns which pixels lie within a last column and row.
 fn before_end(pixels: Pixels, last: vec2i) -> B {
     let end = vec2u(max(last, vec2i(0)));
-    return (pixels.x <= U(end.x)) & (pixels.y + frame.first_row <= U(end.y));
+    return (pixels.x <= U(end.x)) & (pixels.y + frame.band.first_row <= U(end.y));
 }
 
 //! if canvas is picture or middles
@@ -215,7 +214,7 @@ fn draw(primitive: Primitive, slot: u32, pixels: Pixels, last: vec2i) -> Later {
 // Only for counting kernels, which have one ray a lane.
 fn count_test(pixel: vec2u) {
     atomicAdd(&counters[pixel.y * COUNTERS + PRIMITIVES_TESTED], 1u);
-    if COST_MAP { atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], 1u); }
+    if COST_MAP { atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], 1u); }
 }
 
 //! if canvas is picture or middles

@@ -150,7 +150,7 @@ fn wrapped(at: i32, size: i32, wrap: u32) -> i32 {
 fn lookup_at(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> Lookup {
     let direction = of_ray3(rays.direction, ray);
     let slot = of_ray_u(hits.slot, ray);
-    let across = (of_ray(hits.t, ray) + of_ray(travelled_before, ray)) * length(frame.step_x) * frame.pixel_side;
+    let across = footprint(of_ray(hits.t, ray) + of_ray(travelled_before, ray));
     // Directions have length 1 along the view axis. The longer one is, the more oblique is its pixel too.
     let side = across * inverseSqrt(max(abs(dot(surface.geometric_normal, direction)), 0.01));
     if (surface.component & IS_SPHERE) != 0u { return ball_lookup(surface.outward, surface.radius, side); }

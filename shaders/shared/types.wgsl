@@ -6,75 +6,6 @@ const FAR: f32 = 3.4e38;
 // Primitive id and slot of a miss.
 const MISS: u32 = 0xffffffffu;
 
-//! if canvas is picture
-// Two eyes of the rig and the rows at work, within a band of the picture. The source view exists, the target view is
-// made. Where a view is traced, both eyes are its own. Directions have length 1 along the view axis, so a ray's t is
-// the depth Z of its hit (DESIGN, section 2).
-struct Frame {
-    source_eye: vec3f,       // scene coordinates
-    // Pixels: e_px = e w / W; f_px for parallel cameras; negative if the target is left of its source.
-    parallax_px: f32,
-    target_eye: vec3f,
-    parallax_distance: f32,  // d, world units; e for parallel cameras: reprojection.wgsl
-    source_corner: vec3f,    // direction from the source to the picture's top left corner
-    shift: f32,              // from the source to the target along right_axis, world units
-    target_corner: vec3f,
-    same_parallax: f32,      // largest difference in parallax of a sample and a point on one surface, pixels
-    step_x: vec3f,           // direction from a pixel to its right neighbour
-    buffer_depth: u32,       // slots per right pixel in the 3D buffer
-    step_y: vec3f,           // direction from a pixel to the one below
-    row_begin: u32,          // rows of this dispatch: [row_begin, row_end), in buffer rows
-    right_axis: vec3f,       // r, the image's right
-    row_end: u32,
-    image_size: vec2u,       // width, rows of the buffers that belong to the picture
-    longest: f32,            // upper bound of the length of all pixel directions
-    runs: u32,               // runs that rows of workgroups are dealt to (launched_row)
-    forward: vec3f,          // f, unit
-    wider: f32,              // guard band around projected bounds in a tile's search, pixels, far more than rounding
-    first_row: u32,          // row of the picture that is the buffers' first row
-    least_spared: f32,       // cost model of `choose`: least number of saved shadow rays a pixel
-    cost_of_listed: f32,     // L, cost of a shadow ray by list
-    cost_of_disagreed: f32,  // D, cost where samples disagree, per shadow ray
-    second_parallax_px: f32,     // parallax_px and same_parallax from the second source, if any
-    second_same_parallax: f32,
-    bounces: u32,                // maximum number of reflections and refractions along a ray
-    words_read: u32,             // words per pixel that the host reads back: pack.wgsl
-    soft_light: u32,             // trace_soft: index of the current light
-    soft_slot: u32,          // its slot among the sources that are not points
-    soft_first: u32,         // the first of its rays in this dispatch
-    soft_sources: u32,           // number of lights that are not points, plus 1 if ambient light is sampled
-    seed: u32,                   // of random numbers
-    occlusion_radius: f32,       // reach of ambient occlusion, world units
-    share_tolerance: f32,        // standard deviations by which reused shares may differ
-    exposure: f32,               // factor of linear colour in pictures
-    filmic: u32,                 // 1: tone-mapped; 0: clamped
-    jitter_seed: u32,            // of the offsets of rows of samples, the same in all views
-    zero_b: u32,
-    zero: u32,
-    at_infinity: f32,            // 1; 0 for parallel cameras: reprojection.wgsl
-    pixel_side: f32,             // side of a square with a pixel's area, in pixel widths
-}
-
-//! if canvas is middles or texels
-// Takes the place of the other Frame: a light, the directions of its shadow-buffer's texels (src/cpu/shadow_buffer.rs
-// has the same), and the rows at work.
-struct Frame {
-    target_eye: vec3f,       // the light, scene coordinates
-    theta_begin: f32,        // of the first row, radians
-    axis_x: vec3f,           // unit: where phi is 0 on the equator
-    theta_step: f32,         // per row
-    axis_y: vec3f,           // unit: where phi is pi / 2
-    phi_begin: f32,          // of the first column
-    axis_z: vec3f,           // unit: the pole at theta = 0
-    phi_step: f32,           // per column
-    image_size: vec2u,       // columns of the buffers, at least the table's; rows at work
-    columns: u32,            // of the table
-    first_row: u32,          // row of the table where the rows at work begin
-    margin: f32,             // tolerated distance before a texel's surface, in widths of the texel there
-}
-
-//! end
-
 // Threads of a workgroup in x and in y.
 const WORKGROUP: u32 = 8u;
 // Threads of a workgroup in a dispatch over a list.
@@ -84,7 +15,7 @@ const LIST_WORKGROUP: u32 = 64u;
 struct Pixel {
     depth: f32,     // along the view axis; FAR: miss
     slot: u32,      // slot of the primitive that was hit; MISS: none
-    marks: u32,     // of views that are not traced: reprojection.wgsl
+    marks: u32,     // of views that are not traced: marks.wgsl
     color: u32,     // 8-bit sRGB, red in the low byte, alpha 255
 }
 
@@ -101,24 +32,24 @@ fn pixel_in_tile(id: vec2u) -> vec2u {
 // of the workgroups, and a core would be idle if half the picture is sky. So rows of workgroups are dealt like cards,
 // one to each part (z) in turn.
 fn launched_row(id: vec3u) -> u32 {
-    return (id.y / WORKGROUP * frame.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
+    return (id.y / WORKGROUP * frame.band.runs + id.z) * WORKGROUP + id.y % WORKGROUP;
 }
 
 // Returns the pixel of a thread in a dispatch over pixels: columns from the left, rows from the first one of this
 // dispatch.
 fn thread_pixel(id: vec3u) -> vec2u {
-    return pixel_in_tile(vec2u(id.x, launched_row(id))) + vec2u(0u, frame.row_begin);
+    return pixel_in_tile(vec2u(id.x, launched_row(id))) + vec2u(0u, frame.band.row_begin);
 }
 
 // Returns whether a thread is past the right edge or the last row of this dispatch.
 fn outside(pixel: vec2u) -> bool {
-    return pixel.x >= frame.image_size.x || pixel.y >= frame.row_end;
+    return pixel.x >= frame.band.size.x || pixel.y >= frame.band.row_end;
 }
 
 // Returns the index of a pixel in a row-major buffer of one view's band. In all kernels rows count from the band's
 // first one; only ray directions use the picture's rows.
 fn pixel_index(pixel: vec2u) -> u32 {
-    return pixel.y * frame.image_size.x + pixel.x;
+    return pixel.y * frame.band.size.x + pixel.x;
 }
 
 // Words of a view's `counters` per picture row. A set for each row keeps atomics apart and sums within 32 bits.
@@ -154,6 +85,6 @@ override COST_MAP: bool = false;
 // ray a lane.
 fn count_pixel(pixel: vec2u) {
     if COST_MAP {
-        atomicAdd(&counters[frame.image_size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);
+        atomicAdd(&counters[frame.band.size.y * COUNTERS + pixel_index(pixel)], nodes_visited + primitives_tested);
     }
 }

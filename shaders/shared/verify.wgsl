@@ -9,12 +9,10 @@ const VERIFY_FRACTION: f32 = 0.999;
 // Returns which points of source pixels are hidden from the target. Rays are aimed at the points themselves, so that a
 // slanted surface raises no false alarm. A sky pixel's ray has the source ray's direction and no limit.
 fn are_bad(source_pixels: Pixels, source_depth: F, wanted: B) -> B {
-    let direction = pixel_directions(frame.source_corner, source_pixels);
     let sky = source_depth >= F(FAR);
-    let to_point = minus3(times3(direction, source_depth), all3(frame.right_axis * frame.shift));
-    let aim = select3(to_point, direction, sky);
+    let to_point = to_source_points(source_pixels, source_depth, sky);
     let t_max = select(F(VERIFY_FRACTION), F(FAR), sky);
-    return any_hit(Rays(frame.target_eye, aim), F(0.0), select(F(NEVER), t_max, wanted));
+    return any_hit(Rays(eye_point(), to_point), F(0.0), select(F(NEVER), t_max, wanted));
 }
 
 //! if checks is none

@@ -140,7 +140,7 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     if bit != 0u && a == b && (a == 0u || a == ALL_OPEN) { return -1.0; }
     let before = f32(a) / f32(ALL_OPEN);
     let after = f32(b) / f32(ALL_OPEN);
-    if !is_chance(before, after, frame.share_tolerance, count) || is_narrow(slot, before, after, count, ray) { return -1.0; }
+    if !is_chance(before, after, frame.lighting.share_tolerance, count) || is_narrow(slot, before, after, count, ray) { return -1.0; }
     return mix(before, after, of_ray(taken.way, ray));
 }
 
@@ -163,7 +163,7 @@ fn is_narrow(slot: u32, before: f32, after: f32, count: u32, ray: u32) -> bool {
     let component = source_sample(first).component;
     var narrow = false;
     if first.x > 0u { narrow = is_unlike(vec2u(first.x - 1u, first.y), component, slot, before, count); }
-    if first.x + 2u < frame.image_size.x {
+    if first.x + 2u < frame.band.size.x {
         narrow |= is_unlike(vec2u(first.x + 2u, first.y), component, slot, after, count);
     }
     return narrow;
@@ -173,5 +173,5 @@ fn is_unlike(pixel: vec2u, component: u32, slot: u32, share: f32, count: u32) ->
     let sample = source_sample(pixel);
     let other = (sample.other >> (SHARE_BITS * slot)) & UNASKED;
     let asked = sample.component == component && other != UNASKED;
-    return asked && !is_chance(f32(other) / f32(ALL_OPEN), share, NARROW * frame.share_tolerance, count);
+    return asked && !is_chance(f32(other) / f32(ALL_OPEN), share, NARROW * frame.lighting.share_tolerance, count);
 }

@@ -41,7 +41,7 @@ fn is_any_wanted(corner: vec2u) -> bool {
     var any_bits = 0u;
     var row = 0u;
     loop {
-        if row >= TILE || corner.y + row >= frame.row_end { break; }
+        if row >= TILE || corner.y + row >= frame.band.row_end { break; }
         any_bits |= wanted_word(corner + vec2u(0u, row)) >> (corner.x & 31u);
         row += 1u;
     }

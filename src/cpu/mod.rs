@@ -16,12 +16,13 @@ pub mod trace_left;
 
 use glam::Vec3;
 
-use crate::{Pose, frame::uniform::frame_uniform, layout, samples::Jitter};
+use crate::{Pose, frame::uniform::eyes_uniform, layout, samples::Jitter};
 
 /// The frame of the kernels, with vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    raw: layout::Frame,
+    raw: layout::Eyes,
+    size: [u32; 2],
     jitter: Jitter,
 }
 
@@ -43,7 +44,7 @@ impl Frame {
     /// Makes the frame of two eyes, given as offsets from the middle between a camera's eyes, in interaxials. `source`
     /// becomes `Eye::Left`, which is traced first, on whichever side it is.
     pub fn between(pose: &Pose, source: f32, target: f32) -> Self {
-        Self { raw: frame_uniform(pose, source, target), jitter: Jitter::new(1, 0) }
+        Self { raw: eyes_uniform(pose, source, target), size: pose.size, jitter: Jitter::new(1, 0) }
     }
 
     /// Returns the same frame where pixels are jittered samples, `side` a side of a pixel (docs/DESIGN.md, section 3).
@@ -53,7 +54,7 @@ impl Frame {
 
     /// Returns the picture's size in pixels.
     pub fn size(&self) -> [usize; 2] {
-        self.raw.image_size.map(|side| side as usize)
+        self.size.map(|side| side as usize)
     }
 
     /// Returns the position of an eye in scene coordinates.

@@ -17,7 +17,7 @@ pub(super) fn landing_x(frame: &Frame, column: usize, z: f32) -> f32 {
 /// outside the picture (DESIGN, section 2).
 pub fn right_column(frame: &Frame, column: usize, z: f32) -> Option<usize> {
     let x = landing_x(frame, column, z);
-    (x >= 0.0 && x < frame.raw.image_size[0] as f32).then(|| x.floor() as usize)
+    (x >= 0.0 && x < frame.size[0] as f32).then(|| x.floor() as usize)
 }
 
 /// Returns the nearest sample's key for each target pixel, or 0. A key is the position of the sample's column in the

@@ -8,21 +8,21 @@ use std::{ops::ControlFlow, sync::Arc, time::Duration};
 
 use super::{
     bands::Band,
-    executor::{Executor, Held, Resources, Workgroups},
+    executor::{Executor, Resources, Workgroups},
     plan::{Launch, Plan, Stage, Step},
-    targets::{FRAME_STRIDE, Targets, Used},
+    targets::{Targets, Used},
+    uniforms::Uniforms,
     wanted::Mask,
 };
 use crate::{
-    Error, OnProgress, Options, Progress, Renderer, Tone, UploadedScene,
+    Error, OnProgress, Options, Progress, Renderer, UploadedScene,
     auto::CostModel,
     gpu::{Gpu, Timestamps},
     kernels::{Kernel, Resource},
     lanes::Lanes,
     layout::{self, WORKGROUP},
     rig::Eyes,
-    samples::Jitter,
-    steps::{shadow_buffer::Tables, soft::Part, t_buffer, trace::TRACE_LEFT},
+    steps::{shadow_buffer::Tables, t_buffer, trace::TRACE_LEFT},
     variant::Variant,
 };
 use slots::Slots;
@@ -51,9 +51,7 @@ pub(crate) struct Driver<'a> {
     /// What steps bind, for each view.
     resources: Vec<Resources>,
     /// The uniforms of each view. Their rows are those of the current band.
-    frames: Vec<layout::Frame>,
-    /// Parts of soft light, one per dispatch.
-    parts: Vec<Part>,
+    uniforms: Uniforms,
     slots: Slots<'a>,
     /// State that threads keep between dispatches, for kernels that run in steps.
     lanes: Option<Lanes>,
@@ -77,23 +75,10 @@ impl<'a> Driver<'a> {
         if let Some(timestamps) = &mut renderer.timestamps {
             timestamps.restart();
         }
-        let jitter = Jitter::of(options);
-        let frame = |view| layout::Frame {
-            runs: renderer.runs,
-            least_spared: model.least_spared(),
-            cost_of_listed: model.listed,
-            cost_of_disagreed: model.disagreed,
-            bounces: options.bounces,
-            words_read: targets.shape.words_read(),
-            soft_sources: targets.shape.soft_sources,
-            seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-            occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
-            share_tolerance: options.penumbra.tolerance(),
-            exposure: options.exposure.exp2(),
-            filmic: u32::from(options.tone == Tone::Filmic),
-            ..jitter.beside(eyes.frame(view))
-        };
-        let views = || 0..eyes.sources.len();
+        let parts = if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() };
+        let shape = targets.shape;
+        let uniforms =
+            Uniforms::new(eyes, options, model, (parts, shape.soft_sources), (shape.words_read(), renderer.runs));
         let resources = |view: usize| {
             let mut all = targets.resources(view, eyes.sources[view], eyes.seconds[view]);
             scene.resources(&mut all);
@@ -110,9 +95,8 @@ impl<'a> Driver<'a> {
             variant,
             targets,
             executor: Executor::new(&renderer.gpu, &renderer.kernels, Some(&targets.indirect), timestamps),
-            resources: views().map(resources).collect(),
-            frames: views().map(frame).collect(),
-            parts: if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() },
+            resources: (0..eyes.sources.len()).map(resources).collect(),
+            uniforms,
             slots: Slots::new(&mut renderer.cache.slots),
             lanes: None,
             masks: Vec::new(),
@@ -216,8 +200,8 @@ impl Driver<'_> {
         let gpu = self.gpu;
         let mut encoder = self.encoder();
         let begin = || {
-            self.set_rows(band);
-            self.upload_frames();
+            self.uniforms.set_rows(&self.eyes.sources, band);
+            self.upload_uniforms();
             self.clear(&mut encoder, plan.clears_marks());
             Ok(())
         };
@@ -285,37 +269,19 @@ impl Driver<'_> {
         }
     }
 
-    /// Sets the rows of a band for each view. For sources these include the rows above and below that steps read.
-    pub(crate) fn set_rows(&mut self, band: &Band) {
-        for (view, frame) in self.frames.iter_mut().enumerate() {
-            let rows = if self.eyes.sources[view] == view { &band.seen } else { &band.rows };
-            frame.first_row = band.first;
-            frame.image_size[1] = band.seen.end - band.first;
-            (frame.row_begin, frame.row_end) = (rows.start - band.first, rows.end - band.first);
-        }
+    /// Sets the rows of a band, and returns the uniforms of all views for it.
+    pub(crate) fn uniforms_of(&mut self, band: &Band) -> Vec<u8> {
+        self.uniforms.set_rows(&self.eyes.sources, band);
+        self.uniforms.bytes()
     }
 
-    /// Returns the uniforms of all views, as laid out in the buffer.
-    pub(crate) fn frame_bytes(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.targets.shape.uniforms_bytes() as usize];
-        let parts = self.targets.shape.parts as usize;
-        for (index, place) in bytes.chunks_exact_mut(FRAME_STRIDE as usize).enumerate() {
-            let mut frame = self.frames[index / parts];
-            if let Some(part) = self.parts.get(index % parts) {
-                (frame.soft_light, frame.soft_slot, frame.soft_first) = (part.light, part.slot, part.first);
-            }
-            place[..size_of::<layout::Frame>()].copy_from_slice(bytemuck::bytes_of(&frame));
-        }
-        bytes
-    }
-
-    fn upload_frames(&self) {
-        self.gpu.queue.write_buffer(&self.targets.frames, 0, &self.frame_bytes());
+    fn upload_uniforms(&self) {
+        self.gpu.queue.write_buffer(&self.targets.uniforms, 0, &self.uniforms.bytes());
     }
 
     /// Returns the number of a view's rows at work.
     fn rows_of(&self, view: usize) -> u32 {
-        self.frames[view].row_end - self.frames[view].row_begin
+        self.uniforms.band(view).row_end - self.uniforms.band(view).row_begin
     }
 
     pub(crate) fn encoder(&self) -> wgpu::CommandEncoder {
@@ -340,10 +306,10 @@ impl Driver<'_> {
             }
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {
-                let mut resources = self.resources[view].clone();
-                resources.set(Resource::Frame, self.uniform(view, part));
                 let workgroups = self.launched(kernel, view, launch);
-                self.executor.run(encoder, name, (kernel, self.variant), &resources, workgroups);
+                let uniform = self.uniforms.held(view, part, &targets.uniforms);
+                self.resources[view].set(Resource::Frame, uniform);
+                self.executor.run(encoder, name, (kernel, self.variant), &self.resources[view], workgroups);
             }
         }
     }
@@ -362,7 +328,7 @@ impl Driver<'_> {
 
     /// Copies the rows at work of a view from its source.
     fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, view: usize) {
-        let first = self.frames[view].row_begin;
+        let first = self.uniforms.band(view).row_begin;
         let (width, rows) = (self.targets.shape.size[0], self.rows_of(view));
         for resource in [Resource::View, Resource::Linear] {
             let buffers = [self.eyes.sources[view], view].map(|view| self.targets.find((resource, view)));
@@ -374,18 +340,9 @@ impl Driver<'_> {
         }
     }
 
-    /// Returns the uniform of a view and a part of soft light.
-    fn uniform(&self, view: usize, part: usize) -> Held {
-        Held::Uniform {
-            buffer: self.targets.frames.clone(),
-            offset: (view * self.targets.shape.parts as usize + part) as u64 * FRAME_STRIDE,
-            bytes: size_of::<layout::Frame>() as u64,
-        }
-    }
-
     /// Returns the workgroups for this many rows, if each thread has a block of `across` x `down` pixels.
     fn workgroups(&self, rows: u32, [across, down]: [u32; 2]) -> [u32; 3] {
-        let runs = self.frames[0].runs;
+        let runs = self.uniforms.band(0).runs;
         let columns = self.targets.shape.size[0].div_ceil(WORKGROUP * across);
         [columns, rows.div_ceil(WORKGROUP * down).div_ceil(runs), runs]
     }

@@ -5,7 +5,8 @@ use std::{ops::ControlFlow, sync::Arc};
 use super::{
     driver::{Driver, Setting},
     plan::Plan,
-    targets::{FRAME_STRIDE, Targets},
+    targets::Targets,
+    uniforms::{STRIDE, uniforms_bytes},
 };
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
@@ -124,12 +125,11 @@ impl Renderer {
             let mut commands = Vec::new();
             let bands = targets.shape.bands;
             let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
-            upload.resize(FRAME_STRIDE as usize, 0);
+            upload.resize(STRIDE as usize, 0);
             for index in 0..bands.count() {
                 let mut own = into.is_none().then(|| driver.encoder());
                 let encoder = own.as_mut().or(into.as_deref_mut()).expect("one of the two");
-                driver.set_rows(&bands.get(index));
-                upload.extend(driver.frame_bytes());
+                upload.extend(driver.uniforms_of(&bands.get(index)));
                 encoded.encode_band(&mut driver, &plan, encoder, index);
                 if index + 1 == bands.count() {
                     let unfinished = targets.get(Resource::Unfinished, 0);
@@ -150,12 +150,13 @@ impl Encoded {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
         };
-        let uniforms = u64::from(targets.shape.bands.count()) * targets.shape.uniforms_bytes();
+        let uniforms =
+            u64::from(targets.shape.bands.count()) * uniforms_bytes(targets.shape.views, targets.shape.parts);
         let (from, to) = (wgpu::BufferUsages::COPY_SRC, wgpu::BufferUsages::COPY_DST);
         Self {
             views,
             unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
-            _upload: buffer("uniforms", FRAME_STRIDE + uniforms, from | to),
+            _upload: buffer("uniforms", STRIDE + uniforms, from | to),
             _targets: targets.clone(),
             _tables: tables,
         }
@@ -164,9 +165,9 @@ impl Encoded {
     /// Encodes one band, from the upload of its uniforms to its rows of the textures.
     fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
         let targets = &self._targets;
-        let uniforms = targets.shape.uniforms_bytes();
-        let begin = FRAME_STRIDE + u64::from(index) * uniforms;
-        encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.frames, 0, Some(uniforms));
+        let uniforms = uniforms_bytes(targets.shape.views, targets.shape.parts);
+        let begin = STRIDE + u64::from(index) * uniforms;
+        encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.uniforms, 0, Some(uniforms));
         if index == 0 {
             encoder.copy_buffer_to_buffer(&self._upload, 0, &targets.empty_lists, 0, Some(targets.empty_lists.size()));
             encoder.clear_buffer(targets.get(Resource::Unfinished, 0), 0, None);

@@ -15,6 +15,7 @@ pub(crate) mod targets;
 #[cfg(test)]
 mod tests;
 pub(crate) mod uniform;
+mod uniforms;
 pub(crate) mod wanted;
 
 use std::sync::Arc;

@@ -8,6 +8,7 @@ use std::{
 use super::{
     bands::Bands,
     executor::{Held, Resources, indirect_buffer},
+    uniforms::uniforms_bytes,
 };
 use crate::{
     Error, GBuffer,
@@ -59,7 +60,7 @@ pub(crate) struct Shape {
     pub(crate) soft_sources: u32,
     /// Primitives drawn into a T-buffer, 0 without one.
     pub(crate) drawn: u32,
-    /// Uniforms per view: one per part of soft light, at least one.
+    /// Parts of soft light, at least one.
     pub(crate) parts: u32,
 }
 
@@ -67,11 +68,6 @@ impl Shape {
     /// Returns columns and rows of the frame's buffers, which hold one band.
     pub(crate) fn kept(&self) -> [u32; 2] {
         [self.size[0], self.bands.rows_kept()]
-    }
-
-    /// Returns the bytes of all uniforms.
-    pub(crate) fn uniforms_bytes(&self) -> u64 {
-        self.views as u64 * u64::from(self.parts) * FRAME_STRIDE
     }
 
     /// Returns the words per pixel that are read back: colour and marks, depth, slot.
@@ -153,8 +149,8 @@ impl Shape {
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) shape: Shape,
-    /// One `layout::Frame` per view and part.
-    pub(crate) frames: wgpu::Buffer,
+    /// The uniforms of each view ([`Uniforms`]).
+    pub(crate) uniforms: wgpu::Buffer,
     /// For the executor.
     pub(crate) indirect: wgpu::Buffer,
     /// Samples of views, which `bracket` reads.
@@ -188,9 +184,6 @@ impl Used {
 /// many large views would take all of it.
 pub(crate) const MOST_BYTES: u64 = 8 << 30;
 
-/// Bytes from one `layout::Frame` to the next: WebGPU's default alignment of uniform offsets.
-pub(crate) const FRAME_STRIDE: u64 = 256;
-
 impl Targets {
     /// # Errors
     /// [`Error::Limit`] for a picture that the adapter cannot bind.
@@ -208,7 +201,11 @@ impl Targets {
             plain("empty_lists", layout::LISTS_HEADS, wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST);
         Ok(Self {
             shape,
-            frames: plain("frames", shape.uniforms_bytes(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST),
+            uniforms: plain(
+                "uniforms",
+                uniforms_bytes(shape.views, shape.parts),
+                wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            ),
             indirect: indirect_buffer(gpu),
             samples: used.samples().map(|place| (place, samples_texture(gpu, shape.kept()))).collect(),
             empty_lists,
@@ -264,7 +261,7 @@ impl Targets {
 /// A browser frees buffers only at garbage collection, unless they are destroyed.
 impl Drop for Targets {
     fn drop(&mut self) {
-        let own = [&self.frames, &self.indirect, &self.empty_lists];
+        let own = [&self.uniforms, &self.indirect, &self.empty_lists];
         self.buffers.values().chain(own).for_each(wgpu::Buffer::destroy);
         self.samples.values().for_each(|view| view.texture().destroy());
     }

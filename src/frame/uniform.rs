@@ -8,7 +8,7 @@ const WIDER: f32 = 0.05;
 
 /// Returns the uniform of two eyes, with offsets from the middle along `pose.right` in interaxials. Directions have
 /// length 1 along the view axis, so a ray's t is the depth Z.
-pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Frame {
+pub(crate) fn eyes_uniform(pose: &Pose, source: f32, target: f32) -> layout::Eyes {
     let corner = |offset: f32| pose.corner(offset.into()).as_vec3().to_array();
     let [step_x, step_y] = pose.pixel_steps().map(|step| step.as_vec3().to_array());
     // The direction to the outermost corner of the picture, from either eye.
@@ -16,7 +16,7 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
     let [aside, above] = pose.frustum.aside(far);
     let longest = (1.0_f64.hypot(aside.hypot(above)) * 1.001) as f32;
     let parallax = pose.parallax().times(target - source);
-    layout::Frame {
+    layout::Eyes {
         source_eye: pose.eye_in_scene(2.0 * source).to_array(),
         target_eye: pose.eye_in_scene(2.0 * target).to_array(),
         source_corner: corner(source),
@@ -31,11 +31,9 @@ pub(crate) fn frame_uniform(pose: &Pose, source: f32, target: f32) -> layout::Fr
         at_infinity: parallax.at_infinity,
         shift: (target - source) * pose.interaxial,
         same_parallax: same_parallax(pose, target - source),
-        image_size: pose.size,
-        row_end: pose.size[1],
         wider: wider(pose, far),
         pixel_side: pixel_side(pose),
-        ..layout::Frame::default()
+        ..layout::Eyes::default()
     }
 }
 

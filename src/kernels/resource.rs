@@ -21,7 +21,7 @@ macro_rules! resources {
 }
 
 resources! {
-    /// Uniform of two eyes and the rows at work.
+    /// Uniform of a view.
     Frame = "frame",
     /// Pixels of the current view.
     View = "view",

@@ -29,9 +29,14 @@ impl Jitter {
         self.side
     }
 
-    /// Returns the frame uniform for jittered samples. Tile searches are wider, to include their rays.
-    pub(crate) fn beside(&self, frame: layout::Frame) -> layout::Frame {
-        layout::Frame { jitter_seed: self.seed, wider: frame.wider + self.reach(), ..frame }
+    /// Returns the uniform of eyes for jittered samples. Tile searches are wider, to include their rays.
+    pub(crate) fn beside(&self, eyes: layout::Eyes) -> layout::Eyes {
+        layout::Eyes { wider: eyes.wider + self.reach(), ..eyes }
+    }
+
+    /// Returns the seed of the rows' offsets.
+    pub(crate) fn seed(&self) -> u32 {
+        self.seed
     }
 
     /// Returns the largest offset of a sample from its cell's centre, in cell widths.

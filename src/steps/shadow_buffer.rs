@@ -81,7 +81,7 @@ struct Filling<'a> {
     with: Variant,
     /// Number of primitives to draw.
     primitives: u32,
-    uniform: wgpu::Buffer,
+    frame: wgpu::Buffer,
     counters: wgpu::Buffer,
     t_buffer: wgpu::Buffer,
     /// The finished texels, by the hybrid rule.
@@ -232,13 +232,13 @@ impl<'a> Filling<'a> {
         let with = Variant { close: scene.large.any_close_to(&[layer.light]), ..scene.variant };
         let primitives = t_buffer::drawn(scene, gpu).unwrap_or(0);
         let indirect = indirect_buffer(gpu);
-        let uniform = gpu.uniform_buffer("table", bytemuck::bytes_of(&layout::Table::default()));
+        let frame = gpu.uniform_buffer("frame", bytemuck::bytes_of(&layout::TableFrame::default()));
         let counters = gpu.storage_buffer("counters", layout::COUNTERS as u64 * 4);
         let t_buffer = gpu.storage_buffer("t_buffer", 8 * texels);
         let texels = layer.margin.map(|_| gpu.storage_buffer("texels", 16 * texels));
         let drawing = gpu.storage_buffer("drawing", drawing_bytes(primitives));
         let mut resources = Resources::default()
-            .with(Resource::Frame, &uniform)
+            .with(Resource::Frame, &frame)
             .with(Resource::Counters, &counters)
             .with(Resource::TBuffer, &t_buffer)
             .with(Resource::Drawing, &drawing);
@@ -247,7 +247,7 @@ impl<'a> Filling<'a> {
         }
         scene.resources(&mut resources);
         let (kernels, with) = (&renderer.kernels, with.counting(options.count, false));
-        Self { gpu, kernels, with, primitives, uniform, counters, t_buffer, texels, drawing, indirect, resources }
+        Self { gpu, kernels, with, primitives, frame, counters, t_buffer, texels, drawing, indirect, resources }
     }
 
     /// Returns the buffer that the table's texels are copied from.
@@ -255,11 +255,11 @@ impl<'a> Filling<'a> {
         self.texels.as_ref().unwrap_or(&self.t_buffer)
     }
 
-    /// Uploads the uniform for these rows.
+    /// Uploads the uniforms for these rows.
     fn begin(&self, layer: &Layer, rows: &Range<u32>, per_row: u32) {
         let Mapping { axes: [x, y, z], theta, phi, columns, .. } = layer.mapping;
-        let table = layout::Table {
-            target_eye: layer.light.to_array(),
+        let mapping = layout::Mapping {
+            light: layer.light.to_array(),
             theta_begin: theta[0],
             axis_x: x.to_array(),
             theta_step: theta[1],
@@ -267,13 +267,13 @@ impl<'a> Filling<'a> {
             phi_begin: phi[0],
             axis_z: z.to_array(),
             phi_step: phi[1],
-            image_size: [per_row, rows.len() as u32],
             columns,
-            first_row: rows.start,
             margin: layer.margin.unwrap_or(0.0),
             ..Default::default()
         };
-        self.gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&table));
+        let band = layout::Band { size: [per_row, rows.len() as u32], first_row: rows.start, ..Default::default() };
+        let frame = layout::TableFrame { mapping, band };
+        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
     }
 
     /// Encodes the drawing of the nearest hit in each texel, its reading, and the marks of texels where something may
@@ -316,7 +316,7 @@ impl<'a> Filling<'a> {
 
 impl Drop for Filling<'_> {
     fn drop(&mut self) {
-        let all = [&self.uniform, &self.counters, &self.t_buffer, &self.drawing, &self.indirect];
+        let all = [&self.frame, &self.counters, &self.t_buffer, &self.drawing, &self.indirect];
         all.into_iter().chain(&self.texels).for_each(wgpu::Buffer::destroy);
     }
 }

@@ -15,12 +15,12 @@ impl Driver<'_> {
 
     /// Runs pass 2 of `AdelsonHodges`, row after row.
     async fn sweep(&mut self, view: usize) -> Result<(), Error> {
-        let (gpu, targets, frame) = (self.gpu, self.targets, self.frames[view]);
+        let (gpu, targets, band) = (self.gpu, self.targets, self.uniforms.band(view));
         let submission = gpu.checked(|| Ok(gpu.submit([]))).await?;
         gpu.finished(submission).await?;
         let begin = Instant::now();
-        let width = frame.image_size[0] as usize;
-        let rows = frame.row_begin as usize * width..frame.row_end as usize * width;
+        let width = band.size[0] as usize;
+        let rows = band.row_begin as usize * width..band.row_end as usize * width;
         let source = targets.get(Resource::View, self.eyes.sources[view]);
         let source: Vec<layout::Pixel> = gpu.read(source, rows.end).await?;
         let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
@@ -41,15 +41,14 @@ impl Driver<'_> {
         let depth = depth.slots(&self.eyes.pair_of(view), range);
         let gpu = self.gpu;
         let rows = self.rows_of(view);
-        let (rows, slots) = self.slots.size(gpu, self.frames[view].image_size[0], rows, depth).await?;
+        let band = layout::Band { buffer_depth: depth, ..self.uniforms.band(view) };
+        let (rows, slots) = self.slots.size(gpu, band.size[0], rows, depth).await?;
         self.resources[view].set(Resource::Slots, slots);
-        self.frames[view].buffer_depth = depth;
-        let band = self.frames[view];
         for begin in (band.row_begin..band.row_end).step_by(rows as usize) {
             let run = || {
-                let frame = &mut self.frames[view];
-                (frame.row_begin, frame.row_end) = (begin, band.row_end.min(begin + rows));
-                self.upload_frames();
+                let row_end = band.row_end.min(begin + rows);
+                *self.uniforms.band_mut(view) = layout::Band { row_begin: begin, row_end, ..band };
+                self.upload_uniforms();
                 let mut encoder = self.encoder();
                 self.encode_all(&mut encoder, &reproject::slots(view));
                 gpu.queue.submit([encoder.finish()]);
@@ -57,19 +56,19 @@ impl Driver<'_> {
             };
             gpu.checked(run).await?;
         }
-        self.frames[view] = band;
-        self.upload_frames();
+        *self.uniforms.band_mut(view) = band;
+        self.upload_uniforms();
         Ok(())
     }
 
     /// Returns the nearest and farthest depth of a view's source in the rows at work. The farthest is infinite if any
     /// pixel is sky.
     async fn depth_range(&mut self, view: usize) -> Result<(f32, f32), Error> {
-        let frame = self.frames[view];
-        let words = frame.row_end as usize * layout::COUNTERS;
+        let band = self.uniforms.band(view);
+        let words = band.row_end as usize * layout::COUNTERS;
         let counters = self.targets.get(Resource::Counters, self.eyes.sources[view]);
         let words: Vec<u32> = self.gpu.read(counters, words).await?;
-        let rows = words.chunks_exact(layout::COUNTERS).skip(frame.row_begin as usize);
+        let rows = words.chunks_exact(layout::COUNTERS).skip(band.row_begin as usize);
         Ok(rows.fold((f32::INFINITY, 0.0), |(nearest, farthest), row| {
             let far = match f32::from_bits(row[layout::FARTHEST_DEPTH]) {
                 far if far >= crate::FAR => f32::INFINITY,

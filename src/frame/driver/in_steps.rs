@@ -31,7 +31,7 @@ impl Driver<'_> {
             self.resources.iter_mut().for_each(|all| all.set(Resource::Steps, &lanes.buffer));
             self.lanes = Some(lanes);
         }
-        self.set_rows(band); // those of the next band by now, if that is in flight
+        self.uniforms.set_rows(&self.eyes.sources, band); // those of the next band by now, if that is in flight
         let gpu = self.gpu;
         let clear = || {
             let mut encoder = self.encoder();
@@ -43,13 +43,13 @@ impl Driver<'_> {
         for view in 0..self.eyes.sources.len() {
             self.view_in_steps(band, view, rows, steps).await?;
         }
-        self.set_rows(band);
+        self.uniforms.set_rows(&self.eyes.sources, band);
         let follow = || {
-            self.upload_frames();
+            self.upload_uniforms();
             let mut encoder = self.encoder();
-            for view in 0..self.frames.len() {
+            for view in 0..self.eyes.sources.len() {
                 if self.variant.is_soft() {
-                    self.encode_all(&mut encoder, &soft::behind_hits(view, Launch::Pixels, self.parts.len()));
+                    self.encode_all(&mut encoder, &soft::behind_hits(view, Launch::Pixels, self.uniforms.parts()));
                 }
                 if self.variant.mirrors {
                     self.encode_all(&mut encoder, &mirrors::of(view));
@@ -83,8 +83,9 @@ impl Driver<'_> {
         let views = self.eyes.sources.len() as f32;
         for begin in band.place().step_by(rows as usize) {
             let end = band.place().end.min(begin + rows);
-            (self.frames[view].row_begin, self.frames[view].row_end) = (begin, end);
-            self.upload_frames();
+            let at_work = self.uniforms.band_mut(view);
+            (at_work.row_begin, at_work.row_end) = (begin, end);
+            self.upload_uniforms();
             let threads = self.targets.shape.size[0].div_ceil(block) * (end - begin).div_ceil(block);
             self.lanes().begin(gpu, threads, steps.rounds).await?;
             let mut unfinished = threads;

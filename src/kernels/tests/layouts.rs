@@ -31,7 +31,7 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     let module = &parse(&TRACE_LEFT, &with);
     assert_layout!(
         module,
-        Frame {
+        Eyes {
             source_eye,
             parallax_px,
             target_eye,
@@ -41,40 +41,25 @@ fn host_and_wgsl_structs_have_the_same_layout() {
             target_corner,
             same_parallax,
             step_x,
-            buffer_depth,
-            step_y,
-            row_begin,
-            right_axis,
-            row_end,
-            image_size,
             longest,
-            runs,
-            forward,
+            step_y,
             wider,
-            first_row,
-            least_spared,
-            cost_of_listed,
-            cost_of_disagreed,
+            right_axis,
+            at_infinity,
+            forward,
+            pixel_side,
             second_parallax_px,
             second_same_parallax,
-            bounces,
-            words_read,
-            soft_light,
-            soft_slot,
-            soft_first,
-            soft_sources,
-            seed,
-            occlusion_radius,
-            share_tolerance,
-            exposure,
-            filmic,
-            jitter_seed,
-            zero_b,
-            zero,
-            at_infinity,
-            pixel_side,
         }
     );
+    assert_layout!(module, Band { size, row_begin, row_end, first_row, runs, buffer_depth, jitter_seed });
+    assert_layout!(
+        module,
+        Lighting { light, slot, first_ray, sources, seed, occlusion_radius, share_tolerance, bounces }
+    );
+    assert_layout!(module, Display { exposure, filmic, words_read, _pad });
+    assert_layout!(module, Costs { least_spared, listed, disagreed, _pad });
+    assert_layout!(module, Frame { eyes, band, lighting, display, costs });
     assert_layout!(module, Bvh { grid_origin, extent, grid_cell, zero });
     let stated = [
         ("grid_origin", offset_of!(layout::CutOutBvh, bvh.grid_origin)),
@@ -86,21 +71,13 @@ fn host_and_wgsl_structs_have_the_same_layout() {
     let cut_out = parse(&TRACE_LEFT, &Variant { cutouts: true, ..with });
     assert_struct(&cut_out, "Bvh", &stated, size_of::<layout::CutOutBvh>());
     assert_layout!(module, Pixel { depth, slot, marks, color });
-    let stated = [
-        ("target_eye", offset_of!(layout::Table, target_eye)),
-        ("theta_begin", offset_of!(layout::Table, theta_begin)),
-        ("axis_x", offset_of!(layout::Table, axis_x)),
-        ("theta_step", offset_of!(layout::Table, theta_step)),
-        ("axis_y", offset_of!(layout::Table, axis_y)),
-        ("phi_begin", offset_of!(layout::Table, phi_begin)),
-        ("axis_z", offset_of!(layout::Table, axis_z)),
-        ("phi_step", offset_of!(layout::Table, phi_step)),
-        ("image_size", offset_of!(layout::Table, image_size)),
-        ("columns", offset_of!(layout::Table, columns)),
-        ("first_row", offset_of!(layout::Table, first_row)),
-        ("margin", offset_of!(layout::Table, margin)),
-    ];
-    assert_struct(&parse(&READ_TEXELS, &with), "Frame", &stated, size_of::<layout::Table>());
+    let table = &parse(&READ_TEXELS, &with);
+    let stated = [("mapping", offset_of!(layout::TableFrame, mapping)), ("band", offset_of!(layout::TableFrame, band))];
+    assert_struct(table, "Frame", &stated, size_of::<layout::TableFrame>());
+    assert_layout!(
+        table,
+        Mapping { light, theta_begin, axis_x, theta_step, axis_y, phi_begin, axis_z, phi_step, columns, margin }
+    );
     let listed = parse(&TRACE_LISTED, &with);
     let header = listed.types.iter().find_map(|(_, kind)| match &kind.inner {
         naga::TypeInner::Struct { members, .. } if kind.name.as_deref() == Some("Lists") => Some(members[1].offset),

@@ -1,0 +1,106 @@
+// The camera: rays of pixels, where samples of the source land in the target, and the width of a pixel. projection.wgsl
+// has the volumes of tiles. Nothing else knows the eyes.
+
+//! if canvas is picture
+// Returns the point where the target's rays start.
+fn eye_point() -> vec3f { return frame.eyes.target_eye; }
+
+// Returns the target's rays through pixels.
+fn rays_of(pixels: Pixels) -> Rays {
+    return Rays(frame.eyes.target_eye, pixel_directions(frame.eyes.target_corner, pixels));
+}
+
+// Returns the directions from the target to points at these depths in source pixels. Directions to the sky are those of
+// the source.
+fn to_source_points(pixels: Pixels, depth: F, sky: B) -> F3 {
+    let direction = pixel_directions(frame.eyes.source_corner, pixels);
+    let to_point = minus3(times3(direction, depth), all3(frame.eyes.right_axis * frame.eyes.shift));
+    return select3(to_point, direction, sky);
+}
+
+// Returns the side of a square with a pixel's area, at a distance along the view axis.
+fn footprint(distance: f32) -> f32 { return distance * length(frame.eyes.step_x) * frame.eyes.pixel_side; }
+
+// Returns the width of a pixel at distance 1.
+fn column_step() -> f32 { return length(frame.eyes.step_x); }
+
+//! if canvas is middles or texels
+fn eye_point() -> vec3f { return frame.mapping.light; }
+
+//! if jitter is none
+// Returns directions from an eye through the pixels' centres.
+fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
+    let x = F(pixels.x) + 0.5;
+    let y = F(pixels.y + frame.band.first_row) + 0.5;
+    return F3(
+        corner.x + frame.eyes.step_x.x * x + frame.eyes.step_y.x * y,
+        corner.y + frame.eyes.step_x.y * x + frame.eyes.step_y.y * y,
+        corner.z + frame.eyes.step_x.z * x + frame.eyes.step_y.z * y,
+    );
+}
+
+//! if jitter is rows
+// Returns directions from an eye through jittered samples.
+fn pixel_directions(corner: vec3f, pixels: Pixels) -> F3 {
+    let row = pixels.y + frame.band.first_row;
+    let x = F(pixels.x) + 0.5 + sample_aside(row);
+    let y = F(row) + 0.5;
+    return F3(
+        corner.x + frame.eyes.step_x.x * x + frame.eyes.step_y.x * y,
+        corner.y + frame.eyes.step_x.y * x + frame.eyes.step_y.y * y,
+        corner.z + frame.eyes.step_x.z * x + frame.eyes.step_y.z * y,
+    );
+}
+
+//! end
+// Returns the parallax x_t - x_s of a point at depth z, in pixels: e_px (1 - d/z), thesis eq. 10; for parallel cameras
+// f_px (0 - e/z). FAR gives the parallax of infinity.
+fn parallax(z: f32) -> f32 {
+    return frame.eyes.parallax_px * (frame.eyes.at_infinity - frame.eyes.parallax_distance / z);
+}
+
+// Returns X, where a sample lands: its centre moved by the parallax.
+fn landing_x(column: u32, z: f32) -> f32 {
+    return f32(column) + 0.5 + parallax(z);
+}
+
+// Returns the target column floor(X) of a sample, or -1 outside the picture. X is compared before conversion, since
+// near z = 0 it does not fit an integer.
+fn target_column(column: u32, z: f32) -> i32 {
+    let x = landing_x(column, z);
+    if !(x >= 0.0 && x < f32(frame.band.size.x)) { return -1; }
+    return i32(floor(x));
+}
+
+// Returns floor(X) without the picture's edges, clamped to fit.
+fn landing(column: u32, z: f32) -> i32 {
+    return i32(floor(clamp(landing_x(column, z), -1e9, 1e9)));
+}
+
+// The order of a source's columns for its target begins on the farthest side. To an eye on the right, near things move
+// to the left. So of the samples that land in one column the rightmost is the nearest. For an eye on the left all is
+// mirrored.
+
+fn is_mirrored() -> bool { return frame.eyes.parallax_px < 0.0; }
+
+// Returns the column at position `place` of the sweep. The function is its own inverse.
+fn in_sweep(place: u32) -> u32 { return select(place, frame.band.size.x - 1u - place, is_mirrored()); }
+
+// Returns a sample's key: the later its column comes in the sweep, the larger. It is never EMPTY.
+fn key_of(column: u32) -> u32 { return in_sweep(column) + 1u; }
+fn column_of(key: u32) -> u32 { return in_sweep(key - 1u); }
+
+// A source view that a target queries.
+struct Asked {
+    parallax_px: f32,     // like frame.eyes.parallax_px
+    same_parallax: f32,
+    second: bool,
+}
+
+fn nearest_source() -> Asked { return Asked(frame.eyes.parallax_px, frame.eyes.same_parallax, false); }
+
+fn second_source() -> Asked { return Asked(frame.eyes.second_parallax_px, frame.eyes.second_same_parallax, true); }
+
+fn parallax_from(source: Asked, z: f32) -> f32 {
+    return source.parallax_px * (frame.eyes.at_infinity - frame.eyes.parallax_distance / z);
+}
