@@ -1,5 +1,5 @@
 //! The cost model of `Method::Auto`: it chooses between `bracket` and `naive` once a band of the left view is traced
-//! (shaders/choose.wgsl).
+//! (shaders/bracket/choose.wgsl).
 
 use std::fmt;
 
@@ -110,7 +110,7 @@ impl CostModel {
         (self.listed * gaps + self.disagreed).min(self.listed)
     }
 
-    /// Returns the minimum number of shadow rays saved per pixel that makes the search pay (as in shaders/choose.wgsl).
+    /// Returns the minimum number of shadow rays saved per pixel that makes the search pay (as in shaders/bracket/choose.wgsl).
     pub(crate) fn least_spared(self) -> f32 {
         (self.search - 1.0) / self.shadow
     }

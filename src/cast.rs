@@ -15,8 +15,8 @@ use crate::{
     variant::Variant,
 };
 
-pub(crate) const CLOSEST_HITS: Kernel = kernel!("closest_hits", Role::RayList(Dispatches::One));
-pub(crate) const ANY_HITS: Kernel = kernel!("any_hits", Role::RayList(Dispatches::One));
+pub(crate) const CLOSEST_HITS: Kernel = kernel!("rays", "closest_hits", Role::RayList(Dispatches::One));
+pub(crate) const ANY_HITS: Kernel = kernel!("rays", "any_hits", Role::RayList(Dispatches::One));
 /// Variants whose threads continue in the next dispatch.
 pub(crate) const CLOSEST_HITS_IN_STEPS: Kernel =
     Kernel { name: "closest_hits_in_steps", role: Role::RayList(Dispatches::Many), ..CLOSEST_HITS };

@@ -30,9 +30,10 @@ pub(crate) struct Kernel {
 }
 
 macro_rules! kernel {
-    ($name:literal, $role:expr) => {
-        $crate::kernels::Kernel { name: $name, role: $role, main: $crate::wgsl::part!(concat!($name, ".wgsl")) }
-    };
+    ($folder:literal, $name:literal, $role:expr) => {{
+        let main = $crate::wgsl::part!(concat!($folder, "/", $name, ".wgsl"));
+        $crate::kernels::Kernel { name: $name, role: $role, main }
+    }};
 }
 pub(crate) use kernel;
 

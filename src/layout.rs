@@ -93,7 +93,7 @@ pub(crate) struct TableFrame {
     pub(crate) band: Band,
 }
 
-/// `Bvh` of shaders/shared/bvh.wgsl.
+/// `Bvh` of shaders/shared/fetch.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Bvh {
@@ -103,7 +103,7 @@ pub(crate) struct Bvh {
     pub(crate) zero: u32,
 }
 
-/// `Bvh` of shaders/shared/cutouts.wgsl, in place of the other one.
+/// `Bvh` of shaders/shared/fetch.wgsl, in place of the other one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct CutOutBvh {
@@ -112,7 +112,7 @@ pub(crate) struct CutOutBvh {
     pub(crate) _pad: [u32; 3],
 }
 
-/// `Pixel` of shaders/shared/types.wgsl.
+/// `Pixel` of shaders/shared/pixels.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Pixel {
@@ -154,9 +154,9 @@ pub(crate) const ALL_TRACED: u32 = 5;
 /// Bytes of `Lists` before its entries.
 pub(crate) const LISTS_HEADS: u64 = (HEADS * size_of::<[u32; 4]>()) as u64;
 
-/// Threads of a workgroup in x and in y (`shaders/shared/types.wgsl`).
+/// Threads of a workgroup in x and in y (`shaders/shared/pixels.wgsl`).
 pub(crate) const WORKGROUP: u32 = 8;
-/// Threads of a workgroup in a dispatch over a list (`shaders/shared/types.wgsl`).
+/// Threads of a workgroup in a dispatch over a list (`shaders/shared/pixels.wgsl`).
 pub(crate) const LIST_WORKGROUP: u32 = 64;
 
 /// Pixels of a tile's side, and of a tile (`shaders/shared/tiles.wgsl`).
@@ -172,7 +172,7 @@ pub(crate) const BOUND_WORDS: u32 = 2;
 /// Words of a tile's search results (`shaders/shared/lists.wgsl`).
 pub(crate) const TILE_WORDS: u32 = 642;
 
-/// Words of a view's `counters` per picture row, and their indices (shaders/shared/types.wgsl).
+/// Words of a view's `counters` per picture row, and their indices (shaders/shared/counters.wgsl).
 pub(crate) const COUNTERS: usize = 13;
 pub(crate) const SHADOW_RAYS: usize = 0;
 pub(crate) const NODES_VISITED: usize = 1;
@@ -194,5 +194,5 @@ pub(crate) const BRACKET_CHOSEN: u32 = 1;
 pub(crate) const BAD: u32 = 0x4000_0000;
 pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
-/// The colour of a packed pixel; marks take the place of alpha (`shaders/pack.wgsl`).
+/// The colour of a packed pixel; marks take the place of alpha (`shaders/show/pack.wgsl`).
 pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;

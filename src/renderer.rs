@@ -57,7 +57,7 @@ pub struct Renderer {
     pub(crate) cache: frame::Cache,
     pub(crate) timestamps: Option<Timestamps>,
     pub(crate) band_pixels: u32,
-    /// Number of runs that rows of workgroups are divided into (`launched_row` of shaders/shared/types.wgsl).
+    /// Number of runs that rows of workgroups are divided into (`launched_row` of shaders/shared/pixels.wgsl).
     pub(crate) runs: u32,
     pub(crate) steps: Steps,
     /// Completed once the warning about a scene far from its origin was logged.

@@ -1,7 +1,8 @@
 //! Linker of WGSL: a kernel's text is its own file and the definitions of `shaders/shared/` that it uses.
 //!
-//! There is no list of imports. Every top-level name (`fn`, `struct`, `const`, `override`, `var`, `alias`) belongs to
-//! the file that defines it. The linker adds each definition that a kernel's file uses, directly or indirectly, once.
+//! Each file begins with the shared files that it uses (`//! use camera, lane`). A test compares these lists with what
+//! it uses, and finds circles among shared files. Every top-level name (`fn`, `struct`, `const`, `override`, `var`,
+//! `alias`) belongs to the file that defines it. The linker adds each definition that a kernel's file uses, directly or indirectly, once.
 //! The order of WGSL definitions does not matter. A name that the kernel's own file defines (a binding such as `view`)
 //! takes precedence, for shared definitions too.
 //!
@@ -57,12 +58,15 @@ macro_rules! shared {
 
 /// All files of `shaders/shared/`.
 pub(crate) const SHARED: &[Part] = shared![
+    "aims",
     "angles",
     "bits",
     "boxes",
     "bvh",
     "camera",
+    "counters",
     "cutouts",
+    "dice",
     "display",
     "double_float",
     "ellipsoid",
@@ -70,18 +74,22 @@ pub(crate) const SHARED: &[Part] = shared![
     "frame",
     "in_steps",
     "jitter",
+    "kept_samples",
     "lane",
+    "light",
     "lights",
     "linear",
     "lists",
     "marks",
     "materials",
     "objects",
+    "pixels",
     "planes",
+    "primitive",
     "primitives",
     "projection",
     "ray_list",
-    "samples",
+    "rays",
     "search",
     "shade",
     "shadow_buffer",
@@ -90,12 +98,14 @@ pub(crate) const SHARED: &[Part] = shared![
     "sky",
     "sky_light",
     "soft",
+    "source_samples",
     "sphere",
+    "surfaces",
     "t_buffer",
+    "table",
     "textures",
     "tiles",
     "triangle",
-    "types",
     "verify",
     "view",
     "visibility",
@@ -227,6 +237,19 @@ pub(crate) fn origin(text: &str, line: usize) -> Option<String> {
         Some((file, first.parse::<usize>().ok()? + line - 2 - index))
     });
     marks.last().map(|(file, line)| format!("{file}.wgsl:{line}"))
+}
+
+/// Returns the names of the shared files that a file uses, in any choice, and of those that it lists.
+#[cfg(test)]
+pub(crate) fn uses_of(part: Part) -> [std::collections::BTreeSet<&'static str>; 2] {
+    let own = definitions(part);
+    let used = own.iter().flat_map(|definition| &definition.uses);
+    let others = used.filter(|name| own.iter().all(|definition| definition.name != **name));
+    let found = others.filter_map(|name| LIBRARY.by_name.get(name)).flatten();
+    let stem = |file: &'static str| file.trim_start_matches("shared/").trim_end_matches(".wgsl");
+    let found = found.map(|&index| stem(LIBRARY.definitions[index].file)).collect();
+    let listed = part.text.lines().filter_map(|line| line.strip_prefix("//! use "));
+    [found, listed.flat_map(|names| names.split(", ")).collect()]
 }
 
 /// Returns all shared definitions.

@@ -2,6 +2,8 @@
 // large table. From Abramowitz & Stegun, "Handbook of Mathematical Functions", 4.3.97, 4.3.99 and 4.4.49; their error
 // is below f32 rounding.
 
+//! use lane
+
 const QUARTER_TURN: f32 = 1.57079637;
 // Remainder of a quarter turn beyond f32.
 const QUARTER_TURN_LOW: f32 = -4.37113883e-8;

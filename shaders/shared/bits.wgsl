@@ -1,6 +1,8 @@
 // Visibility bits that right pixels reuse from the left view (docs/BRACKET.md). Every bit is inferred: an occluder's
 // shadow that falls between the samples is lost.
 
+//! use camera, frame, lane, light, lists, pixels, primitive, rays, source_samples
+
 // The lights of a point, as the samples beside it saw them. `known` and `lit` have one bit for each of the first 16 lights.
 struct Taken {
     known: U,

@@ -1,10 +1,56 @@
 // How the boxes of a pair of nodes are stored.
 
+//! use fetch, lane
+
+// Links that a traversal has yet to follow, above DONE.
+alias Stack = array<u32, STACK_SIZE>;
+
+const LEAF: u32 = 0x80000000u;
+const FIRST_SLOT: u32 = 0x0fffffffu;
+const DONE: u32 = 0xffffffffu;
+const NO_ENTRY: f32 = 3.402e38;
+
+// A child's widened box, relative to the rays' origin.
+struct Child {
+    low: vec3f,
+    high: vec3f,
+    link: u32,
+}
+
+// Offsets from the grid's origin to box corners relative to a point.
+struct Offsets {
+    low: vec3f,
+    high: vec3f,
+}
+
+// Boxes are widened by more than the rounding of slab and primitive tests, so that no tie and no flat leaf is missed
+// (DESIGN, section 2). The margin is small, since a shadow ray begins close to its surface and would test the surface's
+// boxes in vain.
+fn offsets_from(origin: vec3f) -> Offsets {
+    let to_grid = bvh.grid_origin - origin;
+    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
+    return Offsets(to_grid - slack, to_grid + slack);
+}
+
+// Returns where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
+fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
+    let low_x = child.low.x * inverse.x;
+    let low_y = child.low.y * inverse.y;
+    let low_z = child.low.z * inverse.z;
+    let high_x = child.high.x * inverse.x;
+    let high_y = child.high.y * inverse.y;
+    let high_z = child.high.z * inverse.z;
+    let entry_xy = larger(smaller(low_x, high_x), smaller(low_y, high_y));
+    let exit_xy = smaller(larger(low_x, high_x), larger(low_y, high_y));
+    let entry = larger(entry_xy, larger(smaller(low_z, high_z), t_min));
+    let exit = smaller(exit_xy, smaller(larger(low_z, high_z), t_best));
+    return smallest(select(F(NO_ENTRY), entry, entry <= exit));
+}
+
 //! if boxes is grid
 // 16-bit corners on a grid over the whole scene, rounded outwards. A child takes one texel, half as much as with f32
 // corners.
 
-const CHILD_TEXELS: u32 = 1u;
 // Boxes are widened by this share of the scene's size and distance.
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
 
@@ -19,7 +65,6 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 //! if boxes is f32
 // f32 corners relative to the grid's origin. A child takes two texels.
 
-const CHILD_TEXELS: u32 = 2u;
 const SCENE_SLACK: f32 = 1.0 / 1048576.0;
 
 fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
@@ -33,7 +78,6 @@ fn child_at(place: Place, child: u32, offsets: Offsets) -> Child {
 // distance from the ray's origin. The other layouts widen all boxes alike, which is cheaper and harmless for larger
 // boxes.
 
-const CHILD_TEXELS: u32 = 2u;
 const SCENE_SLACK: f32 = 0.0;
 const BOX_SLACK: f32 = 1.0 / 1048576.0;
 

@@ -3,148 +3,8 @@
 // The rays of a lane start at one point and share a stack: all of them test each node that one must visit. A node is a
 // pair of child boxes, each with a link. A link with LEAF set is a run of 1 to 8 primitives: (count - 1) in bits 28 to
 // 30, the first slot below. Other links are indices of pairs. The root is pair 0.
-//! if cutouts is none
-struct Bvh {
-    grid_origin: vec3f,   // grid point 0, scene coordinates
-    extent: f32,          // largest side of the scene's box, world units
-    grid_cell: vec3f,     // world size of a grid step
-    zero: u32,            // 0, unknown to compilers
-}
-//! end
-// The rays of a lane. t counts in lengths of the direction, which need not be a unit vector.
-struct Rays {
-    origin: vec3f,
-    direction: F3,
-}
 
-// Links that a traversal has yet to follow, above DONE.
-alias Stack = array<u32, STACK_SIZE>;
-
-// Values of a lane's rays that intersection tests share.
-struct Scales {
-    length: F,               // of the direction
-    per_length_squared: F,
-}
-
-// The hits of a lane's rays.
-struct Hits {
-    t: F,                 // t_max for a miss; undefined by any_slot
-    primitive: U,         // id in the scene's order, MISS for a miss; undefined by any_slot
-    slot: U,              // index in the tree's order
-}
-
-// A child's widened box, relative to the rays' origin.
-struct Child {
-    low: vec3f,
-    high: vec3f,
-    link: u32,
-}
-
-//! if texels is corners or spheres
-// A primitive, as intersection needs it. A sphere has its centre in a and its radius in b.x. ellipsoid.wgsl has the
-// version for scenes with ellipsoids.
-struct Primitive {
-    a: vec3f,
-    b: vec3f,
-    c: vec3f,
-    id: u32,          // in the scene's order
-    component: u32,   // connected component, from bit 1 on; IS_SPHERE
-    reach: f32,       // of a triangle: at least its longest edge
-}
-//! end
-
-// The result of intersecting a lane's rays with one primitive.
-struct Found {
-    hit: B,
-    t: F,          // at the hit
-    doubtful: B,   // uncertain: look_again decides
-}
-
-// Uncertain primitives, deferred to their second look, as slot << RAY_BITS with a bit for each uncertain ray; 0 for
-// none. There are two, since a ray that is uncertain at a triangle mostly is at a neighbour too.
-struct PutOff {
-    last: u32,
-    before: u32,
-}
-
-// The surface at one ray's hit.
-struct Surface {
-    geometric_normal: vec3f,   // unit, towards the viewer
-    shading_normal: vec3f,     // unit, on the geometric normal's side
-    material: u32,
-    component: u32,            // connected component
-    reach: f32,                // of a triangle: at least its longest edge; of a ball: 0
-    outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
-    radius: f32,               // of a ball
-    // Whether the ray comes from the side on which the corners run counterclockwise, or from outside a ball.
-    from_outside: bool,
-}
-
-// Lowest bit of a component: set for spheres, ellipsoids and planes, which are no triangles.
-const IS_SPHERE: u32 = 1u;
-const LEAF: u32 = 0x80000000u;
-const FIRST_SLOT: u32 = 0x0fffffffu;
-const DONE: u32 = 0xffffffffu;
-// The material, in w of a primitive's third texel. Above it are the upper 16 bits of a triangle's reach.
-const MATERIAL: u32 = 0x0000ffffu;
-const NO_ENTRY: f32 = 3.402e38;
-// t_max of a ray that is not traced, and t of a ray that any_hit has finished. It lies before every box.
-const NEVER: f32 = -3.402e38;
-
-override COUNT: bool = false;
-// Whether a loop ended before its work did. llvmpipe silently ends a thread's loops after 65,535 rounds in total.
-var<private> cut_short: bool;
-
-// Written out, since the built-in functions also order NaN, which costs two more instructions each.
-fn smaller(a: F, b: F) -> F { return select(b, a, a < b); }
-fn larger(a: F, b: F) -> F { return select(b, a, a > b); }
-
-fn largest_one(v: vec3f) -> vec3f {
-    return v / max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
-fn towards_viewer(normal: vec3f, direction: vec3f) -> vec3f {
-    return select(normal, -normal, dot(normal, direction) > 0.0);
-}
-
-fn reach_of(word: u32) -> f32 {
-    return bitcast<f32>(word & 0xffff0000u);
-}
-
-// Returns the dot product of each direction with a vector.
-fn along(direction: F3, v: vec3f) -> F {
-    return direction.x * v.x + direction.y * v.y + direction.z * v.z;
-}
-
-fn scales_of(rays: Rays) -> Scales {
-    let squared = dot3(rays.direction, rays.direction);
-    return Scales(sqrt(squared), 1.0 / squared);
-}
-
-// Clamps reciprocals to ±1e30: WGSL does not define division by zero.
-fn reciprocal(v: F) -> F {
-    return 1.0 / select(v, F(1e-30), abs(v) < F(1e-30));
-}
-
-// At equal t the smallest id wins, in any order of tests.
-fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
-    return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
-}
-
-// Offsets from the grid's origin to box corners relative to a point.
-struct Offsets {
-    low: vec3f,
-    high: vec3f,
-}
-
-// Boxes are widened by more than the rounding of slab and primitive tests, so that no tie and no flat leaf is missed
-// (DESIGN, section 2). The margin is small, since a shadow ray begins close to its surface and would test the surface's
-// boxes in vain.
-fn offsets_from(origin: vec3f) -> Offsets {
-    let to_grid = bvh.grid_origin - origin;
-    let slack = (bvh.extent + max(max(abs(to_grid.x), abs(to_grid.y)), abs(to_grid.z))) * SCENE_SLACK;
-    return Offsets(to_grid - slack, to_grid + slack);
-}
+//! use boxes, counters, cutouts, fetch, in_steps, lane, pixels, primitive, primitives, rays
 
 fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     let scales = scales_of(rays);
@@ -244,17 +104,6 @@ fn traverse(rays: Rays, t_min: F, t_max: F, any_is_enough: bool) -> Hits {
     return hits;
 }
 
-// Returns whether a third primitive must wait until the deferred ones are settled.
-fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
-    return doubted != 0u && put_off.before != 0u;
-}
-
-// Adds a deferred primitive for the given rays; returns the same if there are none.
-fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
-    let is_more = doubted != 0u;
-    return PutOff(select(put_off.last, (slot << RAY_BITS) | doubted, is_more), select(put_off.before, put_off.last, is_more));
-}
-
 // Returns the hits after the second look at the deferred primitives.
 fn settled(before: Hits, rays: Rays, t_min: F, put_off: PutOff, any_is_enough: bool) -> Hits {
     var hits = before;
@@ -289,31 +138,12 @@ fn settled_by_one(before: Hits, rays: Rays, t_min: F, doubtful: u32, any_is_enou
     return hits;
 }
 
-// Returns where the first of the rays enters a child's box within [t_min, t_best], or NO_ENTRY.
-fn box_entry(child: Child, inverse: F3, t_min: F, t_best: F) -> f32 {
-    let low_x = child.low.x * inverse.x;
-    let low_y = child.low.y * inverse.y;
-    let low_z = child.low.z * inverse.z;
-    let high_x = child.high.x * inverse.x;
-    let high_y = child.high.y * inverse.y;
-    let high_z = child.high.z * inverse.z;
-    let entry_xy = larger(smaller(low_x, high_x), smaller(low_y, high_y));
-    let exit_xy = smaller(larger(low_x, high_x), larger(low_y, high_y));
-    let entry = larger(entry_xy, larger(smaller(low_z, high_z), t_min));
-    let exit = smaller(exit_xy, smaller(larger(low_z, high_z), t_best));
-    return smallest(select(F(NO_ENTRY), entry, entry <= exit));
-}
-
 //! if planes is none
 // Returns the slot of some primitive with a hit in [t_min, t_max], or MISS. planes.wgsl has the version for scenes with
 // planes.
 fn any_slot(rays: Rays, t_min: F, t_max: F) -> U {
     return traverse(rays, t_min, t_max, true).slot;
 }
-
-//! if primitives is triangles or spheres or mixed
-var<private> nodes_visited: u32;
-var<private> primitives_tested: u32;
 
 //! if primitives is triangles or spheres or mixed and planes is none
 // Returns the nearest hits with t in [t_min, t_max]; at equal t the smallest primitive id. t_min is at least 0. A ray
@@ -329,9 +159,6 @@ fn any_hit(rays: Rays, t_min: F, t_max: F) -> B {
 
 //! if primitives is none and planes is none
 // The kernel has no traversal: nothing is ever hit.
-
-const nodes_visited: u32 = 0u;
-const primitives_tested: u32 = 0u;
 
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return Hits(t_max, U(MISS), U(0u));

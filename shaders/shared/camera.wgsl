@@ -1,6 +1,8 @@
 // The camera: rays of pixels, where samples of the source land in the target, and the width of a pixel. projection.wgsl
 // has the volumes of tiles. Nothing else knows the eyes.
 
+//! use frame, jitter, lane, rays
+
 //! if canvas is picture
 // Returns the point where the target's rays start.
 fn eye_point() -> vec3f { return frame.eyes.target_eye; }

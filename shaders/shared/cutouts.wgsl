@@ -4,15 +4,9 @@
 // the first test costs no more than without masks, and masks are read for hits only. Every ray of either eye gets the
 // same answer, since one function decides.
 
-//! if cutouts is some
-struct Bvh {
-    grid_origin: vec3f,
-    extent: f32,
-    grid_cell: vec3f,
-    zero: u32,
-    cutouts: u32,         // texel of the first material's mask head: src/cutouts.rs
-}
+//! use fetch, lane, primitive, rays, textures, triangle
 
+//! if cutouts is some
 // Returns a triangle test's result, where a hit on a cut-out triangle is uncertain.
 fn at_first_look(primitive: Primitive, found: Found) -> Found {
     let cut_out = B(is_cut_out(primitive));
@@ -29,16 +23,6 @@ fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec
 fn at_first_look(primitive: Primitive, found: Found) -> Found { return found; }
 
 fn at_second_look(primitive: Primitive, slot: u32, origin: vec3f, direction: vec3f, t: f32) -> f32 { return t; }
-
-//! if fetch is buffer
-fn geometry_texel(index: u32) -> vec4u {
-    return geometry[index];
-}
-
-//! if fetch is texture
-fn geometry_texel(index: u32) -> vec4u {
-    return textureLoad(geometry, texel_position(index));
-}
 
 //! end
 // Highest bit of a component, set for cut-out triangles. It keeps them apart from whole neighbours.

@@ -1,5 +1,7 @@
 // Pictures of linear colour.
 
+//! use frame, lane
+
 // Maps a channel of linear colour to 0..1: exposed, then clamped or tone-mapped.
 fn shown(linear: F) -> F {
     let x = linear * frame.display.exposure;

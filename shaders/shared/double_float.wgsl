@@ -1,6 +1,8 @@
 // Sums of two f32, with twice the precision (Dekker 1971; Knuth, TAOCP 2, 4.2.2). They serve eyes and lights so close
 // to a large triangle or sphere that f32 is too coarse.
 
+//! use fetch
+
 struct Two { hi: f32, lo: f32 }
 struct Two3 { hi: vec3f, lo: vec3f }
 

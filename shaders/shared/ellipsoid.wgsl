@@ -4,39 +4,9 @@
 // In a scene with ellipsoids spheres are ellipsoids too, with the identity as their matrix. So these functions replace
 // the sphere functions of sphere.wgsl and projection.wgsl.
 
+//! use double_float, fetch, lane, primitive, rays, sphere
+
 //! if texels is ellipsoids
-// A primitive, as intersection needs it. An ellipsoid has its centre in a. The rows b, c and d form the matrix that
-// maps offsets from this centre to offsets from the sphere's centre. The rows are orthogonal, each along a semi-axis
-// (src/scene/ellipsoid.rs). So rounding in a product with one row moves a point along that semi-axis only, by no more
-// than the offset's own rounding.
-struct Primitive {
-    a: vec3f,
-    b: vec3f,
-    c: vec3f,
-    d: vec3f,
-    id: u32,          // in the scene's order
-    component: u32,   // connected component, from bit 1 on; IS_SPHERE
-    reach: f32,       // of a triangle: at least its longest edge; of an ellipsoid: the sphere's radius
-}
-
-// Reads four texels: these vectors in xyz, with id, component, material and radius in w.
-fn primitive_at(slot: u32) -> Primitive {
-    let first = primitive_texel(slot, 0u);
-    let second = primitive_texel(slot, 1u);
-    let third = primitive_texel(slot, 2u);
-    let fourth = primitive_texel(slot, 3u);
-    let reach = select(reach_of(third.w), bitcast<f32>(fourth.w), (second.w & IS_SPHERE) != 0u);
-    return Primitive(
-        bitcast<vec3f>(first.xyz),
-        bitcast<vec3f>(second.xyz),
-        bitcast<vec3f>(third.xyz),
-        bitcast<vec3f>(fourth.xyz),
-        first.w,
-        second.w,
-        reach,
-    );
-}
-
 fn to_sphere(primitive: Primitive, v: vec3f) -> vec3f {
     return vec3f(dot(primitive.b, v), dot(primitive.c, v), dot(primitive.d, v));
 }

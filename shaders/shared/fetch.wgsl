@@ -1,6 +1,31 @@
 // Access to the scene's geometry and to a table, in texels of four words. The functions are the same for buffers and
 // textures.
 
+//! if boxes is grid
+// Texels of a child of a node (boxes.wgsl).
+const CHILD_TEXELS: u32 = 1u;
+
+//! if boxes is f32 or world
+const CHILD_TEXELS: u32 = 2u;
+
+//! if cutouts is some
+struct Bvh {
+    grid_origin: vec3f,
+    extent: f32,
+    grid_cell: vec3f,
+    zero: u32,
+    cutouts: u32,         // texel of the first material's mask head: src/cutouts.rs
+}
+
+//! if cutouts is none
+struct Bvh {
+    grid_origin: vec3f,   // grid point 0, scene coordinates
+    extent: f32,          // largest side of the scene's box, world units
+    grid_cell: vec3f,     // world size of a grid step
+    zero: u32,            // 0, unknown to compilers
+}
+
+//! end
 var<uniform> bvh: Bvh;
 
 //! if fetch is buffer
@@ -66,4 +91,14 @@ fn texel_position(index: u32) -> vec2u {
 
 fn table_texel(index: u32) -> vec4u {
     return textureLoad(table, texel_position(index));
+}
+
+//! if fetch is buffer
+fn geometry_texel(index: u32) -> vec4u {
+    return geometry[index];
+}
+
+//! if fetch is texture
+fn geometry_texel(index: u32) -> vec4u {
+    return textureLoad(geometry, texel_position(index));
 }

@@ -1,5 +1,7 @@
 // A thread does all its work in one dispatch, or a limited number of loop rounds in each of several.
 
+//! use boxes, counters, lane, light, rays
+
 //! if dispatches is one
 // These functions do nothing.
 

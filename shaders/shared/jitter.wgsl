@@ -1,6 +1,8 @@
 // Offsets of jittered samples. All samples of a row share one offset from their centres (DESIGN, section 3).
 // src/samples/jitter.rs has the same arithmetic.
 
+//! use frame, lane
+
 //! if jitter is rows
 // Returns the offset of a row's samples from their cells' centres, to the right, in cell widths. The rows of a pixel
 // take its SAMPLES_SIDE strata in the order of their hashes.

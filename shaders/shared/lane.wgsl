@@ -98,13 +98,10 @@ fn pixel_of_ray(pixels: Pixels, ray: u32) -> vec2u {
     return vec2u(of_ray_u(pixels.x, ray), of_ray_u(pixels.y, ray));
 }
 
-// Returns the pixels of a thread in a launch over blocks.
-fn block_pixels(id: vec3u) -> Pixels {
-    let first = pixel_in_tile(vec2u(id.x, launched_row(id))) * BLOCK + vec2u(0u, frame.band.row_begin);
-    return Pixels(RAY_X + U(first.x), RAY_Y + U(first.y));
-}
+// Written out, since the built-in functions also order NaN, which costs two more instructions each.
+fn smaller(a: F, b: F) -> F { return select(b, a, a < b); }
+fn larger(a: F, b: F) -> F { return select(b, a, a > b); }
 
-// Returns which pixels lie in the picture and in this dispatch's rows.
-fn in_picture(pixels: Pixels) -> B {
-    return (pixels.x < U(frame.band.size.x)) & (pixels.y < U(frame.band.row_end));
+fn largest_one(v: vec3f) -> vec3f {
+    return v / max(max(abs(v.x), abs(v.y)), abs(v.z));
 }

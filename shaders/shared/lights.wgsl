@@ -1,39 +1,9 @@
 // Lights (DESIGN, section 3). visibility.wgsl says which points see a light, and soft.wgsl handles lights other than
 // points.
 
-// A shadow ray ends off the surface, by these shares of the point's distance from the eye and from the world's origin.
-// The point's rounding grows with both. So the offsets hold for tiny scenes and far from the origin;
-// docs/ARCHITECTURE.md has the measurement.
-const OFFSET_BY_DISTANCE: f32 = 1.0 / 131072.0;
-const OFFSET_BY_PLACE: f32 = 1.0 / 2097152.0;
-// A further share of the triangle's reach, since t's rounding grows with it. The reach is limited where eye and light
-// are so close to a triangle that t is computed in two f32 (LARGE). The limit is the reach of the largest triangle for
-// which f32 suffices.
-const OFFSET_BY_REACH: f32 = 1.0 / 4194304.0;
-
-// Returns the distance from its surface at which a ray begins that leaves a point seen from another one.
-fn off_surface(point: vec3f, from_point: vec3f, reach: f32) -> f32 {
-    let place = abs(point) * OFFSET_BY_PLACE + abs(point - from_point) * OFFSET_BY_DISTANCE;
-    return max(max(place.x, place.y), place.z) + reach * OFFSET_BY_REACH;
-}
-
-// Light that arrives at points: on a white diffuse surface, and as highlights sent to the eye.
-struct Light {
-    diffuse: F3,
-    shine: F3,
-}
-
-fn no_light() -> Light { return Light(all3(vec3f(0.0)), all3(vec3f(0.0))); }
+//! use aims, counters, fetch, in_steps, lane, light, materials, shadows, soft, table, visibility
 
 //! if lights is some
-// A ray from a light to the points that a lane's rays hit.
-struct ShadowRay {
-    light: vec3f,
-    end: F3,
-    direction: F3,    // unit, from the light
-    distance: F,
-}
-
 fn direct_light(surfaces: Surfaces, eye: vec3f) -> Light {
     let point = surfaces.point;
     let reach_x = abs(point.x) * OFFSET_BY_PLACE + abs(point.x - eye.x) * OFFSET_BY_DISTANCE;

@@ -1,5 +1,7 @@
 // Lists of right pixels and of tiles. The first three words of each head are an indirect dispatch.
 
+//! use frame, lane, pixels, tiles, wanted
+
 const TO_TRACE: u32 = 0u;     // pixels that need a primary ray
 const TO_LIGHT: u32 = 1u;     // pixels that need shadow rays only
 const TO_RESOLVE: u32 = 2u;   // tiles with a primitive or other work

@@ -1,5 +1,7 @@
 // Materials: their texels in the shading table, behind the lights.
 
+//! use aims, fetch, lane, light, table
+
 // Texels of a material. The first has albedo, and in w the texture's number plus one with the finish above it. The
 // second has the specular colour and Phong's exponent n, or -1 - n for normalised highlights. The third has emission
 // and opacity, the fourth transmission and index of refraction. If all materials are dull, only the first exists.

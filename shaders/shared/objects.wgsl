@@ -1,5 +1,7 @@
 // Objects of the primitives in the BVH's order, four a texel.
 
+//! use fetch
+
 //! if fetch is buffer
 var<storage, read> object_table: array<vec4u>;
 

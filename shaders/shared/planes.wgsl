@@ -2,6 +2,8 @@
 // all of them before traversal, which their hit then bounds. Their ids are the last, so at equal t a primitive of the
 // tree wins.
 
+//! use bvh, camera, counters, double_float, fetch, in_steps, lane, pixels, primitive, primitives, rays, textures, tiles
+
 //! if planes is none
 // There are no planes.
 
@@ -138,9 +140,6 @@ fn surface_at(rays: Rays, hits: Hits, ray: u32) -> Surface {
 }
 
 //! if planes is some and primitives is none
-const nodes_visited: u32 = 0u;
-var<private> primitives_tested: u32;
-
 fn closest_hit(rays: Rays, t_min: F, t_max: F) -> Hits {
     return nearest_plane(rays, t_min, t_max);
 }

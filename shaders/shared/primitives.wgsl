@@ -1,22 +1,7 @@
 // The scene's primitives, behind one set of names. In scenes with ellipsoids, spheres are ellipsoids too:
 // ellipsoid.wgsl.
 
-//! if texels is corners
-fn primitive_at(slot: u32) -> Primitive {
-    let first = primitive_texel(slot, 0u);
-    let second = primitive_texel(slot, 1u);
-    let third = primitive_texel(slot, 2u);
-    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), bitcast<vec3f>(third.xyz), first.w, second.w, reach_of(third.w));
-}
-
-//! if texels is spheres
-// Centre and id, then radius and component, in texels like those of a triangle.
-
-fn primitive_at(slot: u32) -> Primitive {
-    let first = primitive_texel(slot, 0u);
-    let second = primitive_texel(slot, 1u);
-    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), vec3f(0.0), first.w, second.w, 0.0);
-}
+//! use cutouts, ellipsoid, fetch, lane, primitive, rays, sphere, triangle
 
 //! if primitives is triangles
 fn intersect(primitive: Primitive, rays: Rays, scales: Scales, t_min: F) -> Found {

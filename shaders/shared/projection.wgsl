@@ -1,5 +1,7 @@
 // Volumes of tiles: what their rays see, as planes through the eye. Projections of boxes and primitives onto tiles.
 
+//! use boxes, counters, ellipsoid, fetch, frame, jitter, planes, primitive, primitives, tiles, triangle
+
 // A point p relative to the right eye has the column dot(p, column) / z and the row dot(p, row) / z, with z = dot(p,
 // forward). The planes face inwards through the outermost pixel centres, moved out by the guard band.
 struct Projection {

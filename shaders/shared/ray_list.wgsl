@@ -1,6 +1,8 @@
 // A list of rays, two texels each: direction and t_min, then origin and t_max. The rays of a lane have one origin.
 // frame.band.size.x is the number of rays.
 
+//! use fetch, frame, lane, rays
+
 //! if fetch is buffer
 var<storage, read> ray_list: array<vec4u>;
 
@@ -12,7 +14,6 @@ var ray_list: texture_storage_2d<rgba32uint, read>;
 fn ray_texel(index: u32) -> vec4u { return textureLoad(ray_list, texel_position(index)); }
 
 //! end
-
 struct ListedRays {
     rays: Rays,
     t_min: F,

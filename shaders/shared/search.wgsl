@@ -1,6 +1,8 @@
 // A tile's search, for tiles of any size. It gathers leaves of the BVH for the kernel's own keep_primitive and
 // list_kept. The kernel's `steps` and MOST_STEPS limit it.
 
+//! use boxes, camera, counters, fetch, in_steps, projection, tiles
+
 // Between two samples a surface may lie slightly deeper than both.
 const BETWEEN: f32 = 1.001;
 // The search goes slightly deeper than the bound, because of rounding.

@@ -1,6 +1,8 @@
 // Shadow-buffers: tables of directions around the first point lights, drawn by the T-buffer's kernels
 // (docs/SHADOW-BUFFER.md). They replace most shadow rays.
 
+//! use angles, fetch, lane, light, pixels, rays, shadows
+
 // In place of a texel's slot: nothing is known of its direction.
 const UNFILLED: u32 = 0xfffffffeu;
 // Added to a texel's slot: something may stand before the plane of the primitive that it shows.

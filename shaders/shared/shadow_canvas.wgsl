@@ -2,6 +2,9 @@
 // angle theta from a pole, each column an azimuth phi. Edges of triangles are curves there. All tests use planes
 // through the light in space, so triangles across the seam or around a pole need no special case.
 
+//! use angles, camera, counters, ellipsoid, fetch, frame, lane, pixels, planes, primitive, primitives, rays
+//! use shadow_buffer, t_buffer, tiles, triangle
+
 //! if canvas is middles or texels
 // A table is drawn on without a projection.
 alias Canvas = u32;

@@ -1,5 +1,7 @@
 // Shadow rays.
 
+//! use bvh, counters, lane, light, pixels, planes, primitive, primitives, rays
+
 //! if shadows is from_light
 // From the light to the surface, so that a lane's rays have one origin.
 

@@ -1,5 +1,7 @@
 // The colour of rays that miss.
 
+//! use fetch, lane, table
+
 //! if sky is constant
 // One colour.
 fn sky(direction: F3) -> F3 {

@@ -1,17 +1,9 @@
 // The sky as a light. If requested in place of ambient light, rays into a point's surroundings collect the sky's
 // radiance (DESIGN, section 3).
 
-//! if surroundings is ambient
-fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
-    return arrived_evenly(surfaces, eye, light, slot, ray);
-}
+//! use aims, fetch, lane, sky, table
 
 //! if surroundings is cosine or map
-fn arrived_from(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
-    if light_kind(light) == SURROUNDINGS { return arrived_from_sky(surfaces, eye, light, slot, ray); }
-    return arrived_evenly(surfaces, eye, light, slot, ray);
-}
-
 // Colours that four rays bring to a white surface, each times the number of all rays.
 struct FourColors {
     r: vec4f,
@@ -20,37 +12,6 @@ struct FourColors {
 }
 
 fn luminance(color: vec3f) -> f32 { return dot(color, vec3f(0.2126, 0.7152, 0.0722)); }
-
-// Returns the light of the sky at one point. Views reuse its share, which is by luminance. It makes no highlights, like
-// ambient light.
-fn arrived_from_sky(surfaces: Surfaces, eye: vec3f, light: u32, slot: u32, ray: u32) -> Arrived {
-    let aim = aim_at(surfaces, eye, light, ray);
-    let known = known_share(light, slot, aim.count, ray);
-    var mask = 0u;
-    if known < 0.0 { mask = mask_of(aim, slot, ray); }
-    let none = vec4f(0.0);
-    var all = FourColors(none, none, none);
-    var open = FourColors(none, none, none);
-    var group = 0u;
-    loop {
-        let four = sky_colors(aim, four_rays(aim, group));
-        let arrives = four_of_bits(mask >> (4u * group));
-        all = FourColors(all.r + four.r, all.g + four.g, all.b + four.b);
-        open.r += select(none, four.r, arrives);
-        open.g += select(none, four.g, arrives);
-        open.b += select(none, four.b, arrives);
-        group += 1u;
-        if 4u * group >= aim.count { break; }
-    }
-    let unhidden = sum_of_colors(all);
-    var diffuse = sum_of_colors(open);
-    if known >= 0.0 {
-        diffuse = unhidden * known;
-    } else {
-        keep_share(light, slot, ray, luminance(diffuse), luminance(unhidden));
-    }
-    return Arrived(diffuse / f32(aim.count), vec3f(0.0));
-}
 
 fn sum_of_colors(four: FourColors) -> vec3f {
     return vec3f(sum_of_four(four.r), sum_of_four(four.g), sum_of_four(four.b));
@@ -216,4 +177,3 @@ fn sky_colors(aim: Aim, rays: Four) -> FourColors {
     }
     return four;
 }
-//! end

@@ -2,6 +2,8 @@
 // Tracing Gems, chapter 7). The distance of the centre from the line is computed from the line's nearest point, so
 // small distant spheres lose no digits.
 
+//! use double_float, fetch, lane, primitive, rays
+
 // Returns the nearest t, at least t_min, at which a line meets a sphere, or -1. It solves the quadratic equation in
 // sums of two f32. The smaller root is a quotient, so nothing cancels.
 fn sphere_root(to_center: Two3, way: Two3, radius: Two, t_min: f32) -> f32 {

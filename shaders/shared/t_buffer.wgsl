@@ -8,6 +8,8 @@
 //
 // The canvas is a picture, or a light's shadow-buffer (shadow_canvas.wgsl).
 
+//! use camera, counters, cutouts, ellipsoid, fetch, frame, lane, pixels, primitive, primitives, projection, rays, tiles
+
 // Lists of the primitives that may cover a pixel's middle, and the number of the pass.
 struct Drawing {
     few: DrawnHead,                 // primitives that cover few pixels

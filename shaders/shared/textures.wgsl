@@ -1,16 +1,9 @@
 // Textures: pictures with mip levels, and checkerboards, in the shading table behind the sky's pixels.
 
+//! use camera, fetch, lane, primitive, rays, triangle
+
 // Path length of the rays up to their origin, after mirrors and glass.
 var<private> travelled_before: F;
-
-//! if textures is none
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    return vec3f(1.0);
-}
-
-//! end
-// Texel of the shading table whose w is the index of the first texture head. There is one head per texture.
-const TEXTURES: u32 = SKY_NADIR;
 
 // A texture's head has its kind in the lowest four bits of x and its wrap above them. A picture has z levels, the
 // largest first, from texel y on: each has its first texel, width and height. A checkerboard has z squares a side. Its
@@ -26,25 +19,7 @@ struct Lookup {
     width: f32,    // of the ray's footprint, in units of uv
     round: bool,   // on a ball: u repeats and v ends at the poles, whatever the texture's wrap
 }
-//! if textures is some and planes is none
-// Returns the factor of the albedo at a hit: texture times vertex colour.
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
-    let painted = vertex_color(rays, hits, surface, ray);
-    if texture == 0u { return painted; }
-    return painted * texture_color(table_texel(TEXTURES).w + texture - 1u, lookup_at(rays, hits, surface, ray));
-}
 
-//! if textures is some and planes is some
-fn texture_factor(rays: Rays, hits: Hits, surface: Surface, ray: u32) -> vec3f {
-    let texture = material_texel(surface.material, MATERIAL_ALBEDO).w & MATERIAL_TEXTURE;
-    let painted = vertex_color(rays, hits, surface, ray);
-    if texture == 0u { return painted; }
-    let head_at = table_texel(TEXTURES).w + texture - 1u;
-    if of_ray_u(hits.slot, ray) < PLANES { return plane_color(rays, hits, ray, head_at); }
-    return painted * texture_color(head_at, lookup_at(rays, hits, surface, ray));
-}
-//! end
 fn texture_color(head_at: u32, at: Lookup) -> vec3f {
     let head = table_texel(head_at);
     let wrap = select(vec2u(head.x >> 4u), vec2u(WRAP_REPEAT, WRAP_CLAMP), at.round);

@@ -1,5 +1,7 @@
 // Tiles of a view's pixels, row by row, and their blocks of 2x2.
 
+//! use frame
+
 const TILE: u32 = 8u;
 const TILE_PIXELS: u32 = 64u;
 const BLOCKS: u32 = 4u;         // across a tile

@@ -9,6 +9,8 @@
 // Texels of a primitive: the corners in xyz, with the shortest edge from a to b, and id, component and material in w.
 // If the scene has normals, they are a fourth texel (below).
 
+//! use double_float, fetch, lane, primitive, rays
+
 fn edge_normal(p: vec3f, q: vec3f) -> vec3f {
     return cross(p + q, q - p);
 }

@@ -1,5 +1,7 @@
 // Which reused pixels are rejected.
 
+//! use bvh, camera, lane, pixels, planes, rays
+
 //! if checks is all
 // Every reused pixel is checked by a ray of limited length (thesis, 3.1.3).
 

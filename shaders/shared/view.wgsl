@@ -1,5 +1,7 @@
 // Access to the pixels of the current view.
 
+//! use display, kept_samples, lane, light, linear, pixels, rays, wanted
+
 // Stores what a lane's primary rays saw.
 fn keep_view(pixels: Pixels, wanted: B, samples: Samples) {
     let packed = packed_srgb(samples.color);
@@ -64,4 +66,23 @@ fn target_hits(pixels: Pixels, wanted: B) -> Hits {
         if ray >= RAYS { break; }
     }
     return found;
+}
+
+//! if wanted is all
+fn leave_out(pixels: Pixels, wanted: B) {}
+
+//! if wanted is masked
+// Marks unwanted pixels of a source, so that other views do not mistake them for samples.
+fn leave_out(pixels: Pixels, wanted: B) {
+    let inside = in_picture(pixels);
+    var ray = 0u;
+    loop {
+        if of_ray_b(inside, ray) && !of_ray_b(wanted, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            view[pixel_index(pixel)].depth = LEFT_OUT;
+            keep_no_sample(pixel);
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
 }

@@ -1,5 +1,7 @@
 // Whether a light is visible from the points that a lane's rays hit.
 
+//! use bits, camera, dice, frame, lane, light, lists, pixels, rays, shadow_buffer, shadows, source_samples
+
 //! if visibility is traced
 // Always traces a shadow ray. The result is kept for the other eye if the method asks for it.
 
@@ -12,7 +14,6 @@ var<private> found_bits: U;
 // Slot of the occluder of the last hidden light.
 var<private> found_occluders: U = U(MISS);
 
-//! if visibility is traced
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let occluders = hidden_from(light, ray, wanted);
     let lit = wanted & (occluders == U(MISS));
@@ -23,7 +24,6 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     return lit;
 }
 
-//! if visibility is traced
 fn light_bits() -> U {
     return found_bits;
 }
@@ -75,7 +75,6 @@ fn keep_share(light: u32, slot: u32, ray: u32, open: f32, all: f32) {
 
 const TO_SHADE: u32 = TO_LIGHT;
 
-//! if visibility is taken_or_traced
 fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     let known = is_known(taken, light);
     let unknown = wanted & !known;
@@ -88,7 +87,6 @@ fn lit_by(light: u32, wanted: B, ray: ShadowRay) -> B {
     return lit;
 }
 
-//! if visibility is taken_or_traced
 fn light_bits() -> U {
     return U(0u);
 }

@@ -1,14 +1,14 @@
 // The pixels that a kernel works on: all of the rows at work, or those in a mask, as for adaptive samples
 // (src/frame/adaptive.rs).
 
+//! use frame, lane, pixels, tiles
+
 //! if wanted is all
 fn inside_rows(pixels: Pixels) -> B {
     return in_picture(pixels);
 }
 
 fn is_any_wanted(corner: vec2u) -> bool { return true; }
-
-fn leave_out(pixels: Pixels, wanted: B) {}
 
 fn is_left_out(depth: f32) -> bool { return false; }
 
@@ -48,21 +48,4 @@ fn is_any_wanted(corner: vec2u) -> bool {
     return (any_bits & 0xffu) != 0u;
 }
 
-// Marks unwanted pixels of a source, so that other views do not mistake them for samples.
-fn leave_out(pixels: Pixels, wanted: B) {
-    let inside = in_picture(pixels);
-    var ray = 0u;
-    loop {
-        if of_ray_b(inside, ray) && !of_ray_b(wanted, ray) {
-            let pixel = pixel_of_ray(pixels, ray);
-            view[pixel_index(pixel)].depth = LEFT_OUT;
-            keep_no_sample(pixel);
-        }
-        ray += 1u;
-        if ray >= RAYS { break; }
-    }
-}
-
 fn is_left_out(depth: f32) -> bool { return depth == LEFT_OUT; }
-
-//! end

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Lowest and highest bit of `w` in a primitive's second texel. Planes have the lowest bit too
-/// (shaders/shared/bvh.wgsl); the highest one is for cutouts.wgsl. The other bits hold the component.
+/// (shaders/shared/primitive.wgsl); the highest one is for cutouts.wgsl. The other bits hold the component.
 const IS_SPHERE: u32 = 1;
 const IS_CUT_OUT: u32 = 1 << 31;
 

@@ -1,4 +1,4 @@
-//! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of `shaders/reproject_scanline.wgsl`.
+//! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of `shaders/reproject/reproject_scanline.wgsl`.
 
 use super::{
     Frame,

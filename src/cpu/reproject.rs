@@ -1,4 +1,4 @@
-//! Twin of shaders/reproject.wgsl: assigns left samples to right pixels.
+//! Twin of shaders/reproject/reproject.wgsl: assigns left samples to right pixels.
 
 use super::Frame;
 

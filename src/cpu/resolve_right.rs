@@ -1,4 +1,4 @@
-//! Twin of `shaders/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: decides which right pixels are
+//! Twin of `shaders/resolve/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: decides which right pixels are
 //! reused.
 
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! Twin of `shaders/trace_left.wgsl`: finds what each pixel of a view hits. It does not shade.
+//! Twin of `shaders/trace/trace_left.wgsl`: finds what each pixel of a view hits. It does not shade.
 
 use super::{Eye, Frame, intersect::closest_hit};
 use crate::{FAR, Scene};

@@ -48,7 +48,8 @@ fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
                 panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
             });
         assert_eq!(module.entry_points.len(), 1);
-        assert_eq!(format!("{}.wgsl", module.entry_points[0].name), kernel.main.file);
+        let (_, file) = kernel.main.file.split_once('/').unwrap();
+        assert_eq!(format!("{}.wgsl", module.entry_points[0].name), file);
         let used = module.global_variables.iter().filter(|(handle, variable)| {
             !info.get_entry_point(0)[*handle].is_empty() && matches!(variable.space, naga::AddressSpace::Storage { .. })
         });
@@ -191,14 +192,36 @@ fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
 }
 
 #[test]
+fn files_list_the_shared_files_that_they_use_and_these_form_no_circle() {
+    for part in SHARED.iter().copied().chain(ALL.iter().map(|kernel| kernel.main)) {
+        let [found, listed] = wgsl::uses_of(part);
+        assert_eq!(listed, found, "{}", part.file);
+    }
+    // Files that use no others left are taken away until none is left.
+    let mut left: Vec<_> = SHARED.iter().map(|part| (part.file, wgsl::uses_of(*part)[0].clone())).collect();
+    while !left.is_empty() {
+        let (above, below): (Vec<_>, Vec<_>) = left.iter().cloned().partition(|(_, uses)| !uses.is_empty());
+        assert!(!below.is_empty(), "a circle among {:?}", above.iter().map(|(file, _)| file).collect::<Vec<_>>());
+        let is_gone = |name: &&str| below.iter().any(|(file, _)| *file == format!("shared/{name}.wgsl"));
+        left = above
+            .into_iter()
+            .map(|(file, uses)| (file, uses.into_iter().filter(|name| !is_gone(name)).collect()))
+            .collect();
+    }
+}
+
+#[test]
 fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
-    let folder = |name: &str| {
-        let entries = std::fs::read_dir(format!("{}/shaders/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
-        let names = entries.map(|entry| format!("{name}{}", entry.unwrap().file_name().into_string().unwrap()));
-        names.filter(|name| name.ends_with(".wgsl")).collect::<BTreeSet<_>>()
+    let shaders = format!("{}/shaders", env!("CARGO_MANIFEST_DIR"));
+    let names_in = |folder: std::path::PathBuf| {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let name = |path: std::path::PathBuf| path.strip_prefix(&shaders).unwrap().to_str().unwrap().to_owned();
+        entries.filter(|path| path.is_file()).map(name).collect::<Vec<_>>()
     };
-    assert_eq!(folder(""), ALL.iter().map(|kernel| kernel.main.file.to_owned()).collect());
-    assert_eq!(folder("shared/"), SHARED.iter().map(|part| part.file.to_owned()).collect());
+    let folders = std::fs::read_dir(&shaders).unwrap().map(|entry| entry.unwrap().path());
+    let there: BTreeSet<String> = folders.flat_map(names_in).collect();
+    let known = ALL.iter().map(|kernel| kernel.main).chain(SHARED.iter().copied());
+    assert_eq!(there, known.map(|part| part.file.to_owned()).collect());
     let texts: Vec<_> = modules().into_iter().map(|(_, _, text)| text).collect();
     let lines: BTreeSet<_> = texts.iter().flat_map(|text| text.lines()).collect();
     let unused: Vec<_> = wgsl::shared()

@@ -11,20 +11,20 @@ use crate::{
     layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
 };
 
-pub(crate) const BOUND_TILES: Kernel = kernel!("bound_tiles", Role::Pixels);
+pub(crate) const BOUND_TILES: Kernel = kernel!("bracket", "bound_tiles", Role::Pixels);
 /// Marks busy lights, if visibility bits are reused.
-pub(crate) const MARK_BUSY: Kernel = kernel!("mark_busy", Role::MarkBusy);
-pub(crate) const SEARCH_TILES: Kernel = kernel!("search_tiles", Role::Hits(Hits::Tiles));
+pub(crate) const MARK_BUSY: Kernel = kernel!("bracket", "mark_busy", Role::MarkBusy);
+pub(crate) const SEARCH_TILES: Kernel = kernel!("bracket", "search_tiles", Role::Hits(Hits::Tiles));
 /// Searches four tiles at once, for several samples a pixel.
-pub(crate) const SEARCH_WIDE_TILES: Kernel = kernel!("search_wide_tiles", Role::Hits(Hits::Tiles));
-pub(crate) const RESOLVE_TILES: Kernel = kernel!("resolve_tiles", Role::Hits(Hits::Tiles));
-pub(crate) const SHADE_SKY: Kernel = kernel!("shade_sky", Role::Shade(Shading::Sky));
+pub(crate) const SEARCH_WIDE_TILES: Kernel = kernel!("bracket", "search_wide_tiles", Role::Hits(Hits::Tiles));
+pub(crate) const RESOLVE_TILES: Kernel = kernel!("bracket", "resolve_tiles", Role::Hits(Hits::Tiles));
+pub(crate) const SHADE_SKY: Kernel = kernel!("bracket", "shade_sky", Role::Shade(Shading::Sky));
 pub(crate) const TRACE_BOUNDED: Kernel = Kernel { name: "trace_bounded", ..TRACE_LISTED };
-pub(crate) const SHADE_TILES: Kernel = kernel!("shade_tiles", Role::Shade(Shading::Reused));
+pub(crate) const SHADE_TILES: Kernel = kernel!("bracket", "shade_tiles", Role::Shade(Shading::Reused));
 pub(crate) const SHADE_LISTED: Kernel =
     Kernel { name: "shade_listed", role: Role::Shade(Shading::Unknown), ..SHADE_TRACED };
 
-pub(crate) const CHOOSE: Kernel = kernel!("choose", Role::Pixels);
+pub(crate) const CHOOSE: Kernel = kernel!("bracket", "choose", Role::Pixels);
 
 /// Returns the steps that bound tiles and mark busy lights.
 pub(crate) fn bound(view: usize, bits: ShadowReuse) -> Vec<Step> {

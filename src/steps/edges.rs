@@ -6,7 +6,7 @@ use crate::{
     kernels::{Kernel, Role, kernel},
 };
 
-pub(crate) const MARK_EDGES: Kernel = kernel!("mark_edges", Role::Objects);
+pub(crate) const MARK_EDGES: Kernel = kernel!("edges", "mark_edges", Role::Objects);
 
 pub(crate) fn mark(view: usize) -> Vec<Step> {
     vec![step(&MARK_EDGES, view, Launch::Pixels)]

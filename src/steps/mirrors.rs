@@ -8,8 +8,8 @@ use crate::{
     layout::TO_TRACE,
 };
 
-pub(crate) const LIST_MIRRORS: Kernel = kernel!("list_mirrors", Role::Shade(Shading::ListMirrors));
-pub(crate) const TRACE_MIRRORED: Kernel = kernel!("trace_mirrored", Role::Shade(Shading::Mirrored));
+pub(crate) const LIST_MIRRORS: Kernel = kernel!("mirrors", "list_mirrors", Role::Shade(Shading::ListMirrors));
+pub(crate) const TRACE_MIRRORED: Kernel = kernel!("mirrors", "trace_mirrored", Role::Shade(Shading::Mirrored));
 
 pub(crate) fn of(view: usize) -> Vec<Step> {
     vec![

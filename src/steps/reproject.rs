@@ -6,11 +6,11 @@ use crate::{
     kernels::{Kernel, Role, kernel},
 };
 
-pub(crate) const REPROJECT: Kernel = kernel!("reproject", Role::Pixels);
-pub(crate) const REPROJECT_SLOTS: Kernel = kernel!("reproject_slots", Role::Pixels);
-pub(crate) const REPROJECT_SCANLINE: Kernel = kernel!("reproject_scanline", Role::Pixels);
-pub(crate) const GATHER_SLOTS: Kernel = kernel!("gather_slots", Role::Pixels);
-pub(crate) const DEPTH_RANGE: Kernel = kernel!("depth_range", Role::Pixels);
+pub(crate) const REPROJECT: Kernel = kernel!("reproject", "reproject", Role::Pixels);
+pub(crate) const REPROJECT_SLOTS: Kernel = kernel!("reproject", "reproject_slots", Role::Pixels);
+pub(crate) const REPROJECT_SCANLINE: Kernel = kernel!("reproject", "reproject_scanline", Role::Pixels);
+pub(crate) const GATHER_SLOTS: Kernel = kernel!("reproject", "gather_slots", Role::Pixels);
+pub(crate) const DEPTH_RANGE: Kernel = kernel!("reproject", "depth_range", Role::Pixels);
 
 /// Keeps the nearest sample, by atomicMax.
 pub(crate) fn atomic(view: usize) -> Vec<Step> {

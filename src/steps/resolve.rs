@@ -9,17 +9,17 @@ use crate::{
     wgsl::part,
 };
 
-pub(crate) const RESOLVE_RIGHT: Kernel = kernel!("resolve_right", Role::Hits(Hits::Checked));
+pub(crate) const RESOLVE_RIGHT: Kernel = kernel!("resolve", "resolve_right", Role::Hits(Hits::Checked));
 /// The same without checks: the sweep has cleared gaps, and edges have been marked.
 pub(crate) const RESOLVE_TRUSTED: Kernel =
     Kernel { name: "resolve_trusted", role: Role::Hits(Hits::Trusted), ..RESOLVE_RIGHT };
-pub(crate) const TRACE_LISTED: Kernel = kernel!("trace_listed", Role::Hits(Hits::Listed));
+pub(crate) const TRACE_LISTED: Kernel = kernel!("resolve", "trace_listed", Role::Hits(Hits::Listed));
 /// Shades traced pixels.
 pub(crate) const SHADE_TRACED: Kernel =
-    Kernel { name: "shade_traced", role: Role::Shade(Shading::Listed), main: part!("shade_listed.wgsl") };
+    Kernel { name: "shade_traced", role: Role::Shade(Shading::Listed), main: part!("resolve/shade_listed.wgsl") };
 
 /// Copies reused pixels from the source.
-pub(crate) const TAKE_OVER: Kernel = kernel!("take_over", Role::LinearPixels);
+pub(crate) const TAKE_OVER: Kernel = kernel!("resolve", "take_over", Role::LinearPixels);
 
 pub(crate) fn of(view: usize, check: Check, soft: Option<usize>) -> Vec<Step> {
     let mut steps = if check == Check::Edges { edges::mark(view) } else { Vec::new() };

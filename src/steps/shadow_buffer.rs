@@ -31,7 +31,7 @@ pub(crate) const DRAW_MORE_MIDDLES: Kernel =
     Kernel { name: "draw_more_middles", role: Role::Draw(Canvas::Middles), ..DRAW_MORE };
 pub(crate) const DRAW_PARTS_MIDDLES: Kernel =
     Kernel { name: "draw_parts_middles", role: Role::Draw(Canvas::Middles), ..DRAW_PARTS };
-pub(crate) const READ_MIDDLES: Kernel = kernel!("read_middles", Role::Draw(Canvas::Middles));
+pub(crate) const READ_MIDDLES: Kernel = kernel!("shadow_buffer", "read_middles", Role::Draw(Canvas::Middles));
 // The T-buffer's kernels, marking whole texels where something may stand before their surface.
 pub(crate) const PROJECT_TEXELS: Kernel =
     Kernel { name: "project_texels", role: Role::Draw(Canvas::Texels), ..PROJECT_PRIMITIVES };
@@ -41,7 +41,7 @@ pub(crate) const MARK_MORE_TEXELS: Kernel =
     Kernel { name: "mark_more_texels", role: Role::Draw(Canvas::Texels), ..DRAW_MORE };
 pub(crate) const MARK_PARTS_TEXELS: Kernel =
     Kernel { name: "mark_parts_texels", role: Role::Draw(Canvas::Texels), ..DRAW_PARTS };
-pub(crate) const READ_TEXELS: Kernel = kernel!("read_texels", Role::Draw(Canvas::Texels));
+pub(crate) const READ_TEXELS: Kernel = kernel!("shadow_buffer", "read_texels", Role::Draw(Canvas::Texels));
 
 /// Format of a texel: t as bits and the slot. By the hybrid rule a plane and the slot.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;

@@ -2,6 +2,6 @@
 
 use crate::kernels::{Kernel, Role, kernel};
 
-pub(crate) const PACK: Kernel = kernel!("pack", Role::Pixels);
-pub(crate) const SHOW_COLOR: Kernel = kernel!("show_color", Role::Pixels);
-pub(crate) const SHOW_DEPTH: Kernel = kernel!("show_depth", Role::Pixels);
+pub(crate) const PACK: Kernel = kernel!("show", "pack", Role::Pixels);
+pub(crate) const SHOW_COLOR: Kernel = kernel!("show", "show_color", Role::Pixels);
+pub(crate) const SHOW_DEPTH: Kernel = kernel!("show", "show_depth", Role::Pixels);

@@ -9,14 +9,14 @@ use crate::{
     kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
-pub(crate) const TRACE_HITS: Kernel = kernel!("trace_hits", Role::Hits(Hits::View));
-pub(crate) const TRACE_SOFT: Kernel = kernel!("trace_soft", Role::Shade(Shading::Soft));
+pub(crate) const TRACE_HITS: Kernel = kernel!("soft", "trace_hits", Role::Hits(Hits::View));
+pub(crate) const TRACE_SOFT: Kernel = kernel!("soft", "trace_soft", Role::Shade(Shading::Soft));
 /// For listed pixels that were traced.
-pub(crate) const TRACE_SOFT_LISTED: Kernel = kernel!("trace_soft_listed", Role::Shade(Shading::SoftListed));
+pub(crate) const TRACE_SOFT_LISTED: Kernel = kernel!("soft", "trace_soft_listed", Role::Shade(Shading::SoftListed));
 /// For pixels with an unknown share.
 pub(crate) const TRACE_SOFT_ASKED: Kernel =
     Kernel { name: "trace_soft_asked", role: Role::Shade(Shading::SoftUnknown), ..TRACE_SOFT_LISTED };
-pub(crate) const SHADE_HITS: Kernel = kernel!("shade_hits", Role::Shade(Shading::Source));
+pub(crate) const SHADE_HITS: Kernel = kernel!("soft", "shade_hits", Role::Shade(Shading::Source));
 
 /// Rays of a part: `ASKED_GROUPS` of four (soft.wgsl).
 const PART_RAYS: u32 = 16;

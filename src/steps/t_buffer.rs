@@ -15,14 +15,14 @@ use crate::{
     layout::{LIST_WORKGROUP, TO_TRACE},
 };
 
-pub(crate) const BEGIN_PASS: Kernel = kernel!("begin_pass", Role::Pixels);
-pub(crate) const PROJECT_PRIMITIVES: Kernel = kernel!("project_primitives", Role::Draw(Canvas::Picture));
+pub(crate) const BEGIN_PASS: Kernel = kernel!("t_buffer", "begin_pass", Role::Pixels);
+pub(crate) const PROJECT_PRIMITIVES: Kernel = kernel!("t_buffer", "project_primitives", Role::Draw(Canvas::Picture));
 /// Draws primitives that cover few pixels.
-pub(crate) const DRAW_FEW: Kernel = kernel!("draw_few", Role::Draw(Canvas::Picture));
+pub(crate) const DRAW_FEW: Kernel = kernel!("t_buffer", "draw_few", Role::Draw(Canvas::Picture));
 /// Draw primitives that cover a few tiles, and parts of those that cover many.
-pub(crate) const DRAW_MORE: Kernel = kernel!("draw_more", Role::Draw(Canvas::Picture));
-pub(crate) const DRAW_PARTS: Kernel = kernel!("draw_parts", Role::Draw(Canvas::Picture));
-pub(crate) const READ_T_BUFFER: Kernel = kernel!("read_t_buffer", Role::Hits(Hits::Drawn));
+pub(crate) const DRAW_MORE: Kernel = kernel!("t_buffer", "draw_more", Role::Draw(Canvas::Picture));
+pub(crate) const DRAW_PARTS: Kernel = kernel!("t_buffer", "draw_parts", Role::Draw(Canvas::Picture));
+pub(crate) const READ_T_BUFFER: Kernel = kernel!("t_buffer", "read_t_buffer", Role::Hits(Hits::Drawn));
 /// Traces pixels with a t but no primitive.
 pub(crate) const TRACE_NAMELESS: Kernel = Kernel { name: "trace_nameless", ..TRACE_LISTED };
 

@@ -7,9 +7,10 @@ use crate::{
     layout::ALL_TRACED,
 };
 
-pub(crate) const TRACE_LEFT: Kernel = kernel!("trace_left", Role::Shade(Shading::Traced(Dispatches::One)));
+pub(crate) const TRACE_LEFT: Kernel = kernel!("trace", "trace_left", Role::Shade(Shading::Traced(Dispatches::One)));
 /// The same in steps: threads continue in the next dispatch.
-pub(crate) const TRACE_IN_STEPS: Kernel = kernel!("trace_in_steps", Role::Shade(Shading::Traced(Dispatches::Many)));
+pub(crate) const TRACE_IN_STEPS: Kernel =
+    kernel!("trace", "trace_in_steps", Role::Shade(Shading::Traced(Dispatches::Many)));
 
 /// Returns the steps for a view that others are made from; `drawn` if a T-buffer finds its hits.
 pub(crate) fn source(view: usize, soft: Option<usize>, drawn: bool) -> Vec<Step> {

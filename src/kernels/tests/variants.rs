@@ -206,7 +206,7 @@ pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
         Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
         Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),
         // Tables are read for planes alone, too.
-        Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.starts_with("read_") => {}
+        Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.contains("/read_") => {}
         Role::Hits(Hits::Tiles | Hits::Drawn) | Role::Draw(_) => all.retain(Variant::has_tree),
         Role::Shade(Shading::Sky | Shading::Reused | Shading::Unknown) => all.retain(Variant::has_tree),
         Role::Pixels | Role::LinearPixels | Role::MarkBusy | Role::Objects | Role::RayList(_) => {}

@@ -1,0 +1,168 @@
+// Like search_tiles.wgsl, for several samples a pixel: one query for 16x16 samples, which are four tiles. Neighbouring
+// samples mostly see the same primitives. Each primitive is projected once and then narrowed to the blocks of each tile
+// that it may cover.
+//
+// launch  one thread per four tiles
+// reads   bounds    [tiles, BOUND_WORDS]  bits of a depth, and of the lights that are busy
+// adds    counters  [height * COUNTERS]
+// writes  lists     [tiles of the rows at work, TILE_WORDS] behind the lists
+// appends lists     TO_RESOLVE, SKY: tiles of the rows at work
+
+//! use boxes, counters, frame, lane, lists, pixels, planes, primitive, projection, search, tiles
+
+var<storage, read> bounds: array<u32>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> lists: Lists;
+
+const QUADRANTS: u32 = 4u;
+
+// Four tiles that take more steps than this together are given up. A listed block counts as an eighth of a step, since
+// it takes a round.
+const MOST_STEPS: u32 = 4096u;
+
+// Boxes and primitives tested.
+var<private> steps: u32;
+
+// Primitives listed so far, for the blocks of each tile in turn.
+var<private> listed: array<u32, TILE_BLOCKS * QUADRANTS>;
+
+// Primitives that may cover a sample of a tile, with the tile's number above the slot. Their blocks are found later.
+var<private> covering: array<Covering, KEPT + QUADRANTS>;
+
+var<private> searched: vec2u;   // corner of the first tile, in the picture
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn search_wide_tiles(@builtin(global_invocation_id) id: vec3u) {
+    let corner = pixel_in_tile(vec2u(id.x, launched_row(id))) * WIDE_TILE + vec2u(0u, frame.band.row_begin);
+    if outside(corner) { return; }
+    let size = min(vec2u(WIDE_TILE), vec2u(frame.band.size.x, frame.band.row_end) - corner);
+    searched = corner + vec2u(0u, frame.band.first_row);
+    let bound = deepest_bound(corner);
+    let found = found_in_tile(corner);
+    search(Tile(searched, size), found, min(bound * DEEPER, FAR));
+    let given_up = steps > MOST_STEPS;
+    var quadrant = 0u;
+    loop {
+        let own = corner + corner_of(quadrant);
+        if !outside(own) { hand_on(quadrant, own, found_in_quadrant(found, quadrant), bound, given_up); }
+        quadrant += 1u;
+        if quadrant >= QUADRANTS { break; }
+    }
+    count_pixel(corner);
+    count_view(corner.y, 0u, nodes_visited, primitives_tested);
+}
+
+// Returns the offset of a tile's corner from that of the first.
+fn corner_of(quadrant: u32) -> vec2u {
+    return vec2u(quadrant & 1u, quadrant >> 1u) * TILE;
+}
+
+// Returns where a tile's results begin, given where those of the first tile do.
+fn found_in_quadrant(first: u32, quadrant: u32) -> u32 {
+    return first + ((quadrant & 1u) + (quadrant >> 1u) * tiles_across()) * TILE_WORDS;
+}
+
+// Returns the largest of the four bounds. All four tiles are searched to it.
+fn deepest_bound(corner: vec2u) -> f32 {
+    var deepest = 0.0;
+    var quadrant = 0u;
+    loop {
+        let own = corner + corner_of(quadrant);
+        if !outside(own) { deepest = max(deepest, bitcast<f32>(bounds[bound_place(own)])); }
+        quadrant += 1u;
+        if quadrant >= QUADRANTS { break; }
+    }
+    return min(deepest * BETWEEN, FAR);
+}
+
+// Finishes a tile's lists and appends the tile to TO_RESOLVE or SKY.
+fn hand_on(quadrant: u32, corner: vec2u, found: u32, bound: f32, given_up: bool) {
+    var anything = bound < FAR || given_up || meets_planes(Tile(corner + vec2u(0u, frame.band.first_row), vec2u(TILE)));
+    lists.entries[found] = bitcast<u32>(bound);
+    lists.entries[found + BUSY_WORD] = bounds[bound_place(corner) + 1u];
+    var block = 0u;
+    loop {
+        let count = listed[quadrant * TILE_BLOCKS + block];
+        anything |= count > 0u;
+        lists.entries[block_list(found, block)] = select(count, LIST_MOST + 1u, given_up);
+        block += 1u;
+        if block >= TILE_BLOCKS { break; }
+    }
+    let list = select(SKY, TO_RESOLVE, anything);
+    let tile_index = (corner.y - frame.band.row_begin) / TILE * tiles_across() + corner.x / TILE;
+    append(list, reserve_for(list, 1u, LIST_WORKGROUP * RAYS / TILE_PIXELS), tile_index);
+}
+
+// Returns the first and last column and row of samples, from the corner, that a projection with these bounds may cover.
+// If a first exceeds its last, there is none.
+fn covered_samples(projected: vec4f, tile: Tile) -> vec4i {
+    let margin = guard_band();
+    let corner = vec2f(tile.corner) + 0.5;
+    let most = vec2f(tile.size) - 1.0;
+    let first = ceil(clamp(projected.xy - margin - corner, vec2f(0.0), most + 1.0));
+    let last = floor(clamp(projected.zw + margin - corner, vec2f(-1.0), most));
+    return vec4i(vec2i(first), vec2i(last));
+}
+
+// Keeps a primitive once for each tile in which it may cover a sample.
+fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
+    if COUNT { primitives_tested += 1u; }
+    let covered = covered_samples(projected_bounds(primitive_at(slot), projection), tile);
+    var quadrant = 0u;
+    loop {
+        let begin = vec2i(corner_of(quadrant));
+        let first = max(covered.xy - begin, vec2i(0));
+        let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
+        let sides = vec4u(vec4i(first, last)) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
+        // Written whether kept or not: entries behind the end do not count.
+        covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
+        kept += select(0u, 1u, all(first <= last));
+        quadrant += 1u;
+        if quadrant >= QUADRANTS { break; }
+    }
+}
+
+// Reduces the kept primitives to those that may cover a block, and stores these blocks. (The tests themselves have been
+// counted.)
+fn narrow_kept() {
+    var narrowed = 0u;
+    var index = 0u;
+    loop {
+        if index >= kept { break; }
+        let next = covering[index];
+        let sides = next.blocks >> FIRST_SIDE_BIT;
+        let covered = vec4i(vec4u(sides, sides >> 3u, sides >> 6u, sides >> 9u) & vec4u(7u));
+        let tile = Tile(searched + corner_of(next.slot >> FIRST_PIXEL_BIT), vec2u(TILE));
+        let blocks = covered_blocks(covered) & blocks_within_edges(primitive_at(next.slot & FIRST_SLOT), tile);
+        covering[narrowed] = Covering(next.slot, next.blocks | blocks);
+        narrowed += select(0u, 1u, blocks != 0u);
+        steps += countOneBits(blocks) / 8u;
+        index += 1u;
+    }
+    kept = narrowed;
+}
+
+// Lists the kept primitives, one block of one primitive per round, as search_tiles.wgsl does.
+fn list_kept(found: u32) {
+    narrow_kept();
+    var index = 0u;
+    var next = covering[0];
+    var left = select(0u, next.blocks & ALL_BLOCKS, kept > 0u);
+    loop {
+        if left == 0u { break; }
+        let block = firstTrailingBit(left);
+        left &= left - 1u;
+        let quadrant = next.slot >> FIRST_PIXEL_BIT;
+        let list = block_list(found_in_quadrant(found, quadrant), block);
+        let place = listed[quadrant * TILE_BLOCKS + block];
+        listed[quadrant * TILE_BLOCKS + block] = place + 1u;
+        let entry = (next.slot & FIRST_SLOT) | (pixels_of_block(next.blocks >> FIRST_SIDE_BIT, block) << FIRST_PIXEL_BIT);
+        if place < LIST_MOST { lists.entries[list + 1u + place] = entry; }
+        if left == 0u {
+            index += 1u;
+            next = covering[min(index, KEPT + QUADRANTS - 1u)];
+            left = select(0u, next.blocks & ALL_BLOCKS, index < kept);
+        }
+    }
+    kept = 0u;
+}

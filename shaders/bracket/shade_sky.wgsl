@@ -1,0 +1,33 @@
+// Pass 3 of 3 of `bracket`: shades tiles without any primitive. They are kept apart from the others, which cost far
+// more.
+//
+// launch  one thread per block (a pixel, or 2x2) of each listed tile, dispatched indirectly
+// reads   lists        SKY
+// writes  view         [height * width]
+// adds    counters     [height * COUNTERS]
+
+//! use camera, counters, display, lane, linear, lists, pixels, sky
+
+var<storage, read_write> lists: Lists;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn shade_sky(@builtin(global_invocation_id) id: vec3u) {
+    let block = listed_tile_pixels(SKY, id.x);
+    if !any_ray(block.wanted) { return; }
+    let direction = rays_of(block.pixels).direction;
+    let color = sky(direction);
+    let packed = packed_srgb(color);
+    var ray = 0u;
+    loop {
+        if of_ray_b(block.wanted, ray) {
+            let index = pixel_index(pixel_of_ray(block.pixels, ray));
+            view[index] = Pixel(FAR, MISS, 0u, of_ray_u(packed, ray));
+            keep_linear(index, of_ray3(color, ray));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    count_view(pixel_of_ray(block.pixels, 0u).y, 0u, 0u, 0u);
+}

@@ -1,0 +1,42 @@
+// Verification `edges` (thesis, 6.2): marks target pixels as BAD if their sample lies at an edge in the source view.
+// resolve_right lists them; all others are trusted.
+//
+// launch  one thread per pixel of the target in the rows at work
+// reads   source  [height * width]
+// updates view    [height * width]  marks: key, or EMPTY; BAD is added
+//         object_table  objects of the primitives in the BVH's order, four a texel
+
+//! use camera, frame, marks, objects, pixels
+
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<Pixel>;
+
+// Neighbours whose parallax differs by more pixels than this lie on different surfaces.
+const EDGE_PX: f32 = 1.0;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn mark_edges(@builtin(global_invocation_id) id: vec3u) {
+    let pixel = thread_pixel(id);
+    if outside(pixel) { return; }
+    let key = view[pixel_index(pixel)].marks;
+    if key == EMPTY { return; }
+    let at = vec2i(i32(column_of(key)), i32(pixel.y));
+    let hit = source[pixel_index(vec2u(at))];
+    if differs(hit, at + vec2i(1, 0)) || differs(hit, at - vec2i(1, 0)) || differs(hit, at + vec2i(0, 1))
+        || differs(hit, at - vec2i(0, 1)) {
+        view[pixel_index(pixel)].marks = key | BAD;
+    }
+}
+
+// Nothing differs beyond the picture's edge.
+fn differs(hit: Pixel, at: vec2i) -> bool {
+    if any(at < vec2i(0)) || any(at >= vec2i(frame.band.size)) { return false; }
+    let other = source[pixel_index(vec2u(at))];
+    return object_of(hit.slot) != object_of(other.slot)
+        || abs(parallax(hit.depth) - parallax(other.depth)) > EDGE_PX;
+}
+
+fn object_of(slot: u32) -> u32 {
+    if slot == MISS { return MISS; }
+    return object_texel(slot / 4u)[slot % 4u];
+}

@@ -1,0 +1,142 @@
+// Shades pixels that show mirrors, glass or veils, from their first hits in the view and from the rays that these send
+// on. These rays belong to each eye and are not reused.
+//
+// launch  one thread per entry of the list, dispatched indirectly
+// reads   lists      TO_TRACE
+// updates view       [height * width]      color
+// adds    counters   [height * COUNTERS]
+
+//! use bvh, camera, counters, dice, frame, lane, light, lists, materials, pixels, planes, primitives, rays, shade
+//! use surfaces, textures, view
+
+var<storage, read_write> lists: Lists;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+// A reflected or refracted ray that waits to be traced.
+struct Pending {
+    origin: vec3f,
+    direction: vec3f,
+    weight: vec3f,      // multiplies what the ray sees
+    travelled: f32,     // depth of the first hit, plus the path length from there
+    depth: u32,         // surfaces met so far
+}
+
+// A ray sends on at most two, and one of them is followed at once. So at most one more ray waits than surfaces are met
+// in a row.
+const MOST_PENDING: u32 = 9u;
+var<private> pending: array<Pending, MOST_PENDING>;
+var<private> waiting: u32;
+
+// Rays of a smaller weight change no 8-bit picture.
+const FAINT: f32 = 1.0 / 4096.0;
+
+fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
+    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.lighting.bounces || waiting >= MOST_PENDING { return; }
+    pending[waiting] = Pending(origin, direction, weight, travelled, depth);
+    waiting += 1u;
+}
+
+// Sends on the rays that a surface reflects and transmits.
+fn send_on(ray: Pending, t: f32, finish: Finish, surface: Surface, surfaces: Surfaces) {
+    let direction = normalize(ray.direction);
+    let behind = offset_from(surfaces, ray.origin, -1.0);
+    let travelled = ray.travelled + t;
+    send(behind, direction, ray.weight * (1.0 - finish.opacity), travelled, ray.depth + 1u);
+    let weight = ray.weight * finish.opacity;
+    let normal = surface.shading_normal;
+    let cosine = clamp(-dot(normal, direction), 0.0, 1.0);
+    let mirrored = direction + normal * (2.0 * cosine);
+    if finish.kind == GLASS {
+        // Snell's law: eta is the index on the ray's side over the index on the other side.
+        let eta = select(finish.index, 1.0 / finish.index, surface.from_outside);
+        let squared = 1.0 - eta * eta * (1.0 - cosine * cosine);
+        let inner = sqrt(max(squared, 0.0));
+        var reflected = finish.reflected;
+        var passed = 1.0 - reflected;
+        if finish.fresnel {
+            let back = fresnel(cosine, inner, eta);
+            reflected = finish.reflected * back;
+            passed = vec3f(1.0 - back);
+        }
+        if squared <= 0.0 {
+            reflected = vec3f(1.0);
+        } else {
+            let bent = normalize(direction * eta + normal * (eta * cosine - inner));
+            send(behind, bent, weight * finish.transmission * passed, travelled, ray.depth + 1u);
+        }
+        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
+    } else if finish.kind == MIRROR {
+        // Schlick's approximation, from the reflectance at normal incidence.
+        let grazing = pow(1.0 - cosine, 5.0);
+        let reflected = select(finish.reflected, mix(finish.reflected, vec3f(1.0), grazing), finish.fresnel);
+        send_mirrored(ray, surfaces, mirrored, weight * reflected, travelled);
+    }
+}
+
+fn send_mirrored(ray: Pending, surfaces: Surfaces, mirrored: vec3f, weight: vec3f, travelled: f32) {
+    // If a smooth normal would reflect the ray below the surface, it is sent along the surface.
+    let geometric = of_ray3(surfaces.geometric_normal, 0u);
+    let above = mirrored + geometric * max(0.0, 1e-4 - dot(mirrored, geometric));
+    send(offset_from(surfaces, ray.origin, 1.0), normalize(above), weight, travelled, ray.depth + 1u);
+}
+
+// Returns the share of unpolarised light that glass reflects, by Fresnel's equations for the cosines on both sides.
+fn fresnel(cosine: f32, inner: f32, eta: f32) -> f32 {
+    let across = (eta * cosine - inner) / (eta * cosine + inner);
+    let along_plane = (cosine - eta * inner) / (cosine + eta * inner);
+    return 0.5 * (across * across + along_plane * along_plane);
+}
+
+// Returns the origin of a ray that leaves a hit point. It is moved off the surface, to the side that the ray goes to,
+// by the distance that shadow rays keep from it.
+fn offset_from(surfaces: Surfaces, origin: vec3f, side: f32) -> vec3f {
+    let point = of_ray3(surfaces.point, 0u);
+    let offset = off_surface(point, origin, of_ray(surfaces.reach, 0u));
+    return point + of_ray3(surfaces.geometric_normal, 0u) * (side * offset);
+}
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn trace_mirrored(@builtin(global_invocation_id) id: vec3u) {
+    let listed = listed_pixels(TO_TRACE, id.x);
+    if !any_ray(listed.wanted) { return; }
+    let first = pixel_of_ray(listed.pixels, 0u);
+    let own = rays_of(listed.pixels);
+    // The first ray's direction is scaled so that t is depth; all others are unit vectors.
+    var ray = Pending(own.origin, of_ray3(own.direction, 0u), vec3f(1.0), 0.0, 0u);
+    var hits = target_hits(listed.pixels, listed.wanted);
+    // A hit reused from another view's sample is intersected anew by this pixel's own ray, if it hits. Else rays would
+    // begin beside the pixel.
+    if COUNT { primitives_tested += 1u; }
+    let met = met_at(hits.slot, own);
+    hits.t = select(hits.t, met.t, met.hit & (met.t >= F(0.0)));
+    var color = vec3f(0.0);
+    var sent_rays = 0u;
+    loop {
+        let rays = Rays(ray.origin, all3(ray.direction));
+        travelled_before = F(ray.travelled);
+        throw_dice(listed.pixels, sent_rays);
+        let surfaces = surfaces_at(rays, hits);
+        let seen = ray.weight * of_ray3(radiance(rays, hits, surfaces), 0u);
+        if hits.primitive == U(MISS) {
+            color += seen;
+        } else {
+            let surface = surface_at(rays, hits, 0u);
+            let finish = finish_of(surface.material);
+            color += seen * finish.opacity;
+            send_on(ray, of_ray(hits.t, 0u), finish, surface, surfaces);
+        }
+        if waiting == 0u { break; }
+        waiting -= 1u;
+        ray = pending[waiting];
+        hits = closest_hit(Rays(ray.origin, all3(ray.direction)), F(0.0), F(FAR));
+        sent_rays += 1u;
+        if cut_short { break; }
+    }
+    cut_short |= waiting > 0u;
+    keep_colors(listed.pixels, listed.wanted, all3(color));
+    count_pixel(first);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
+    atomicAdd(&counters[first.y * COUNTERS + SENT_RAYS], sent_rays);
+    atomicAdd(&counters[first.y * COUNTERS + OWN_SHADOW_RAYS], rays_asked());
+}

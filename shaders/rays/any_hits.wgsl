@@ -1,0 +1,30 @@
+// Finds whether each ray of a list (shared/ray_list.wgsl) hits anything, for users and tests. Runs in one dispatch or
+// in several (shared/in_steps.wgsl).
+//
+// launch  one thread per ray, or per four; in steps, until all have finished
+// updates steps     a lane per thread, in steps
+// writes  found     [rays]      1 where something is hit
+// adds    counters  [COUNTERS]  as of a view
+
+//! use bvh, counters, frame, in_steps, lane, pixels, planes, ray_list
+
+var<storage, read_write> found: array<u32>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn any_hits(@builtin(global_invocation_id) id: vec3u) {
+    let first = id.x * RAYS;
+    if first >= frame.band.size.x || !begin_step(id.x) { return; }
+    let listed = listed_rays(first);
+    let occluded = any_hit(listed.rays, listed.t_min, listed.t_max);
+    var ray = 0u;
+    loop {
+        if !paused && first + ray < frame.band.size.x {
+            found[first + ray] = select(0u, 1u, of_ray_b(occluded, ray));
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    end_step();
+    count_view(0u, 0u, nodes_visited, primitives_tested);
+}

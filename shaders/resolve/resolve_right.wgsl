@@ -1,0 +1,69 @@
+// Pass 3 of 3, first half: checks reprojected pixels and lists those that are bad or missing, for trace_listed.wgsl.
+// The list keeps the few traced pixels of neighbouring threads together. Traced here, they would delay whole subgroups
+// of reused ones. Good pixels are copied later, by take_over.wgsl.
+//
+// launch  one thread per block of the target's pixels (a pixel, or 2x2) of the rows at work
+// reads   source    [height * width]    a point's depth is the same for both eyes
+// updates view      [height * width]    marks: key, or EMPTY; BAD and MISSED are added (BAD may have been before, by
+// mark_edges); of what is listed depth
+// adds    counters  [height * COUNTERS]
+// appends lists
+
+//! use camera, counters, lane, lists, marks, pixels, verify, wanted
+
+var<storage, read> source: array<Pixel>;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+var<storage, read_write> lists: Lists;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn resolve_right(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let inside = inside_rows(pixels);
+    if !any_ray(inside) { return; }
+    var columns: U;
+    var keys: U;
+    var marked: U;
+    var depth: F;
+    var ray = 0u;
+    loop {
+        if of_ray_b(inside, ray) {
+            let pixel = pixel_of_ray(pixels, ray);
+            let marks = view[pixel_index(pixel)].marks;
+            let key = marks & KEY;
+            keys = with_ray_u(keys, ray, key);
+            marked = with_ray_u(marked, ray, marks & BAD);
+            if key != EMPTY {
+                let column = column_of(key);
+                columns = with_ray_u(columns, ray, column);
+                depth = with_ray(depth, ray, source[pixel_index(vec2u(column, pixel.y))].depth);
+            }
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    let landed = inside & (keys != U(EMPTY));
+    let missed = inside & (keys == U(EMPTY));
+    let bad = (marked != U(0u)) | are_bad(Pixels(columns, pixels.y), depth, landed);
+    var place = reserve(TO_TRACE, count_rays(missed | bad));
+    ray = 0u;
+    loop {
+        if of_ray_b(missed | bad, ray) {
+            let index = pixel_index(pixel_of_ray(pixels, ray));
+            let key = of_ray_u(keys, ray);
+            view[index].marks = select(key | BAD, MISSED, key == EMPTY);
+            // It is traced from the eye on.
+            view[index].depth = 0.0;
+            append(TO_TRACE, place, index);
+            place += 1u;
+        }
+        ray += 1u;
+        if ray >= RAYS { break; }
+    }
+    let first = pixel_of_ray(pixels, 0u);
+    let row = first.y * COUNTERS;
+    if any_ray(missed) { atomicAdd(&counters[row + MISSED_PIXELS], count_rays(missed)); }
+    if any_ray(bad) { atomicAdd(&counters[row + BAD_PIXELS], count_rays(bad)); }
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
+}

@@ -1,0 +1,28 @@
+// Pass 3 of 3, last part except take_over: shades listed target pixels from their hits, with shadow rays. For `bracket`
+// these are the pixels with an unknown visibility bit; for the thesis's methods, all that trace_listed traced.
+//
+// launch  one thread per entry of the list, or per four, dispatched indirectly
+// reads   lists        TO_SHADE
+// updates view         [height * width]      color
+// adds    counters     [height * COUNTERS]
+
+//! use camera, counters, dice, lane, lists, pixels, shade, surfaces, view, visibility
+
+var<storage, read_write> lists: Lists;
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(LIST_WORKGROUP)
+fn shade_listed(@builtin(global_invocation_id) id: vec3u) {
+    let listed = listed_pixels(TO_SHADE, id.x);
+    if !any_ray(listed.wanted) { return; }
+    let rays = rays_of(listed.pixels);
+    let found = target_hits(listed.pixels, listed.wanted);
+    let surfaces = surfaces_at(rays, found);
+    throw_dice(listed.pixels, 0u);
+    ask_source(listed.pixels, found, surfaces);
+    keep_colors(listed.pixels, listed.wanted, shade(rays, found, surfaces).color);
+    let first = pixel_of_ray(listed.pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
+}

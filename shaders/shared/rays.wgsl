@@ -1,0 +1,87 @@
+// The rays of a lane, and what they hit.
+
+//! use lane
+
+// The rays of a lane. t counts in lengths of the direction, which need not be a unit vector.
+struct Rays {
+    origin: vec3f,
+    direction: F3,
+}
+
+// Values of a lane's rays that intersection tests share.
+struct Scales {
+    length: F,               // of the direction
+    per_length_squared: F,
+}
+
+// The hits of a lane's rays.
+struct Hits {
+    t: F,                 // t_max for a miss; undefined by any_slot
+    primitive: U,         // id in the scene's order, MISS for a miss; undefined by any_slot
+    slot: U,              // index in the tree's order
+}
+
+// The result of intersecting a lane's rays with one primitive.
+struct Found {
+    hit: B,
+    t: F,          // at the hit
+    doubtful: B,   // uncertain: look_again decides
+}
+
+// Uncertain primitives, deferred to their second look, as slot << RAY_BITS with a bit for each uncertain ray; 0 for
+// none. There are two, since a ray that is uncertain at a triangle mostly is at a neighbour too.
+struct PutOff {
+    last: u32,
+    before: u32,
+}
+
+// t_max of a ray that is not traced, and t of a ray that any_hit has finished. It lies before every box.
+const NEVER: f32 = -3.402e38;
+
+// Returns the dot product of each direction with a vector.
+fn along(direction: F3, v: vec3f) -> F {
+    return direction.x * v.x + direction.y * v.y + direction.z * v.z;
+}
+
+fn scales_of(rays: Rays) -> Scales {
+    let squared = dot3(rays.direction, rays.direction);
+    return Scales(sqrt(squared), 1.0 / squared);
+}
+
+// Clamps reciprocals to ±1e30: WGSL does not define division by zero.
+fn reciprocal(v: F) -> F {
+    return 1.0 / select(v, F(1e-30), abs(v) < F(1e-30));
+}
+
+// The surface at one ray's hit.
+struct Surface {
+    geometric_normal: vec3f,   // unit, towards the viewer
+    shading_normal: vec3f,     // unit, on the geometric normal's side
+    material: u32,
+    component: u32,            // connected component
+    reach: f32,                // of a triangle: at least its longest edge; of a ball: 0
+    outward: vec3f,            // of a ball: unit, from its centre, as if it were a sphere
+    radius: f32,               // of a ball
+    // Whether the ray comes from the side on which the corners run counterclockwise, or from outside a ball.
+    from_outside: bool,
+}
+
+fn towards_viewer(normal: vec3f, direction: vec3f) -> vec3f {
+    return select(normal, -normal, dot(normal, direction) > 0.0);
+}
+
+// At equal t the smallest id wins, in any order of tests.
+fn is_nearer(hits: Hits, t: F, t_min: F, id: u32) -> B {
+    return (t >= t_min) & ((t < hits.t) | ((t == hits.t) & (U(id) < hits.primitive)));
+}
+
+// Returns whether a third primitive must wait until the deferred ones are settled.
+fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
+    return doubted != 0u && put_off.before != 0u;
+}
+
+// Adds a deferred primitive for the given rays; returns the same if there are none.
+fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
+    let is_more = doubted != 0u;
+    return PutOff(select(put_off.last, (slot << RAY_BITS) | doubted, is_more), select(put_off.before, put_off.last, is_more));
+}

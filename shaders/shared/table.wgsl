@@ -1,0 +1,19 @@
+// The shading table: its layout in vectors with floats' bits in x, y and z. It is no uniform: Mesa's software driver
+// compiles a kernel anew for each dispatch in which a loop's end is a uniform.
+
+//! use fetch
+
+const AMBIENT: u32 = 0u;      // linear RGB; the number of lights in w
+// Linear RGB straight down. For a map: first texel, width, height. In w the first of the textures' heads.
+const SKY_NADIR: u32 = 1u;
+const SKY_ZENITH: u32 = 2u;   // linear RGB straight up, or everywhere
+// LIGHT_TEXELS each: position and kind, intensity and size, two sides for some kinds. The materials follow
+// (materials.wgsl), then a map's pixels, then textures (textures.wgsl).
+const LIGHTS: u32 = 3u;
+
+fn shading_vector(index: u32) -> vec3f {
+    return bitcast<vec3f>(table_texel(index).xyz);
+}
+
+// Texel of the shading table whose w is the index of the first texture head. There is one head per texture.
+const TEXTURES: u32 = SKY_NADIR;

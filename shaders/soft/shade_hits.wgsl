@@ -1,0 +1,26 @@
+// Pass 1 of 3 with soft light, last part: shades a view from its hits and writes its pixels.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// updates view            [height * width]
+// writes  kept_samples  texture, by bracket
+// adds    counters        [height * COUNTERS]; reads masks behind them
+
+//! use camera, counters, dice, lane, pixels, shade, surfaces, view, wanted
+
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn shade_hits(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
+    if !any_ray(wanted) { return; }
+    throw_dice(pixels, 0u);
+    let rays = rays_of(pixels);
+    let found = target_hits(pixels, wanted);
+    keep_view(pixels, wanted, shade(rays, found, surfaces_at(rays, found)));
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
+}

@@ -1,0 +1,24 @@
+// Pass 1 of 3 with soft light, first part: finds what each pixel of a view hits. trace_soft and shade_hits do the rest.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// writes  view      [height * width]      all but color
+// adds    counters  [height * COUNTERS]
+
+//! use bvh, camera, counters, lane, pixels, planes, rays, view, wanted
+
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_hits(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
+    if !any_ray(wanted) { return; }
+    let rays = rays_of(pixels);
+    let nearest = closest_hit(rays, F(0.0), select(F(NEVER), F(FAR), wanted));
+    keep_hits(pixels, wanted, nearest);
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, 0u, nodes_visited, primitives_tested);
+}

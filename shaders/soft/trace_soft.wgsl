@@ -1,0 +1,18 @@
+// Traces rays from each pixel's hit to points on one extended light, or into the surroundings.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// reads   view      [height * width]
+// adds    counters  [height * COUNTERS], and masks behind them
+
+//! use lane, pixels, soft, wanted
+
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_soft(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    if !any_ray(wanted) { return; }
+    ask_light(pixels, wanted);
+}

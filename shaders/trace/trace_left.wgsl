@@ -1,0 +1,24 @@
+// Pass 1 of 3: traces and shades one view, and stores what each pixel hit. `Naive` runs it for every view.
+//
+// launch  one thread per block of pixels (a pixel, or 2x2) of the rows at work
+// writes  view                            [height * width]
+// writes  kept_samples                    texture, by bracket
+// adds    counters                        [height * COUNTERS], and the cost map behind them, if requested
+
+//! use camera, counters, dice, lane, pixels, shade, view, wanted
+
+var<storage, read_write> view: array<Pixel>;
+var<storage, read_write> counters: array<atomic<u32>>;
+
+@compute @workgroup_size(WORKGROUP, WORKGROUP)
+fn trace_left(@builtin(global_invocation_id) id: vec3u) {
+    let pixels = block_pixels(id);
+    let wanted = inside_rows(pixels);
+    leave_out(pixels, wanted);
+    if !any_ray(wanted) { return; }
+    let samples = trace_pixels(rays_of(pixels), wanted);
+    keep_view(pixels, wanted, samples);
+    let first = pixel_of_ray(pixels, 0u);
+    count_pixel(first);
+    count_view(first.y, rays_asked(), nodes_visited, primitives_tested);
+}
