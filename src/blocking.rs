@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use pollster::block_on;
 
 #[cfg(feature = "png")]
-use crate::dataset::{FreePoses, RandomPose};
+use crate::output::dataset::{FreePoses, RandomPose};
 use crate::{
     BvhBuild, Cast, Encoded, Error, Gpu, GroundTruth, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene,
     Statistics, StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async,

@@ -78,78 +78,59 @@
 pub use glam;
 pub use wgpu;
 
-mod auto;
+mod accel;
+mod ask;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 mod blocking;
-mod bvh;
-pub mod camera;
-#[cfg(feature = "json")]
-mod camera_file;
-pub mod cast;
-pub mod cpu;
-mod cutouts;
-#[cfg(feature = "png")]
-pub mod dataset;
-mod disparity;
 mod error;
 #[cfg(test)]
 #[path = "../tests/it/common/folder.rs"]
 #[allow(dead_code, reason = "unit tests use a part of it")]
 mod folder;
 mod frame;
-mod geometry;
 pub mod gpu;
-mod ground_truth;
 #[cfg(all(feature = "blocking", feature = "png", not(target_arch = "wasm32")))]
 pub mod guide;
-#[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
-mod input;
-mod kernels;
-mod lanes;
-mod large;
-mod layout;
+mod import;
+mod kernel;
 pub mod message;
-pub mod method;
-pub mod metrics;
-mod occlusion;
-mod options;
+mod methods;
 pub mod output;
-pub mod pair;
-mod random;
 pub mod renderer;
-pub mod rig;
-mod samples;
+mod sampling;
 pub mod scene;
-mod shadow_buffer;
 mod steps;
-mod table;
-mod traversal;
-mod tree;
-mod upload;
-mod variant;
-mod visibility;
-mod wgsl;
+mod testing;
+mod truth;
+mod view;
 
-pub use auto::Choice;
+pub use ask::method;
+pub use frame::{cast, pair};
+#[cfg(feature = "png")]
+pub use output::dataset;
+pub use testing::cpu;
+pub use truth::metrics;
+pub use view::{camera, rig};
+
+pub use accel::bvh::BvhBuild;
+pub use accel::upload::{Update, UploadInfo, UploadedScene};
+pub use ask::method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
+pub use ask::options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
+pub use ask::shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
+pub use ask::visibility::Visibility;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use blocking::{render_stereo, render_views};
-pub use bvh::BvhBuild;
-pub use camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
-pub use cast::{Cast, Ray, RayHit};
-pub use disparity::Occlusion;
 pub use error::Error;
+pub use frame::cast::{Cast, Ray, RayHit};
+pub use frame::pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
 pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
 pub use gpu::{Adapter, Gpu};
-pub use ground_truth::{EyeTruth, GroundTruth};
 #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
-pub use input::Limits;
-pub use method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
-pub use occlusion::Occlusions;
-pub use options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
-pub use pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
+pub use import::input::Limits;
+pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal};
+pub use methods::auto::Choice;
 pub use renderer::{OnProgress, Progress, Renderer, render_stereo_async, render_views_async};
-pub use rig::{Rig, RigView, Views};
-pub use samples::Filter;
+pub use sampling::Filter;
 pub use scene::builtin::Builtin;
 pub use scene::{
     Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
@@ -157,7 +138,8 @@ pub use scene::{
 };
 #[cfg(feature = "scene-files")]
 pub use scene::{MissingTextures, ObjOptions, Origin, OutsideFiles, SceneFile, SceneOptions};
-pub use shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
-pub use traversal::{Boxes, Fetch, RaysPerLane, Traversal};
-pub use upload::{Update, UploadInfo, UploadedScene};
-pub use visibility::Visibility;
+pub use truth::disparity::Occlusion;
+pub use truth::ground_truth::{EyeTruth, GroundTruth};
+pub use truth::occlusion::Occlusions;
+pub use view::camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
+pub use view::rig::{Rig, RigView, Views};

@@ -7,12 +7,12 @@ pub use crate::blocking::render_stereo;
 use crate::{
     BvhBuild, Convergence, Error, Gpu, Method, Options, Pose, Rig, Scene, Statistics, StereoCamera, StereoPair,
     UploadedScene, Views,
+    frame::lanes::Steps,
     frame::{self, Done, OnRows, Rows, ViewRows},
     gpu::Timestamps,
-    kernels::Kernels,
-    lanes::Steps,
-    rig::Eyes,
-    traversal::Traversal,
+    kernel::Kernels,
+    kernel::traversal::Traversal,
+    view::rig::Eyes,
 };
 
 /// Progress of a frame.

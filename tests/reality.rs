@@ -3,7 +3,7 @@
 
 #[path = "../benches/reality/fits.rs"]
 mod fits;
-#[path = "../src/random.rs"]
+#[path = "../src/testing/random.rs"]
 mod random;
 
 use crate::{

@@ -1,5 +1,5 @@
 // `Auto`, between two steps of `bracket`: decides whether a band of the target view costs less by `bracket` or traced.
-// The cost model is in src/auto.rs.
+// The cost model is in src/methods/auto.rs.
 //
 // launch  one workgroup
 // reads   source_counters  [rows * COUNTERS]  SHADOW_RAYS and OWN_SHADOW_RAYS

@@ -14,7 +14,7 @@ struct Bvh {
     extent: f32,
     grid_cell: vec3f,
     zero: u32,
-    cutouts: u32,         // texel of the first material's mask head: src/cutouts.rs
+    cutouts: u32,         // texel of the first material's mask head: src/accel/cutouts.rs
 }
 
 //! if cutouts is none
@@ -31,7 +31,7 @@ var<uniform> bvh: Bvh;
 //! if fetch is buffer
 // Storage buffers: for GPUs.
 
-// The root's pair, then the primitives, then all other pairs: see src/geometry.rs.
+// The root's pair, then the primitives, then all other pairs: see src/accel/geometry.rs.
 var<storage, read> geometry: array<vec4u>;
 
 // Index of the first texel of a pair of children.
@@ -60,7 +60,7 @@ fn table_texel(index: u32) -> vec4u {
 // (docs/TRAVERSAL.md). They are storage textures, since a sampled texture looks up its mip level for every lane.
 
 // The first row holds the root's pair alone. Rows of primitives follow, then rows of all other pairs: see
-// src/geometry.rs.
+// src/accel/geometry.rs.
 var geometry: texture_storage_2d<rgba32uint, read>;
 
 // Position of the first texel of a pair of children. The texels of a pair are in one row, so their addresses differ by

@@ -1,5 +1,5 @@
 // Offsets of jittered samples. All samples of a row share one offset from their centres (DESIGN, section 3).
-// src/samples/jitter.rs has the same arithmetic.
+// src/sampling/jitter.rs has the same arithmetic.
 
 //! use frame, lane
 

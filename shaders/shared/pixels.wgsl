@@ -1,4 +1,4 @@
-// Pixels: sentinels, the stored record of a pixel, and the mapping of threads to pixels. src/layout.rs has the
+// Pixels: sentinels, the stored record of a pixel, and the mapping of threads to pixels. src/kernel/layout.rs has the
 // numbers too, and a test compares them.
 
 //! use frame, lane

@@ -82,7 +82,7 @@ fn four_rays(aim: Aim, group: u32) -> Four {
 }
 
 // Weights of a map's pixels are luminance times the sine of the angle from the poles. The sine is approximated, off by
-// at most 0.0011, with the same bits as on the host, which sums the weights: src/table.rs. A map is bilinear: each
+// at most 0.0011, with the same bits as on the host, which sums the weights: src/accel/table.rs. A map is bilinear: each
 // pixel is spread over a tent two pixels wide. The density of rays is bilinear too.
 fn row_weight(row: i32, rows: i32) -> f32 {
     let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);

@@ -1,5 +1,5 @@
 //! Frames of adaptive samples. The first level is a lattice of samples in the corners of pixels. On finer lattices only
-//! the samples that divided cells lack are traced (`src/samples/cells.rs`). Each level is a frame of a larger picture
+//! the samples that divided cells lack are traced (`src/sampling/cells.rs`). Each level is a frame of a larger picture
 //! with a mask, so methods and kernels need to know nothing else. Strips of pixel rows go through all levels in turn.
 
 use std::ops::{ControlFlow, Range};
@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     Adaptive, Error, GBuffer, Method, OnProgress, Options, Progress, Renderer, UploadedScene,
-    rig::Eyes,
-    samples::{Cells, Centres},
+    sampling::{Cells, Centres},
+    view::rig::Eyes,
 };
 
 /// Approximate number of samples of the finest level that the host holds at a time, for all views: some 150 MiB.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Gpu, layout};
+use crate::{Gpu, kernel::layout};
 
 /// The rows of a band are a multiple of this, except the last ones: whole workgroups of the tiles' search.
 const WHOLE: u32 = layout::WORKGROUP * layout::TILE;

@@ -16,14 +16,14 @@ use super::{
 };
 use crate::{
     Error, OnProgress, Options, Progress, Renderer, UploadedScene,
-    auto::CostModel,
+    frame::lanes::Lanes,
     gpu::{Gpu, Timestamps},
-    kernels::{Kernel, Resource},
-    lanes::Lanes,
-    layout::{self, WORKGROUP},
-    rig::Eyes,
+    kernel::layout::{self, WORKGROUP},
+    kernel::variant::Variant,
+    kernel::{Kernel, Resource},
+    methods::auto::CostModel,
     steps::{shadow_buffer::Tables, t_buffer, trace::TRACE_LEFT},
-    variant::Variant,
+    view::rig::Eyes,
 };
 use slots::Slots;
 

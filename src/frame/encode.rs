@@ -10,12 +10,12 @@ use super::{
 };
 use crate::{
     Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
-    kernels::Resource,
-    rig::Eyes,
+    kernel::Resource,
     steps::{
         shadow_buffer::Tables,
         show::{SHOW_COLOR, SHOW_DEPTH},
     },
+    view::rig::Eyes,
 };
 
 /// Views on the device. They are complete once the commands that make them have run.

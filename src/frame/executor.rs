@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::{
     gpu::{Gpu, Texels, Timestamps, bind_group},
-    kernels::{Kernel, Kernels, Resource},
-    variant::Variant,
+    kernel::variant::Variant,
+    kernel::{Kernel, Kernels, Resource},
 };
 
 /// A resource on the device.
@@ -137,7 +137,7 @@ impl<'a> Executor<'a> {
         let group = bind_group(self.gpu, name, &pipeline.layout, held);
         let indirect = || self.indirect.expect("made for dispatches over lists");
         if let Workgroups::Listed(lists, list) = workgroups {
-            let head = u64::from(list) * size_of_val(&crate::layout::EMPTY_LIST) as u64;
+            let head = u64::from(list) * size_of_val(&crate::kernel::layout::EMPTY_LIST) as u64;
             encoder.copy_buffer_to_buffer(lists, head, indirect(), 0, Some(INDIRECT_BYTES));
         }
         let timestamp_writes = self.timestamps.as_mut().and_then(|timestamps| timestamps.next(name));

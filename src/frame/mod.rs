@@ -3,9 +3,12 @@
 
 mod adaptive;
 mod bands;
+pub mod cast;
 pub(crate) mod driver;
 mod encode;
 pub(crate) mod executor;
+pub(crate) mod lanes;
+pub mod pair;
 pub(crate) mod plan;
 mod read;
 mod rows;
@@ -28,15 +31,15 @@ pub(crate) use targets::Cache;
 use crate::{
     Choice, Error, Method, OnProgress, Options, PassTimes, Penumbra, Renderer, ShadowBufferWork, ShadowReuse,
     UploadedScene, Visibility,
-    auto::CostModel,
+    frame::lanes::Steps,
     gpu::{Filling, Staging, Timestamps, add_times},
-    kernels::Resource,
-    lanes::Steps,
+    kernel::Resource,
+    kernel::variant::Variant,
     message::counted,
-    rig::Eyes,
-    samples::Jitter,
+    methods::auto::CostModel,
+    sampling::Jitter,
     steps::t_buffer,
-    variant::Variant,
+    view::rig::Eyes,
 };
 use bands::{Band, Bands};
 use driver::{Driver, Setting};

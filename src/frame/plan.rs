@@ -3,9 +3,9 @@
 use super::targets::Used;
 use crate::{
     BufferDepth, Check, Method, ShadowReuse, Sweep,
-    kernels::{Kernel, Kernels, Resource},
+    kernel::variant::Variant,
+    kernel::{Kernel, Kernels, Resource},
     steps::{bracket, mirrors, reproject, resolve, trace},
-    variant::Variant,
 };
 
 /// How a view, or a band of it, was made.

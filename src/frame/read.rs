@@ -7,7 +7,7 @@ use super::{
     plan::{Launch, Made, Step},
     targets::{Shape, Targets},
 };
-use crate::{PixelSource, ShadowSource, UploadedScene, View, kernels::Resource, layout, steps::show::PACK};
+use crate::{PixelSource, ShadowSource, UploadedScene, View, kernel::Resource, kernel::layout, steps::show::PACK};
 
 /// Layout of a band in a staging buffer. Each view has the pixels of `pack`, linear colour, costs and counters. Times
 /// follow the last view.

@@ -3,7 +3,7 @@
 use super::{Done, targets::MOST_BYTES};
 use crate::{
     Error, GBuffer, Options, PixelSource, Pose, RigView, ShadowSource, Statistics, StereoPair, View, Views,
-    message::counted, rig::Eyes,
+    message::counted, view::rig::Eyes,
 };
 
 /// Rows of all views of a frame, as they are done: see [`Renderer::render_rows`](crate::Renderer::render_rows_async).

@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 
 use super::{Done, OnRows, Rows, Wanted, targets::MOST_BYTES};
 use crate::{
-    Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene, message::counted, rig::Eyes,
-    samples,
+    Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene, message::counted, sampling,
+    view::rig::Eyes,
 };
 
 impl Renderer {
@@ -24,7 +24,7 @@ impl Renderer {
         progress: &mut OnProgress<'_>,
         on_rows: &mut OnRows<'_>,
     ) -> Result<Done, Error> {
-        let side = samples::side_of(options.samples)?;
+        let side = sampling::side_of(options.samples)?;
         if options.adaptive.is_some() {
             return self.adaptive(scene, eyes, options, pictures, progress, on_rows).await;
         }
@@ -42,7 +42,7 @@ impl Renderer {
             let (done, kept) = self.centres(scene, eyes, options, pictures, &mut progress).await?;
             (centre, centres) = (Some(done), Some(kept));
         }
-        let mut gather = samples::Gather::new(eyes.pose.size, side, options, centres);
+        let mut gather = sampling::Gather::new(eyes.pose.size, side, options, centres);
         let mut add = |rows: Rows| gather.add(&rows).map_or(Ok(()), &mut *on_rows);
         let mut progress = part_of(progress, rays.0, rays.1, rays);
         let g_buffer = if asks_centre { GBuffer::None } else { options.g_buffer };
@@ -60,8 +60,8 @@ impl Renderer {
         options: &Options,
         pictures: bool,
         progress: &mut OnProgress<'_>,
-    ) -> Result<(Done, samples::Centres), Error> {
-        let mut centres = samples::Centres::default();
+    ) -> Result<(Done, sampling::Centres), Error> {
+        let mut centres = sampling::Centres::default();
         let mut keep = |rows: Rows| {
             centres.add(rows.views);
             Ok(())

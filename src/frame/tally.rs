@@ -3,7 +3,7 @@
 use super::{plan::Made, read::Counts};
 use crate::{
     Choice, Method, Pose, Rays, ShadowReuse, Work,
-    auto::{CostModel, Seen},
+    methods::auto::{CostModel, Seen},
 };
 
 /// The tally of one view.

@@ -13,8 +13,8 @@ use super::{
 use crate::{
     Error, GBuffer,
     gpu::{Gpu, Staging, check_bytes},
-    kernels::Resource,
-    layout::{self, WORKGROUP},
+    kernel::Resource,
+    kernel::layout::{self, WORKGROUP},
     steps::t_buffer::drawing_bytes,
 };
 

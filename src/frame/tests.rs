@@ -8,8 +8,8 @@ use super::{
     *,
 };
 use crate::{
-    BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, camera::Intrinsics,
-    layout, random::Random,
+    BufferDepth, Check, GBuffer, Gpu, Scene, Statistics, StereoCamera, StereoPair, Traversal, kernel::layout,
+    testing::random::Random, view::camera::Intrinsics,
 };
 
 #[test]
@@ -174,7 +174,7 @@ fn the_index_buffer_equals_a_sequential_computation() {
                 _ => random.between(1.0, 10.0),
             })
             .collect();
-        let expected = crate::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
+        let expected = crate::testing::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
         assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
         for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
             assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {e_px} {offsets:?}");
@@ -229,7 +229,7 @@ fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
     (depths[10], depths[26]) = (crate::FAR, 2.0);
     let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
     assert_eq!((source[10], lost), (27, 1), "as through a screen at the target");
-    assert_eq!(crate::method::lemma1(&eyes.pose, 2.0, f32::INFINITY), 16.0);
+    assert_eq!(crate::ask::method::lemma1(&eyes.pose, 2.0, f32::INFINITY), 16.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The camera's uniform.
 
-use crate::{Pose, camera::least_pixel_angle, layout};
+use crate::{Pose, kernel::layout, view::camera::least_pixel_angle};
 
 /// Guard band of an ordinary picture, in pixels. Its pixels span at least 2e-5 radians, so this far exceeds the
 /// rounding of a projection.

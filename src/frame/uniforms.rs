@@ -1,7 +1,9 @@
 //! A frame's uniforms, for each view.
 
 use super::{bands::Band, executor::Held};
-use crate::{Options, Tone, auto::CostModel, layout, rig::Eyes, samples::Jitter, steps::soft::Part};
+use crate::{
+    Options, Tone, kernel::layout, methods::auto::CostModel, sampling::Jitter, steps::soft::Part, view::rig::Eyes,
+};
 
 /// Bytes from one uniform to the next: WebGPU's default alignment of uniform offsets.
 pub(crate) const STRIDE: u64 = 256;

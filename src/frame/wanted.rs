@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::bvh::Texel;
+use crate::accel::bvh::Texel;
 
 /// The part of a frame that is wanted.
 #[derive(Clone, Copy)]

@@ -9,7 +9,7 @@ use super::{
     adapter::{Adapter, describe},
     pipelines::Held,
 };
-use crate::{Error, kernels};
+use crate::{Error, kernel};
 
 /// A graphics device and its properties. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]
@@ -93,7 +93,7 @@ impl Gpu {
     /// # }
     /// ```
     pub fn required_limits() -> wgpu::Limits {
-        kernels::limits_over(wgpu::Limits::downlevel_defaults())
+        kernel::limits_over(wgpu::Limits::downlevel_defaults())
     }
 
     /// Uses the caller's device, which keeps its own handlers for errors and loss.
@@ -103,7 +103,7 @@ impl Gpu {
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Error> {
         let limits = device.limits();
         let mut short = None;
-        kernels::limits_over(limits.clone()).check_limits_with_fail_fn(&limits, true, |limit, needed, allowed| {
+        kernel::limits_over(limits.clone()).check_limits_with_fail_fn(&limits, true, |limit, needed, allowed| {
             short = Some(Error::Limit {
                 what: "rendering".into(),
                 needed: needed.to_string(),

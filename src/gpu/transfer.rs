@@ -1,7 +1,7 @@
 //! Buffers and textures, uploads to them and reading back.
 
 use super::{Gpu, Staging, TEXELS};
-use crate::{Error, bvh::Texel, traversal::Fetch};
+use crate::{Error, accel::bvh::Texel, kernel::traversal::Fetch};
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;

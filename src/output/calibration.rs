@@ -5,7 +5,7 @@ use std::path::Path;
 use super::Batch;
 #[cfg(any(test, feature = "exr", feature = "json"))]
 use crate::Pose;
-use crate::{Error, EyeTruth, GroundTruth, camera::Intrinsics};
+use crate::{Error, EyeTruth, GroundTruth, view::camera::Intrinsics};
 
 /// Returns the matrix, row by row, from world coordinates to the frame of an eye (-1 left, +1 right): x right, y down,
 /// z along the view, in world units.

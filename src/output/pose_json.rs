@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 use super::calibration::world_to_camera;
 use crate::{
     Convergence, Error, Limits, Pose,
-    camera::{Frustum, Intrinsics},
-    input,
+    import::input,
+    view::camera::{Frustum, Intrinsics},
 };
 
 impl Pose {
@@ -179,7 +179,7 @@ fn size(pose: &Map<String, Value>) -> Result<[u32; 2], String> {
 mod tests {
     use super::super::Batch;
     use super::*;
-    use crate::{StereoCamera, folder::Folder, random::Random};
+    use crate::{StereoCamera, folder::Folder, testing::random::Random};
 
     #[test]
     fn a_pose_reads_back_to_the_bit() {

@@ -167,7 +167,7 @@ mod tests {
     use glam::{Affine3A, Quat};
 
     use super::*;
-    use crate::{Sphere, random::Random};
+    use crate::{Sphere, testing::random::Random};
 
     fn turned(random: &mut Random, radii: Vec3) -> Ellipsoid {
         let turn = Mat3::from_quat(Quat::from_axis_angle(random.point(1.0).normalize(), random.between(0.0, 6.0)));

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, ffi::OsStr, path::Path, sync::Arc};
 use super::{Scene, SceneOptions};
 use crate::{
     Error, StereoCamera,
-    input::{Files, Given},
+    import::input::{Files, Given},
 };
 
 /// Format of a scene file.

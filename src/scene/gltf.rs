@@ -23,7 +23,7 @@ use super::{
     smooth::check_crease,
     warnings::{Place, Warnings},
 };
-use crate::{Error, input::Files, message::counted};
+use crate::{Error, import::input::Files, message::counted};
 
 /// An item with its transform to world coordinates.
 type Placed<T> = (T, DAffine3);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
-use crate::{Error, StereoCamera, cpu::intersect::closest_hit};
+use crate::{Error, StereoCamera, testing::cpu::intersect::closest_hit};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// Largest longest side of a scene, in screen distances, for which the bounding box describes the eyes' surroundings.

@@ -215,7 +215,7 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::testing::random::Random;
 
     #[test]
     fn what_is_scaled_down_returns_all_that_came_and_no_more() {

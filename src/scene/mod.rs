@@ -59,8 +59,8 @@ use self::{beside::Beside, mesh::Object};
 #[cfg(feature = "obj")]
 use crate::Limits;
 #[cfg(any(feature = "obj", feature = "gltf", feature = "ply"))]
-use crate::input::Files;
-use crate::{Error, camera::MAX_WORLD_COORDINATE};
+use crate::import::input::Files;
+use crate::{Error, view::camera::MAX_WORLD_COORDINATE};
 
 /// Largest coordinate relative to [`Scene::origin`], in world units. Larger ones are refused, since they overflow f32
 /// in the traversal's box tests.
@@ -333,7 +333,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`] for a coordinate that is not a number within ±1e13 ([`MAX_WORLD_COORDINATE`]).
     ///
-    /// [`MAX_WORLD_COORDINATE`]: crate::camera::MAX_WORLD_COORDINATE
+    /// [`MAX_WORLD_COORDINATE`]: crate::view::camera::MAX_WORLD_COORDINATE
     pub fn set_origin(&mut self, origin: impl Into<DVec3>) -> Result<(), Error> {
         let origin = origin.into();
         if !(origin.is_finite() && origin.abs().max_element() <= MAX_WORLD_COORDINATE) {

@@ -22,7 +22,7 @@ use super::{
     smooth::{check_crease, smooth_normals},
     warnings::Warnings,
 };
-use crate::{Error, Limits, input::Files, message::counted};
+use crate::{Error, Limits, import::input::Files, message::counted};
 
 /// Diffuse reflectance of a material whose file gives none.
 const GREY: Vec3 = Vec3::splat(0.7);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Origin;
-use crate::{Limits, input::SceneFolder};
+use crate::{Limits, import::input::SceneFolder};
 
 /// Treatment of a texture that can't be read because its file is missing, broken, too large or not a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -21,7 +21,7 @@ use super::{
     smooth::{check_crease, smooth_normals, unit},
     warnings::{Place, Warnings},
 };
-use crate::{Error, input::Files, message::counted};
+use crate::{Error, import::input::Files, message::counted};
 
 /// Line of a text file, if known, and description of an error.
 type Fault = (Option<usize>, String);

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::{Error, message::counted};
 #[cfg(feature = "sky")]
-use crate::{Limits, input};
+use crate::{Limits, import::input};
 
 /// An equirectangular picture of the surroundings, linear RGB. The top row is straight up, the middle column points to
 /// -z, and columns turn to the right. Sampling is bilinear, also across the seam and the poles. Clones share the
@@ -160,7 +160,9 @@ fn direction(width: u32, height: u32, column: u32, row: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Fetch, Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, Traversal, UploadedScene, cpu};
+    use crate::{
+        Fetch, Gpu, Method, Options, Renderer, Scene, Sky, StereoCamera, Traversal, UploadedScene, testing::cpu,
+    };
 
     /// Makes a sky whose colour is its direction.
     fn compass(width: u32) -> SkyMap {

@@ -9,10 +9,10 @@ use glam::Vec3;
 
 use super::{Scene, checks::check_color};
 #[cfg(all(feature = "textures", any(feature = "obj", feature = "gltf")))]
-use crate::input::Files;
+use crate::import::input::Files;
 use crate::{Error, message::counted};
 #[cfg(feature = "textures")]
-use crate::{Limits, input};
+use crate::{Limits, import::input};
 
 /// Largest side of a texture in pixels, and of a checkerboard in squares. Every WebGPU adapter supports it.
 pub const MAX_TEXTURE_SIDE: u32 = 8192;

@@ -7,8 +7,8 @@ use super::{
 use crate::{
     ShadowReuse,
     frame::plan::{Launch, Step},
-    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
-    layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
+    kernel::layout::{BUSY_RUN, SKY, TILE, TO_LIGHT, TO_RESOLVE, TO_SEARCH, TO_TRACE},
+    kernel::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
 pub(crate) const BOUND_TILES: Kernel = kernel!("bracket", "bound_tiles", Role::Pixels);

@@ -3,7 +3,7 @@
 use super::step;
 use crate::{
     frame::plan::{Launch, Step},
-    kernels::{Kernel, Role, kernel},
+    kernel::{Kernel, Role, kernel},
 };
 
 pub(crate) const MARK_EDGES: Kernel = kernel!("edges", "mark_edges", Role::Objects);

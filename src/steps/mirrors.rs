@@ -4,8 +4,8 @@
 use super::step;
 use crate::{
     frame::plan::{Launch, Step},
-    kernels::{Kernel, Resource::Lists, Role, Shading, kernel},
-    layout::TO_TRACE,
+    kernel::layout::TO_TRACE,
+    kernel::{Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
 pub(crate) const LIST_MIRRORS: Kernel = kernel!("mirrors", "list_mirrors", Role::Shade(Shading::ListMirrors));

@@ -14,7 +14,7 @@ pub(crate) mod trace;
 
 use crate::{
     frame::plan::{Launch, Step},
-    kernels::Kernel,
+    kernel::Kernel,
 };
 
 /// Returns a step of a view, named like its kernel.

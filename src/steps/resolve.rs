@@ -2,11 +2,11 @@
 
 use super::{edges, soft, step};
 use crate::{
+    ask::method::Check,
     frame::plan::{Launch, Step},
-    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
-    layout::TO_TRACE,
-    method::Check,
-    wgsl::part,
+    kernel::layout::TO_TRACE,
+    kernel::wgsl::part,
+    kernel::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
 pub(crate) const RESOLVE_RIGHT: Kernel = kernel!("resolve", "resolve_right", Role::Hits(Hits::Checked));

@@ -10,16 +10,16 @@ use glam::Vec3;
 
 use crate::{
     Error, Options, Renderer, UploadedScene,
-    cpu::shadow_buffer::Mapping,
+    ask::shadow_buffer::{MAX_SHADOW_BUFFERS, Reading, ShadowBuffer, ShadowBufferWork, ShadowRule},
     frame::executor::{Executor, Resources, Workgroups, indirect_buffer},
     gpu::{Gpu, lock},
-    kernels::{Canvas, Kernel, Kernels, Resource, Role, kernel},
-    layout::{self, WORKGROUP},
-    shadow_buffer::{MAX_SHADOW_BUFFERS, Reading, ShadowBuffer, ShadowBufferWork, ShadowRule},
+    kernel::layout::{self, WORKGROUP},
+    kernel::variant::{Shadows, Variant},
+    kernel::{Canvas, Kernel, Kernels, Resource, Role, kernel},
     steps::t_buffer::{
         self, BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, DRAWING_HEAD, PROJECT_PRIMITIVES, drawing_bytes,
     },
-    variant::{Shadows, Variant},
+    testing::cpu::shadow_buffer::Mapping,
 };
 
 // The T-buffer's kernels, drawing at texels' middles.

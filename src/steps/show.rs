@@ -1,6 +1,6 @@
 //! Writes views to textures on the device, and packs them for reading back.
 
-use crate::kernels::{Kernel, Role, kernel};
+use crate::kernel::{Kernel, Role, kernel};
 
 pub(crate) const PACK: Kernel = kernel!("show", "pack", Role::Pixels);
 pub(crate) const SHOW_COLOR: Kernel = kernel!("show", "show_color", Role::Pixels);

@@ -6,7 +6,7 @@ use super::step;
 use crate::{
     Light, Options, Scene,
     frame::plan::{Launch, Step},
-    kernels::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
+    kernel::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
 pub(crate) const TRACE_HITS: Kernel = kernel!("soft", "trace_hits", Role::Hits(Hits::View));

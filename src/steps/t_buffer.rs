@@ -7,12 +7,12 @@ use crate::{
     UploadedScene,
     frame::plan::{Launch, Step},
     gpu::Gpu,
-    kernels::{
+    kernel::layout::{LIST_WORKGROUP, TO_TRACE},
+    kernel::{
         Canvas, Hits, Kernel,
         Resource::{Drawing, Lists},
         Role, kernel,
     },
-    layout::{LIST_WORKGROUP, TO_TRACE},
 };
 
 pub(crate) const BEGIN_PASS: Kernel = kernel!("t_buffer", "begin_pass", Role::Pixels);
@@ -90,11 +90,11 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::{Mesh, Method, Options, Renderer, Scene, StereoCamera, Visibility, random::Random};
+    use crate::{Mesh, Method, Options, Renderer, Scene, StereoCamera, Visibility, testing::random::Random};
 
     #[test]
     fn host_and_wgsl_have_the_same_numbers() {
-        let text = crate::wgsl::part!("shared/t_buffer.wgsl").text;
+        let text = crate::kernel::wgsl::part!("shared/t_buffer.wgsl").text;
         for (name, value) in [
             ("FURTHER_PARTS", FURTHER_PARTS),
             ("GROUP", 8),

@@ -3,8 +3,8 @@
 use super::{soft, step, t_buffer};
 use crate::{
     frame::plan::{Launch, Step},
-    kernels::{Dispatches, Kernel, Resource, Role, Shading, kernel},
-    layout::ALL_TRACED,
+    kernel::layout::ALL_TRACED,
+    kernel::{Dispatches, Kernel, Resource, Role, Shading, kernel},
 };
 
 pub(crate) const TRACE_LEFT: Kernel = kernel!("trace", "trace_left", Role::Shade(Shading::Traced(Dispatches::One)));

@@ -3,7 +3,7 @@
 use web_time::Instant;
 
 use super::Driver;
-use crate::{Error, frame::plan::Host, kernels::Resource, layout, method::BufferDepth, steps::reproject};
+use crate::{Error, ask::method::BufferDepth, frame::plan::Host, kernel::Resource, kernel::layout, steps::reproject};
 
 impl Driver<'_> {
     pub(super) async fn run_on_host(&mut self, host: Host) -> Result<(), Error> {
@@ -24,7 +24,7 @@ impl Driver<'_> {
         let source = targets.get(Resource::View, self.eyes.sources[view]);
         let source: Vec<layout::Pixel> = gpu.read(source, rows.end).await?;
         let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
-        let keys = crate::cpu::adelson_hodges::sweep(&self.eyes.cpu_frame(view), &depths);
+        let keys = crate::testing::cpu::adelson_hodges::sweep(&self.eyes.cpu_frame(view), &depths);
         let marked: Vec<_> = keys.into_iter().map(|marks| layout::Pixel { marks, ..Default::default() }).collect();
         let offset = (rows.start * size_of::<layout::Pixel>()) as u64;
         gpu.queue.write_buffer(targets.get(Resource::View, view), offset, bytemuck::cast_slice(&marked));

@@ -3,15 +3,15 @@
 use super::Driver;
 use crate::{
     Error, RaysPerLane,
+    frame::lanes::{DISPATCHES, Lanes, Steps},
     frame::{
         bands::Band,
         plan::{Launch, Step},
     },
-    kernels::Resource,
-    lanes::{DISPATCHES, Lanes, Steps},
-    layout::WORKGROUP,
+    kernel::Resource,
+    kernel::layout::WORKGROUP,
+    kernel::variant::Shadows,
     steps::{mirrors, soft, trace::TRACE_IN_STEPS},
-    variant::Shadows,
 };
 
 impl Driver<'_> {
@@ -122,10 +122,10 @@ mod tests {
         AmbientOcclusion, BvhBuild, Finish, GBuffer, Gpu, Light, Material, MaterialId, Mesh, Method, Options, Plane,
         Progress, Ray, Renderer, Scene, Sky, SkyMap, Sphere, StereoCamera, StereoPair, Texture, Traversal,
         glam::{Vec2, Vec3},
-        random::Random,
+        kernel::traversal::{Boxes, Fetch},
+        kernel::variant::Variant,
         scene::builtin::Builtin,
-        traversal::{Boxes, Fetch},
-        variant::Variant,
+        testing::random::Random,
     };
 
     fn gpu() -> Gpu {
@@ -337,14 +337,14 @@ mod tests {
     fn lanes_are_as_large_as_their_shader_says() {
         let scene = Builtin::Hall.scene();
         for (traversal, stack_size) in Traversal::ALL.iter().flat_map(|&t| [8, 40, 256].map(|size| (t, size))) {
-            let packed = crate::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
+            let packed = crate::accel::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
             let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
             let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.linked(&with).text).unwrap();
             let lane = module.types.iter().find_map(|(_, kind)| match kind.inner {
                 naga::TypeInner::Struct { span, .. } if kind.name.as_deref() == Some("Lane") => Some(span),
                 _ => None,
             });
-            assert_eq!(lane.map(u64::from), Some(crate::lanes::lane_bytes(&with)), "{traversal:?} {stack_size}");
+            assert_eq!(lane.map(u64::from), Some(crate::frame::lanes::lane_bytes(&with)), "{traversal:?} {stack_size}");
         }
     }
 }

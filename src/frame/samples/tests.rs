@@ -5,10 +5,10 @@ use glam::Vec3;
 use super::*;
 use crate::{
     FAR, Gpu, Material, Mesh, Method, PixelSource, Scene, ShadowReuse, Sphere, StereoCamera, ViewRows,
-    cpu::{self, Eye, bracket, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
-    random::Random,
-    rig::Eyes,
     scene::suite::Trial,
+    testing::cpu::{self, Eye, bracket, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
+    testing::random::Random,
+    view::rig::Eyes,
 };
 
 fn renderer() -> Renderer {

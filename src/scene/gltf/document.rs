@@ -15,7 +15,7 @@ use gltf_json::{Buffer, Index, Root, buffer::View};
 use percent_encoding::percent_decode_str;
 
 use super::nodes::{Shifts, shifts};
-use crate::{Error, Limits, input::Files, message::counted, scene::warnings::Warnings};
+use crate::{Error, Limits, import::input::Files, message::counted, scene::warnings::Warnings};
 
 /// Extension for textures with WebP pictures.
 #[cfg(feature = "more-textures")]

@@ -14,7 +14,7 @@ use gltf_json::{
 use super::document::Document;
 use crate::{
     Error, Limits, MissingTextures, Scene, Texture, TextureId, TextureKind, Wrap,
-    cutouts::MASK_ALPHA,
+    accel::cutouts::MASK_ALPHA,
     scene::{
         SceneOptions, linear,
         warnings::{Place, Warnings},

@@ -20,7 +20,7 @@ use self::{
     maps::Map,
 };
 use super::{Prepared, SceneOptions, lines, read_text, split_keyword};
-use crate::{Error, Material, Texture, TextureId, input::Files, message::counted, scene::warnings::Warnings};
+use crate::{Error, Material, Texture, TextureId, import::input::Files, message::counted, scene::warnings::Warnings};
 
 /// The materials of all MTL files of an OBJ.
 #[derive(Default)]

@@ -7,7 +7,6 @@ use glam::{Vec2, Vec3};
 use super::on_sphere;
 use crate::{
     StereoCamera,
-    random::Random,
     scene::{
         Scene, Sky, Sphere,
         builtin::{
@@ -16,6 +15,7 @@ use crate::{
             stage::{self, EYE, SCREEN, stage},
         },
     },
+    testing::random::Random,
 };
 
 /// Scale and position of a copy of the composition.

@@ -7,7 +7,6 @@ use glam::{Vec2, Vec3};
 
 use super::on_sphere;
 use crate::{
-    random::{Random, pcg},
     scene::{
         Scene, Sky, Sphere,
         builtin::{
@@ -16,6 +15,7 @@ use crate::{
             stage::{EYE, INTERAXIAL, SCREEN, WIDTH, stage},
         },
     },
+    testing::random::{Random, pcg},
 };
 
 /// Builds a wall in the plane between the eyes, with columns and spheres on either side.

@@ -6,7 +6,6 @@ use glam::{Vec2, Vec3};
 
 use super::on_sphere;
 use crate::{
-    random::pcg,
     scene::{
         MaterialId, Scene, Sphere,
         builtin::{
@@ -15,6 +14,7 @@ use crate::{
             stage::{EYE, stage},
         },
     },
+    testing::random::pcg,
 };
 
 /// Builds two nests of open spheres, each with a solid sphere at its centre.

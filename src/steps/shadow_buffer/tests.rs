@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 use super::*;
 use crate::{
     Builtin, Light, Material, MaterialId, Mesh, Method, Plane, Scene, Sphere, StereoCamera, Texture as Picture,
-    cpu::{intersect::closest_hit, shadow_buffer::fill},
-    random::Random,
+    testing::cpu::{intersect::closest_hit, shadow_buffer::fill},
+    testing::random::Random,
 };
 
 /// Tolerance of t at grazing rays, relative to t. A texel's direction is rounded differently on the device, whose sine

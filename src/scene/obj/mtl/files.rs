@@ -9,7 +9,7 @@ use std::{
 use super::maps::Map;
 use crate::{
     Error, Limits, Texture, TextureId, TextureKind, Wrap,
-    input::Files,
+    import::input::Files,
     scene::{MissingTextures, SceneOptions, warnings::Warnings},
 };
 

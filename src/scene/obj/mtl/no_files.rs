@@ -5,7 +5,7 @@ use std::path::Path;
 use super::maps::Map;
 use crate::{
     Error, Texture, TextureId,
-    input::Files,
+    import::input::Files,
     scene::{SceneOptions, warnings::Warnings},
 };
 

@@ -1,0 +1,148 @@
+//! The layout of a BVH in the one texture or storage buffer that kernels read (`shaders/shared/fetch.wgsl`).
+//!
+//! The root's pair comes first, then the primitives, then all other pairs, then cut-out masks. Primitives thus begin at
+//! the same place for any scene size, so kernels need no offset for them. Links are indices of pairs from the first
+//! texel on; only they tell where the other pairs begin.
+
+use crate::{
+    accel::bvh::{LEAF, PackedBvh, Texel},
+    gpu::TEXTURE_WIDTH,
+    kernel::traversal::Fetch,
+};
+
+const WIDTH: usize = TEXTURE_WIDTH as usize;
+
+/// The texels of a BVH in the order of a texture or a buffer.
+pub(crate) struct GeometryTexels<'a> {
+    packed: &'a PackedBvh,
+    fetch: Fetch,
+    /// Texels per primitive.
+    each: usize,
+}
+
+impl<'a> GeometryTexels<'a> {
+    pub(crate) fn new(packed: &'a PackedBvh, fetch: Fetch) -> Self {
+        Self { packed, fetch, each: packed.primitives.len() / packed.ids.len().max(1) }
+    }
+
+    /// Returns the number of texels.
+    pub(crate) fn count(&self) -> usize {
+        self.masks_begin() + self.packed.masks.len()
+    }
+
+    /// Returns the index of the first mask texel.
+    pub(crate) fn masks_begin(&self) -> usize {
+        self.primitives_begin() + self.primitive_span() + self.packed.nodes.len() - self.packed.pair_texels
+    }
+
+    /// Returns all texels.
+    pub(crate) fn texels(&self) -> Vec<Texel> {
+        let (pair, primitives) = (self.packed.pair_texels, &self.packed.primitives);
+        let (root, others) = self.packed.nodes.split_at(pair);
+        let mut texels = Vec::with_capacity(self.count());
+        texels.extend_from_slice(root);
+        texels.resize(self.primitives_begin(), [0; 4]);
+        match self.fetch {
+            // A row of primitives is stored as one row of their first texels, then one row of their second texels, and
+            // so on. All texels of a primitive thus stand in one column.
+            Fetch::Texture => {
+                for chunk in primitives.chunks(WIDTH * self.each.max(1)) {
+                    for texel in 0..self.each {
+                        texels.extend(chunk.iter().skip(texel).step_by(self.each));
+                        texels.resize(texels.len().next_multiple_of(WIDTH), [0; 4]);
+                    }
+                }
+            }
+            Fetch::Buffer => {
+                texels.extend_from_slice(primitives);
+                texels.resize(texels.len().next_multiple_of(pair), [0; 4]);
+            }
+        }
+        let moved = (texels.len() / pair - 1) as u32;
+        let others_begin = texels.len();
+        texels.extend_from_slice(others);
+        let (root, rest) = texels.split_at_mut(others_begin);
+        for child in root[..pair].chunks_mut(pair / 2).chain(rest.chunks_mut(pair / 2)) {
+            // The first texel of each box holds the link.
+            if child[0][3] & LEAF == 0 {
+                child[0][3] += moved;
+            }
+        }
+        texels.extend_from_slice(&self.packed.masks);
+        texels
+    }
+
+    fn primitives_begin(&self) -> usize {
+        match self.fetch {
+            Fetch::Texture => WIDTH,
+            Fetch::Buffer => self.packed.pair_texels,
+        }
+    }
+
+    /// Returns the number of texels between the first primitive and the first pair after the primitives.
+    fn primitive_span(&self) -> usize {
+        match self.fetch {
+            Fetch::Texture => self.packed.ids.len().div_ceil(WIDTH) * self.each * WIDTH,
+            Fetch::Buffer => self.packed.primitives.len().next_multiple_of(self.packed.pair_texels),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Boxes, BvhBuild, MaterialId, Scene, Sphere, accel::bvh, testing::random::Random};
+
+    /// Reads a texel as `shaders/shared/fetch.wgsl` does.
+    fn primitive_texel(texels: &[Texel], fetch: Fetch, pair: usize, each: usize, slot: usize, texel: usize) -> Texel {
+        texels[match fetch {
+            Fetch::Texture => ((slot >> 13) * each + 1 + texel) * 8192 + (slot & 8191),
+            Fetch::Buffer => pair + slot * each + texel,
+        }]
+    }
+
+    #[test]
+    fn kernels_find_every_pair_and_primitive_of_what_was_packed() {
+        for (count, boxes) in
+            [(0, Boxes::F32), (1, Boxes::Grid16), (9, Boxes::F32), (20_000, Boxes::F32), (20_000, Boxes::Grid16)]
+        {
+            let mut random = Random::new(3);
+            let mut scene = Scene::new();
+            for _ in 0..count {
+                scene.add_sphere(Sphere::new(random.point(9.0), 0.1, MaterialId(0))).unwrap();
+            }
+            let mut packed = bvh::build(&scene, BvhBuild::Fast, boxes).unwrap();
+            packed.masks = vec![[7; 4], [8; 4]];
+            for fetch in [Fetch::Texture, Fetch::Buffer] {
+                let geometry = GeometryTexels::new(&packed, fetch);
+                let texels = geometry.texels();
+                assert_eq!(texels.len(), geometry.count(), "{count} {boxes:?} {fetch:?}");
+                assert_eq!(texels[geometry.masks_begin()..], packed.masks, "{count} {boxes:?} {fetch:?}");
+                let pair = packed.pair_texels;
+                for slot in 0..packed.ids.len() {
+                    for texel in 0..3 {
+                        let found = primitive_texel(&texels, fetch, pair, 3, slot, texel);
+                        assert_eq!(found, packed.primitives[3 * slot + texel], "{slot} {fetch:?}");
+                    }
+                }
+                // Compares both trees from their roots: as packed, and as laid out.
+                let mut pending = if count == 0 { vec![] } else { vec![(0, 0)] };
+                let mut visited = 0;
+                while let Some((ours, theirs)) = pending.pop() {
+                    visited += pair;
+                    assert!(fetch == Fetch::Buffer || theirs * pair % WIDTH + pair <= WIDTH, "in one row");
+                    for texel in 0..pair {
+                        let (mut expected, mut found) =
+                            (packed.nodes[ours * pair + texel], texels[theirs * pair + texel]);
+                        if texel % (pair / 2) == 0 && expected[3] & LEAF == 0 {
+                            pending.push((expected[3] as usize, found[3] as usize));
+                            (expected[3], found[3]) = (0, 0);
+                        }
+                        assert_eq!(found, expected, "{ours} {theirs} {fetch:?}");
+                    }
+                }
+                assert!(count == 0 || visited == packed.nodes.len(), "{visited}");
+            }
+        }
+    }
+}

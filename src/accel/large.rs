@@ -1,0 +1,105 @@
+//! Large primitives. If an eye or a light is so close to one that f32 is too coarse, kernels compute t with twice the
+//! precision (`shaders/shared/double_float.wgsl`). Other scenes do not pay for it.
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    Scene, Sphere,
+    scene::ToSphere,
+    testing::cpu::intersect::{is_close, is_close_ellipsoid, is_close_sphere},
+};
+
+/// A triangle is large for a point nearer to its plane than its longest edge divided by this; `LARGE` in the kernels.
+pub(crate) const LARGE: f32 = 64.0;
+/// Number of largest primitives that are checked. If a scene has more, hits on the others are slightly less exact.
+const MOST: usize = 1024;
+
+/// The largest primitives of a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct LargePrimitives {
+    triangles: Vec<[Vec3; 3]>,
+    spheres: Vec<Sphere>,
+    /// Centres and maps to spheres.
+    ellipsoids: Vec<(Vec3, ToSphere)>,
+}
+
+impl LargePrimitives {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let triangles = scene.triangles().iter().filter(|triangle| !triangle.is_degenerate());
+        let edge = |corners: &[Vec3; 3]| longest_edge(corners.map(Vec3::as_dvec3));
+        Self {
+            triangles: largest(triangles.map(|triangle| triangle.corners), edge),
+            spheres: largest(scene.spheres().iter().copied(), |sphere| f64::from(sphere.radius)),
+            ellipsoids: largest(scene.ellipsoids().iter().map(|one| (one.center, one.to_sphere())), |(_, map)| {
+                f64::from(map.radius)
+            }),
+        }
+    }
+
+    /// Returns whether one of the primitives is large for one of these points.
+    pub(crate) fn any_close_to(&self, points: &[Vec3]) -> bool {
+        points.iter().any(|&point| {
+            self.triangles.iter().any(|corners| is_over(point, *corners) && is_close(point, *corners))
+                || self.spheres.iter().any(|sphere| is_close_sphere(point, sphere.center, sphere.radius))
+                || self.ellipsoids.iter().any(|(center, map)| is_close_ellipsoid(point, *center, map))
+        })
+    }
+}
+
+/// Returns whether a point's projection onto a triangle's plane lies in the triangle's box or close to it. Distant
+/// triangles seen edge-on don't matter, since t is clamped to the corners' t.
+fn is_over(point: Vec3, corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let foot = point.as_dvec3() + normal * (a - point.as_dvec3()).dot(normal);
+    let aside = longest_edge([a, b, c]) / 8.0;
+    foot.cmpge(a.min(b).min(c) - aside).all() && foot.cmple(a.max(b).max(c) + aside).all()
+}
+
+/// Returns the `MOST` largest items, unordered. Keeps at most twice as many at a time.
+fn largest<T>(all: impl Iterator<Item = T>, size: impl Fn(&T) -> f64) -> Vec<T> {
+    let mut kept: Vec<(f64, T)> = Vec::new();
+    let mut least = f64::NEG_INFINITY;
+    let drop_smaller = |kept: &mut Vec<(f64, T)>| {
+        kept.select_nth_unstable_by(MOST - 1, |(a, _), (b, _)| b.total_cmp(a));
+        kept.truncate(MOST);
+        kept[MOST - 1].0
+    };
+    for one in all {
+        let size = size(&one);
+        if size > least {
+            kept.push((size, one));
+        }
+        if kept.len() == 2 * MOST {
+            least = drop_smaller(&mut kept);
+        }
+    }
+    if kept.len() > MOST {
+        drop_smaller(&mut kept);
+    }
+    kept.into_iter().map(|(_, one)| one).collect()
+}
+
+pub(crate) fn longest_edge([a, b, c]: [DVec3; 3]) -> f64 {
+    a.distance(b).max(b.distance(c)).max(c.distance(a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::random::Random;
+
+    #[test]
+    fn the_largest_are_those_that_sorting_puts_first() {
+        let mut random = Random::new(7);
+        for count in [0, 1, MOST, MOST + 1, 2 * MOST, 50 * MOST + 3] {
+            // Few enough sizes that many are equal.
+            let all: Vec<f64> = (0..count).map(|_| random.below(5000) as f64).collect();
+            let mut found = largest(all.iter().copied(), |&size| size);
+            found.sort_by(f64::total_cmp);
+            let mut expected = all;
+            expected.sort_by(f64::total_cmp);
+            assert_eq!(found, expected[count.saturating_sub(MOST)..], "{count}");
+        }
+    }
+}

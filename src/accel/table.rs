@@ -1,0 +1,361 @@
+//! The shading table: the scene data that shading reads, as texels (`shaders/shared/{shade,materials,textures}.wgsl`).
+
+use std::{iter, sync::OnceLock};
+
+use glam::{DVec3, Vec3, Vec4};
+use half::f16;
+
+use crate::{
+    Finish, Light, LightShape, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap,
+    accel::bvh::Texel,
+    frame::pair::linear_of,
+    kernel::variant::{light_texels, material_texels},
+};
+
+/// Texels before the lights.
+const HEAD: usize = 3;
+
+/// Rec. 709 luminance weights of linear colours.
+const BRIGHTNESS: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
+/// `CHECKERBOARD` in textures.wgsl.
+const CHECKERBOARD: u32 = 1;
+
+/// Sky and textures, which follow lights and materials in the table, and their offset. Changed lighting leaves them as
+/// they are.
+#[derive(Clone, Debug)]
+pub(crate) struct Pictures {
+    at: usize,
+    sky: Option<SkyMap>,
+    textures: Vec<Texture>,
+    /// Set once the sky's texels have their sampling weights.
+    weighed: OnceLock<()>,
+}
+
+impl Pictures {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let sky = if let Sky::Map(map) = &scene.sky { Some(map.clone()) } else { None };
+        let textures = if scene.is_textured() { scene.textures().to_vec() } else { Vec::new() };
+        Self { at: ShadingTable::of(scene).before_pictures(), sky, textures, weighed: OnceLock::new() }
+    }
+
+    /// Returns the texels of a sky map without weights yet, and the index of the first one.
+    pub(crate) fn sky_to_weigh(&self) -> Option<(usize, impl Iterator<Item = Texel> + Send + use<'_>)> {
+        let sky = self.sky.as_ref().filter(|_| self.weighed.get().is_none())?;
+        let weights = weights_of(sky);
+        let weighed = |(pixel, weight): (&Vec3, f32)| texel(*pixel, weight.to_bits());
+        Some((self.at, sky.pixels().iter().zip(weights).map(weighed)))
+    }
+
+    pub(crate) fn set_weighed(&self) {
+        let _ = self.weighed.set(());
+    }
+
+    /// Returns whether the scene's table has the same sky and textures at the same offset.
+    pub(crate) fn are_those_of(&self, scene: &Scene) -> bool {
+        let other = Self::of(scene);
+        let same_sky = match (&self.sky, &other.sky) {
+            (Some(sky), Some(other)) => sky.shares_pixels(other),
+            (None, None) => true,
+            _ => false,
+        };
+        same_sky && self.at == other.at && self.textures == other.textures
+    }
+}
+
+/// The table of a scene.
+pub(crate) struct ShadingTable<'a> {
+    scene: &'a Scene,
+    /// Texels per material.
+    each: usize,
+    /// Texels per light.
+    each_light: usize,
+}
+
+impl<'a> ShadingTable<'a> {
+    pub(crate) fn of(scene: &'a Scene) -> Self {
+        let more = |material: &Material| material.shines() || material.sends_rays();
+        let each = material_texels(scene.materials().iter().any(more));
+        Self { scene, each, each_light: light_texels(scene.soft_lights().next().is_some()) }
+    }
+
+    /// Returns the number of texels before the sky's pixels.
+    pub(crate) fn before_pictures(&self) -> usize {
+        HEAD + self.each_light * self.scene.lights.len() + self.each * self.scene.materials().len()
+    }
+
+    fn before_textures(&self) -> usize {
+        self.before_pictures() + sky_pixels(self.scene).len()
+    }
+
+    /// Returns the number of all texels.
+    pub(crate) fn count(&self) -> usize {
+        self.before_textures() + self.textures().iter().map(|texture| 1 + body_texels(texture)).sum::<usize>()
+    }
+
+    /// Returns the textures; none if no surface is textured.
+    fn textures(&self) -> &'a [Texture] {
+        if self.scene.is_textured() { self.scene.textures() } else { &[] }
+    }
+
+    pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> + use<'a> {
+        let scene = self.scene;
+        let plain = |vector| texel(vector, 0);
+        let [mut nadir, zenith] = match &scene.sky {
+            Sky::Constant(color) => [*color; 2].map(plain),
+            Sky::Gradient { nadir, zenith } => [*nadir, *zenith].map(plain),
+            Sky::Map(map) => [[self.before_pictures() as u32, map.size()[0], map.size()[1], 0], [0; 4]],
+        };
+        nadir[3] = self.before_textures() as u32;
+        let head: [_; HEAD] = [texel(scene.rendered_ambient(), scene.lights.len() as u32), nadir, zenith];
+        let (each, each_light) = (self.each, self.each_light);
+        let lights = scene.lights.iter();
+        let lights =
+            lights.flat_map(move |light| light_of(light, scene.local_position(light)).into_iter().take(each_light));
+        let materials = scene.materials().iter().flat_map(move |material| material_of(material).into_iter().take(each));
+        let sky = sky_pixels(scene).iter().copied().map(plain);
+        let heads = self.placed_textures().map(|(at, texture)| head_of(texture, at));
+        let bodies = self.placed_textures().flat_map(|(at, texture)| body_of(texture, at));
+        head.into_iter().chain(lights).chain(materials).chain(sky).chain(heads).chain(bodies)
+    }
+
+    /// Returns the textures, each with the index of its first body texel.
+    fn placed_textures(&self) -> impl Iterator<Item = (u32, &'a Texture)> + use<'a> {
+        let textures = self.textures();
+        let begin = self.before_textures() + textures.len();
+        textures.iter().scan(begin, |next, texture| {
+            let at = *next;
+            *next += body_texels(texture);
+            Some((at as u32, texture))
+        })
+    }
+}
+
+fn texel(vector: Vec3, word: u32) -> Texel {
+    let [x, y, z] = vector.to_array().map(f32::to_bits);
+    [x, y, z, word]
+}
+
+/// Returns the pixels of a sky map.
+fn sky_pixels(scene: &Scene) -> &[Vec3] {
+    if let Sky::Map(map) = &scene.sky { map.pixels() } else { &[] }
+}
+
+/// Returns the sampling weights of a sky map's pixels (`sky_light.wgsl`). A pixel holds the cumulative share of its
+/// row's weight, up to and including itself. In the last column, where that is always 1, it holds the cumulative share
+/// of the total weight up to and including its row. In the last pixel, where that is 1 too, it holds the mean weight.
+fn weights_of(sky: &SkyMap) -> Vec<f32> {
+    let [width, height] = sky.size().map(|side| side as usize);
+    let mut shares = Vec::with_capacity(width * height);
+    let mut rows = Vec::with_capacity(height);
+    let mut total = 0.0;
+    for (row, pixels) in sky.pixels().chunks(width).enumerate() {
+        let first = shares.len();
+        let mut sum = 0.0;
+        let weight = row_weight(row, height);
+        let sums = pixels.iter().map(|pixel| {
+            sum += weight * pixel.as_dvec3().dot(BRIGHTNESS);
+            sum
+        });
+        let sums: Vec<f64> = sums.collect();
+        shares.extend(sums.iter().map(|upto| share_of(*upto, sum)));
+        debug_assert_eq!(shares.len(), first + width);
+        total += sum;
+        rows.push(total);
+    }
+    for (row, upto) in rows.iter().enumerate() {
+        shares[row * width + width - 1] = share_of(*upto, total);
+    }
+    if let Some(last) = shares.last_mut() {
+        *last = (total / (width * height) as f64) as f32;
+    }
+    shares
+}
+
+fn share_of(part: f64, whole: f64) -> f32 {
+    if whole > 0.0 { (part / whole) as f32 } else { 0.0 }
+}
+
+/// Returns approximately the solid angle of a row's pixels relative to pixels at the horizon, as `row_weight` of
+/// `sky_light.wgsl`.
+fn row_weight(row: usize, rows: usize) -> f64 {
+    let down = (row as f64 + 0.5) / rows as f64;
+    let arc = 4.0 * down * (1.0 - down);
+    arc * (0.775 + 0.225 * arc)
+}
+
+/// Returns the texels of a light (soft.wgsl) whose position is relative to the scene's origin.
+fn light_of(light: &Light, place: Vec3) -> [Texel; 4] {
+    let (kind, size, sides) = match light.shape {
+        LightShape::Point => (0, 0.0, [Vec3::ZERO; 2]),
+        LightShape::Sphere { radius } => (1, radius, [Vec3::ZERO; 2]),
+        LightShape::Rectangle { half_width, half_height } => (2, 1.0, [half_width, half_height]),
+        LightShape::Directional { radius } => (3, radius.tan(), [Vec3::ZERO; 2]),
+    };
+    let [width, height] = sides.map(|side| texel(side, 0));
+    [texel(place, kind), texel(light.intensity, f32::to_bits(size)), width, height]
+}
+
+/// Returns the texels of a material (materials.wgsl).
+fn material_of(material: &Material) -> [Texel; 4] {
+    let texture = material.texture.map_or(0, |texture| texture.0 + 1);
+    let (kind, fresnel, transmission, index) = match material.finish {
+        Finish::Matte => (0, false, Vec3::ZERO, 1.0),
+        Finish::Mirror { fresnel } => (1, fresnel, Vec3::ZERO, 1.0),
+        Finish::Glass { index, transmission, fresnel } => (2, fresnel, transmission, index),
+    };
+    // Glass takes its opacity from its transmission.
+    let opacity = if kind == 2 { 1.0 } else { material.opacity };
+    let finish = kind | u32::from(fresnel) << 2 | u32::from(opacity < 1.0) << 3;
+    [
+        texel(material.albedo, texture | finish << 24),
+        texel(
+            material.specular,
+            if material.normalised { -1.0 - material.exponent } else { material.exponent }.to_bits(),
+        ),
+        texel(material.emission, opacity.to_bits()),
+        texel(transmission, f32::to_bits(index)),
+    ]
+}
+
+/// Returns `WRAP_REPEAT` and its siblings of textures.wgsl.
+pub(crate) fn wrap_number(wrap: Wrap) -> u32 {
+    match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    }
+}
+
+fn head_of(texture: &Texture, at: u32) -> Texel {
+    let wrap = wrap_number(texture.wrap);
+    match texture.kind() {
+        TextureKind::Image { size, .. } => [wrap << 4, at, level_sizes(*size).count() as u32, 0],
+        TextureKind::Checkerboard { squares, .. } => [CHECKERBOARD | wrap << 4, at, *squares, 0],
+    }
+}
+
+/// Returns the number of texels that `body_of` makes.
+fn body_texels(texture: &Texture) -> usize {
+    match texture.kind() {
+        TextureKind::Image { size, .. } => level_sizes(*size).map(|size| 1 + pixel_texels(size)).sum(),
+        TextureKind::Checkerboard { .. } => 2,
+    }
+}
+
+/// Returns the heads of a picture's mip levels, then their pixels; or the colours of a checkerboard.
+fn body_of(texture: &Texture, at: u32) -> Vec<Texel> {
+    let (size, pixels) = match texture.kind() {
+        TextureKind::Image { size, pixels } => (*size, pixels),
+        TextureKind::Checkerboard { colors, .. } => return colors.map(|color| texel(color, 0)).to_vec(),
+    };
+    let mut next = at + level_sizes(size).count() as u32;
+    let mut texels: Vec<Texel> = level_sizes(size)
+        .map(|[width, height]| {
+            let head = [next, width, height, 0];
+            next += pixel_texels([width, height]) as u32;
+            head
+        })
+        .collect();
+    let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
+        Vec4::new(linear_of(red), linear_of(green), linear_of(blue), f32::from(alpha) / 255.0)
+    };
+    let mut level: Vec<Vec4> = pixels.iter().map(decoded).collect();
+    for sizes in level_sizes(size).collect::<Vec<_>>().windows(2) {
+        texels.extend(halves(&level));
+        level = smaller(&level, sizes[0], sizes[1]);
+    }
+    texels.extend(halves(&level));
+    texels
+}
+
+/// Returns the sizes of a picture's mip levels, from full size down to one pixel.
+fn level_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    iter::successors(Some(size), |&size| (size != [1, 1]).then(|| size.map(|side| (side / 2).max(1))))
+}
+
+fn pixel_texels([width, height]: [u32; 2]) -> usize {
+    (width as usize * height as usize).div_ceil(2)
+}
+
+/// Packs pixels as 16-bit floats, two pixels per texel.
+fn halves(pixels: &[Vec4]) -> impl Iterator<Item = Texel> + '_ {
+    let words = |pixel: Vec4| {
+        let [r, g, b, a] = pixel.to_array().map(|value| u32::from(f16::from_f32(value).to_bits()));
+        [r | g << 16, b | a << 16]
+    };
+    pixels.chunks(2).map(move |two| {
+        let [first, second] = [words(two[0]), words(*two.last().unwrap_or(&two[0]))];
+        [first[0], first[1], second[0], second[1]]
+    })
+}
+
+/// Resizes a picture; each pixel is the mean of the area that it covers.
+fn smaller(pixels: &[Vec4], [width, height]: [u32; 2], [to_width, to_height]: [u32; 2]) -> Vec<Vec4> {
+    let (columns, rows) = (shares(width, to_width), shares(height, to_height));
+    let mean = |row: &[(usize, f32)], column: &[(usize, f32)]| {
+        let across = |y: usize| column.iter().map(|&(x, share)| pixels[y * width as usize + x] * share).sum::<Vec4>();
+        row.iter().map(|&(y, share)| across(y) * share).sum()
+    };
+    rows.iter().flat_map(|row| columns.iter().map(move |column| mean(row, column))).collect()
+}
+
+/// Returns, for each of `to` pixels, the pixels of a row of `from` that it covers, and their shares.
+fn shares(from: u32, to: u32) -> Vec<Vec<(usize, f32)>> {
+    let scale = f64::from(from) / f64::from(to);
+    let under = |pixel: u32| {
+        let (begin, end) = (f64::from(pixel) * scale, f64::from(pixel + 1) * scale);
+        let share = |at: usize| ((end.min(at as f64 + 1.0) - begin.max(at as f64)) / scale) as f32;
+        (begin as usize..(end.ceil() as usize).min(from as usize)).map(|at| (at, share(at))).collect()
+    };
+    (0..to).map(under).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_shrink_to_the_mean_whatever_the_sides() {
+        for [width, height] in [[1, 1], [2, 2], [5, 3], [7, 1], [64, 48]] {
+            let pixel = |index: u32| Vec4::new(index as f32, 1.0, 0.5, (index % 3) as f32);
+            let mut level: Vec<Vec4> = (0..width * height).map(pixel).collect();
+            let mean = level.iter().sum::<Vec4>() / level.len() as f32;
+            let sizes: Vec<_> = level_sizes([width, height]).collect();
+            for pair in sizes.windows(2) {
+                level = smaller(&level, pair[0], pair[1]);
+                assert_eq!(level.len() as u32, pair[1][0] * pair[1][1]);
+            }
+            assert_eq!(sizes.last(), Some(&[1, 1]));
+            assert!(
+                level.len() == 1 && (level[0] - mean).abs().max_element() < 1e-5 * mean.x.max(1.0),
+                "{width}x{height}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_table_has_as_many_texels_as_it_says_and_its_places_lead_to_them() {
+        let mut scene = Scene::new();
+        let pixels = (0..15).map(|index| [index * 17, 255, 0, 128]).collect();
+        let image = scene.add_texture(Texture::image(5, 3, pixels).unwrap());
+        let board = scene.add_texture(Texture::checkerboard(Vec3::X, Vec3::Y, 8).unwrap().wrap(Wrap::Mirror));
+        scene.add_material(Material::new(Vec3::ONE).texture(board));
+        scene.add_material(Material::new(Vec3::ONE).texture(image).specular(Vec3::splat(0.2)));
+        scene.sky = Sky::Map(SkyMap::procedural(8).unwrap());
+        let table = ShadingTable::of(&scene);
+        let texels: Vec<Texel> = table.texels().collect();
+        assert_eq!(texels.len(), table.count());
+        assert_eq!(texels[0][3], 0);
+        assert_eq!([texels[3][3], texels[7][3], texels[11][3]], [0, 2, 1]);
+        let heads = texels[1][3] as usize;
+        assert_eq!(texels[heads + 1][0], CHECKERBOARD | 1 << 4);
+        assert_eq!(texels[texels[heads + 1][1] as usize], texel(Vec3::X, 0));
+        let levels = texels[heads][1] as usize;
+        assert_eq!(texels[heads][2], 3);
+        assert_eq!(texels[levels + 1][1..3], [2, 1]);
+        let third = texels[texels[levels][0] as usize + 1];
+        assert_eq!(f16::from_bits(third[0] as u16).to_f32(), f16::from_f32(linear_of(34)).to_f32());
+        assert_eq!(f16::from_bits((third[1] >> 16) as u16), f16::from_f32(128.0 / 255.0));
+    }
+}

@@ -1,0 +1,76 @@
+//! Work in steps: kernels whose threads do a bounded part of their work in each dispatch. This is for rays and lights
+//! that take more loop rounds than an adapter grants a thread (`shaders/shared/in_steps.wgsl`).
+
+use crate::{
+    Error,
+    gpu::{Gpu, check_bytes},
+    kernel::variant::Variant,
+};
+
+/// Parameters of work in steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steps {
+    /// Approximate loop rounds of a thread per dispatch.
+    pub(crate) rounds: u32,
+    /// Approximate threads of a dispatch.
+    pub(crate) threads: u32,
+    /// Whether all work is done in steps, for tests. Otherwise only work that an adapter cut short is.
+    pub(crate) always: bool,
+}
+
+impl Default for Steps {
+    /// llvmpipe counts the rounds of a vector of 8 or 16 threads, at most the sum of its threads' rounds. With these
+    /// rounds, and those until a traversal can pause, the sum stays below its 65,535. A dispatch takes some ten million
+    /// rounds, a second on two cores.
+    fn default() -> Self {
+        Self { rounds: 1024, threads: 1 << 14, always: false }
+    }
+}
+
+/// Dispatches between two checks of the number of unfinished threads.
+pub(crate) const DISPATCHES: u32 = 4;
+
+/// Words of `Lanes` before its lanes.
+const HEAD_WORDS: u64 = 4;
+
+/// Returns the bytes of a `Lane`.
+pub(crate) fn lane_bytes(with: &Variant) -> u64 {
+    let rays = u64::from(with.traversal.rays.block().pow(2));
+    // Twelve numbers per ray, three per lane, and its stack.
+    4 * (12 * rays + 3 + u64::from(with.stack_size)).next_multiple_of(rays)
+}
+
+/// State that the threads of a launch keep between dispatches.
+#[derive(Debug)]
+pub(crate) struct Lanes {
+    pub(crate) buffer: wgpu::Buffer,
+}
+
+impl Lanes {
+    /// Makes room for launches of up to this many threads.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if they do not fit one binding.
+    pub(crate) async fn new(gpu: &Gpu, with: &Variant, threads: u32) -> Result<Self, Error> {
+        let bytes = 4 * HEAD_WORDS + lane_bytes(with) * u64::from(threads);
+        check_bytes("tracing in steps", bytes, gpu.binding_limit(), "render a smaller picture")?;
+        gpu.checked(|| Ok(Self { buffer: gpu.storage_buffer("lanes", bytes) })).await
+    }
+
+    /// Prepares the first dispatch of a launch in which `threads` threads have work.
+    pub(crate) async fn begin(&self, gpu: &Gpu, threads: u32, rounds: u32) -> Result<(), Error> {
+        let clear = || {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.clear_buffer(&self.buffer, 0, None);
+            gpu.queue.submit([encoder.finish()]);
+            gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&[threads, rounds]));
+            Ok(())
+        };
+        gpu.checked(clear).await
+    }
+
+    /// Returns how many threads have work left.
+    pub(crate) async fn unfinished(&self, gpu: &Gpu) -> Result<u32, Error> {
+        Ok(gpu.read(&self.buffer, 1).await?[0])
+    }
+}

@@ -1,0 +1,262 @@
+//! Checks every kernel in every variant against naga, the adapter, the table and the host's structs.
+
+mod layouts;
+mod variants;
+
+use std::collections::BTreeSet;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::*;
+use crate::{
+    kernel::wgsl::{self, Condition, SHARED},
+    steps::{resolve::TRACE_LISTED, trace::TRACE_LEFT},
+};
+
+use variants::{ALL, variants_of};
+
+/// Returns the file and line below `shaders/` of a location in a kernel's text.
+fn place(text: &str, location: Option<naga::SourceLocation>) -> String {
+    location.and_then(|location| wgsl::origin(text, location.line_number as usize)).unwrap_or_else(|| "?".into())
+}
+
+fn parse(kernel: &Kernel, with: &Variant) -> naga::Module {
+    let text = kernel.linked(with).text;
+    naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| {
+        panic!("{}: {} {with:?}: {}", place(&text, error.location(&text)), kernel.name, error.emit_to_string(&text))
+    })
+}
+
+/// Returns every distinct text, with its kernel and a variant that gives it.
+fn modules() -> Vec<(&'static Kernel, Variant, String)> {
+    let mut seen = BTreeSet::new();
+    let all = ALL.into_iter().flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| (kernel, with)));
+    let all = all.map(|(kernel, with)| (kernel, with, kernel.linked(&with).text));
+    all.filter(|(_, _, text)| seen.insert(text.clone())).collect()
+}
+
+#[test]
+fn every_specialised_kernel_passes_naga_and_keeps_to_six_storage_buffers() {
+    let modules = modules();
+    assert!(modules.len() > 100, "{}", modules.len());
+    for (kernel, with, text) in modules {
+        let module = parse(kernel, &with);
+        let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
+            .validate(&module)
+            .unwrap_or_else(|error| {
+                let place = place(&text, error.location(&text));
+                panic!("{place}: {} {with:?}: {}", kernel.name, error.emit_to_string(&text))
+            });
+        assert_eq!(module.entry_points.len(), 1);
+        let (_, file) = kernel.main.file.split_once('/').unwrap();
+        assert_eq!(format!("{}.wgsl", module.entry_points[0].name), file);
+        let used = module.global_variables.iter().filter(|(handle, variable)| {
+            !info.get_entry_point(0)[*handle].is_empty() && matches!(variable.space, naga::AddressSpace::Storage { .. })
+        });
+        assert!(used.count() <= 6, "{} {with:?}", kernel.name);
+    }
+}
+
+/// Writes modules for `scripts/check_wgsl.sh`, which checks them with a stricter front end than naga.
+#[test]
+fn every_distinct_module_is_written_to_target_wgsl() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/wgsl");
+    let _ = std::fs::remove_dir_all(folder);
+    std::fs::create_dir_all(folder).unwrap();
+    let modules = modules();
+    for (number, (kernel, _, text)) in modules.iter().enumerate() {
+        std::fs::write(format!("{folder}/{number:04}_{}.wgsl", kernel.name), text).unwrap();
+    }
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), modules.len());
+}
+
+#[test]
+fn the_limits_asked_for_are_those_that_some_kernel_needs() {
+    let mut needed = wgpu::Limits::downlevel_webgl2_defaults();
+    let asked = limits_over(needed.clone());
+    // This limit belongs to a dispatch, not to a kernel.
+    needed.max_compute_workgroups_per_dimension = asked.max_compute_workgroups_per_dimension;
+    needed.max_bind_groups = 0;
+    needed.max_bindings_per_bind_group = 0;
+    needed.max_uniform_buffers_per_shader_stage = 0;
+    needed.max_buffers_and_acceleration_structures_per_shader_stage = 0;
+    for (kernel, with, _) in modules() {
+        let module = parse(kernel, &with);
+        let [x, y, z] = module.entry_points[0].workgroup_size;
+        let mut raise = |limit: fn(&mut wgpu::Limits) -> &mut u32, to: u32| {
+            let limit = limit(&mut needed);
+            *limit = to.max(*limit);
+        };
+        raise(|limits| &mut limits.max_compute_workgroup_size_x, x);
+        raise(|limits| &mut limits.max_compute_workgroup_size_y, y);
+        raise(|limits| &mut limits.max_compute_workgroup_size_z, z);
+        raise(|limits| &mut limits.max_compute_invocations_per_workgroup, x * y * z);
+        let mut count = [0; 4];
+        for (_, variable) in module.global_variables.iter() {
+            let Some(binding) = &variable.binding else { continue };
+            raise(|limits| &mut limits.max_bind_groups, binding.group + 1);
+            raise(|limits| &mut limits.max_bindings_per_bind_group, binding.binding + 1);
+            let sampled = |class| !matches!(class, naga::ImageClass::Storage { .. });
+            count[match (variable.space, &module.types[variable.ty].inner) {
+                (naga::AddressSpace::Uniform, _) => 0,
+                (naga::AddressSpace::Storage { .. }, _) => 1,
+                (_, naga::TypeInner::Image { class, .. }) if sampled(*class) => 3,
+                _ => 2,
+            }] += 1;
+        }
+        let [uniforms, buffers, textures, sampled] = count;
+        assert!(sampled <= 2, "{kernel:?}: {sampled} sampled textures");
+        raise(|limits| &mut limits.max_uniform_buffers_per_shader_stage, uniforms);
+        raise(|limits| &mut limits.max_storage_buffers_per_shader_stage, buffers);
+        raise(|limits| &mut limits.max_storage_textures_per_shader_stage, textures);
+        raise(|limits| &mut limits.max_buffers_and_acceleration_structures_per_shader_stage, uniforms + buffers);
+    }
+    assert_eq!(needed, asked);
+    assert!(asked.check_limits(&wgpu::Limits::default()), "more than WebGPU promises");
+}
+
+/// Builds every ninth variant of each kernel, and every 27th of kernels that draw on tables, with offsets that differ
+/// between kernels. The long form (`STEREOTRACE_TESTS=long`) builds every third and every ninth. Drivers are slow; naga
+/// and Tint read all variants.
+#[test]
+fn specialised_kernels_make_pipelines() {
+    let gpu = crate::Gpu::open(std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or("software".into())).unwrap();
+    let make = || {
+        let pipelines = Kernels::default();
+        let mut built = BTreeSet::new();
+        for (index, kernel) in ALL.into_iter().enumerate() {
+            let long = std::env::var_os("STEREOTRACE_TESTS").is_some_and(|form| form == "long");
+            let on_tables = matches!(kernel.role, Role::Draw(Canvas::Middles | Canvas::Texels));
+            let step = [9, 3][usize::from(long)] * if on_tables { 3 } else { 1 };
+            for with in variants_of(kernel).into_iter().skip(index % step).step_by(step) {
+                if built.insert((kernel.linked(&with).text, with.count, with.cost_map)) {
+                    pipelines.get(&gpu, kernel, with);
+                }
+            }
+        }
+        Ok(())
+    };
+    pollster::block_on(gpu.checked(make)).unwrap();
+}
+
+#[test]
+fn bindings_are_those_that_another_compiler_sees() {
+    for (kernel, with, text) in modules() {
+        let bindings = kernel.linked(&with).bindings;
+        let module = naga::front::wgsl::parse_str(&text).unwrap();
+        let mut seen: Vec<_> = module.global_variables.iter().filter(|(_, found)| found.binding.is_some()).collect();
+        seen.sort_by_key(|(_, found)| found.binding.as_ref().unwrap().binding);
+        assert_eq!(bindings.len(), seen.len(), "{}", kernel.name);
+        for (binding, (_, found)) in bindings.iter().zip(seen) {
+            assert_eq!(Resource::named(found.name.as_deref().unwrap()), binding.resource, "{}", kernel.name);
+            let is_same = match (binding.ty, found.space) {
+                (wgpu::BindingType::Buffer { ty, .. }, naga::AddressSpace::Uniform) => {
+                    ty == wgpu::BufferBindingType::Uniform
+                }
+                (wgpu::BindingType::Buffer { ty, .. }, naga::AddressSpace::Storage { access }) => {
+                    let read_only = !access.contains(naga::StorageAccess::STORE);
+                    ty == wgpu::BufferBindingType::Storage { read_only }
+                }
+                (wgpu::BindingType::StorageTexture { access, .. }, naga::AddressSpace::Handle) => {
+                    let naga::TypeInner::Image { class, .. } = module.types[found.ty].inner else {
+                        panic!("{found:?}")
+                    };
+                    let naga::ImageClass::Storage { access: seen, .. } = class else { panic!("{class:?}") };
+                    (access == wgpu::StorageTextureAccess::WriteOnly) == seen.contains(naga::StorageAccess::STORE)
+                }
+                (wgpu::BindingType::Texture { .. }, naga::AddressSpace::Handle) => true,
+                _ => false,
+            };
+            assert!(is_same, "{}: {binding:?} is {found:?}", kernel.name);
+        }
+    }
+}
+
+/// Verifies by an independent compiler that texts hold used definitions only. (naga follows calls, but does not know
+/// what a constant `if` leaves out.)
+#[test]
+fn no_kernel_has_a_function_or_variable_that_it_does_not_use() {
+    for (kernel, with, text) in modules() {
+        let all = parse(kernel, &with);
+        let mut used = parse(kernel, &with);
+        naga::compact::compact(&mut used, naga::compact::KeepUnused::No);
+        let names = |module: &naga::Module| -> BTreeSet<String> {
+            let functions = module.functions.iter().filter_map(|(_, function)| function.name.clone());
+            // A binding is declared for the reader, whether or not some variant needs it.
+            let variables = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_none());
+            functions.chain(variables.filter_map(|(_, variable)| variable.name.clone())).collect()
+        };
+        let unused: Vec<_> = names(&all).difference(&names(&used)).cloned().collect();
+        assert!(unused.is_empty(), "{} {with:?}: {unused:?}\n{text}", kernel.name);
+    }
+}
+
+#[test]
+fn files_list_the_shared_files_that_they_use_and_these_form_no_circle() {
+    for part in SHARED.iter().copied().chain(ALL.iter().map(|kernel| kernel.main)) {
+        let [found, listed] = wgsl::uses_of(part);
+        assert_eq!(listed, found, "{}", part.file);
+    }
+    // Files that use no others left are taken away until none is left.
+    let mut left: Vec<_> = SHARED.iter().map(|part| (part.file, wgsl::uses_of(*part)[0].clone())).collect();
+    while !left.is_empty() {
+        let (above, below): (Vec<_>, Vec<_>) = left.iter().cloned().partition(|(_, uses)| !uses.is_empty());
+        assert!(!below.is_empty(), "a circle among {:?}", above.iter().map(|(file, _)| file).collect::<Vec<_>>());
+        let is_gone = |name: &&str| below.iter().any(|(file, _)| *file == format!("shared/{name}.wgsl"));
+        left = above
+            .into_iter()
+            .map(|(file, uses)| (file, uses.into_iter().filter(|name| !is_gone(name)).collect()))
+            .collect();
+    }
+}
+
+#[test]
+fn every_wgsl_file_is_known_and_every_shared_definition_is_part_of_a_kernel() {
+    let shaders = format!("{}/shaders", env!("CARGO_MANIFEST_DIR"));
+    let names_in = |folder: std::path::PathBuf| {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let name = |path: std::path::PathBuf| path.strip_prefix(&shaders).unwrap().to_str().unwrap().to_owned();
+        entries.filter(|path| path.is_file()).map(name).collect::<Vec<_>>()
+    };
+    let folders = std::fs::read_dir(&shaders).unwrap().map(|entry| entry.unwrap().path());
+    let there: BTreeSet<String> = folders.flat_map(names_in).collect();
+    let known = ALL.iter().map(|kernel| kernel.main).chain(SHARED.iter().copied());
+    assert_eq!(there, known.map(|part| part.file.to_owned()).collect());
+    let texts: Vec<_> = modules().into_iter().map(|(_, _, text)| text).collect();
+    let lines: BTreeSet<_> = texts.iter().flat_map(|text| text.lines()).collect();
+    let unused: Vec<_> = wgsl::shared()
+        .iter()
+        .filter(|definition| !lines.contains(&*format!("// {}:{}", definition.file, definition.line)))
+        .map(|definition| format!("{}:{}: {}", definition.file, definition.line, definition.name))
+        .collect();
+    assert!(unused.is_empty(), "{unused:#?}");
+}
+
+/// A feature that a frame does not use costs nothing: it is not in the text for the driver.
+#[test]
+fn buffers_that_take_the_place_of_rays_are_in_no_text_without_them() {
+    let mut with_tables = 0;
+    for (kernel, with, text) in modules() {
+        let reads = with.of_role(kernel.role).shadow_buffer.is_some();
+        assert_eq!(text.contains("shadow_buffers"), reads, "{}", kernel.name);
+        assert!(reads || !text.contains("said_by_table"), "{}", kernel.name);
+        let draws = matches!(kernel.role, Role::Draw(_) | Role::Hits(Hits::Drawn));
+        assert!(draws || !text.contains("t_buffer["), "{}", kernel.name);
+        with_tables += usize::from(reads);
+    }
+    assert!(with_tables > 20);
+}
+
+#[test]
+fn sections_ask_for_choices_and_values_that_there_are() {
+    let all = ALL
+        .into_iter()
+        .flat_map(|kernel| variants_of(kernel).into_iter().map(move |with| kernel.choices(&with.of_role(kernel.role))));
+    let there: BTreeSet<_> = all.flatten().collect();
+    for definition in wgsl::shared() {
+        for Condition { choice, values } in &definition.when {
+            let known = values.iter().all(|value| there.contains(&(*choice, *value)));
+            assert!(known, "{}:{}: {choice} is {values:?}", definition.file, definition.line);
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The kernels, and the variants that tests use.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::{
+    ShadowReuse, ShadowRule,
+    ask::shadow_buffer::Reading,
+    frame::cast::{ANY_HITS, ANY_HITS_IN_STEPS, CLOSEST_HITS, CLOSEST_HITS_IN_STEPS},
+    kernel::traversal::{Boxes, Traversal},
+    kernel::variant::{Shadows, SkyKind},
+    steps::{
+        bracket::{
+            BOUND_TILES, CHOOSE, MARK_BUSY, RESOLVE_TILES, SEARCH_TILES, SEARCH_WIDE_TILES, SHADE_LISTED, SHADE_SKY,
+            SHADE_TILES, TRACE_BOUNDED,
+        },
+        edges::MARK_EDGES,
+        mirrors::{LIST_MIRRORS, TRACE_MIRRORED},
+        reproject::{DEPTH_RANGE, GATHER_SLOTS, REPROJECT, REPROJECT_SCANLINE, REPROJECT_SLOTS},
+        resolve::{RESOLVE_RIGHT, RESOLVE_TRUSTED, SHADE_TRACED, TAKE_OVER, TRACE_LISTED},
+        shadow_buffer::{
+            DRAW_FEW_MIDDLES, DRAW_MORE_MIDDLES, DRAW_PARTS_MIDDLES, MARK_FEW_TEXELS, MARK_MORE_TEXELS,
+            MARK_PARTS_TEXELS, PROJECT_MIDDLES, PROJECT_TEXELS, READ_MIDDLES, READ_TEXELS,
+        },
+        show::{PACK, SHOW_COLOR, SHOW_DEPTH},
+        soft::{SHADE_HITS, TRACE_HITS, TRACE_SOFT, TRACE_SOFT_ASKED, TRACE_SOFT_LISTED},
+        t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
+        trace::{TRACE_IN_STEPS, TRACE_LEFT},
+    },
+};
+
+pub(super) const ALL: [&Kernel; 54] = [
+    &LIST_MIRRORS,
+    &TRACE_MIRRORED,
+    &TRACE_IN_STEPS,
+    &CLOSEST_HITS_IN_STEPS,
+    &ANY_HITS_IN_STEPS,
+    &SHADE_SKY,
+    &SHADE_TILES,
+    &BOUND_TILES,
+    &MARK_BUSY,
+    &CHOOSE,
+    &SEARCH_TILES,
+    &SEARCH_WIDE_TILES,
+    &TRACE_BOUNDED,
+    &RESOLVE_TILES,
+    &SHADE_LISTED,
+    &REPROJECT_SCANLINE,
+    &MARK_EDGES,
+    &CLOSEST_HITS,
+    &ANY_HITS,
+    &TRACE_LEFT,
+    &REPROJECT,
+    &REPROJECT_SLOTS,
+    &GATHER_SLOTS,
+    &DEPTH_RANGE,
+    &RESOLVE_RIGHT,
+    &RESOLVE_TRUSTED,
+    &TRACE_LISTED,
+    &SHADE_TRACED,
+    &TAKE_OVER,
+    &TRACE_HITS,
+    &TRACE_SOFT,
+    &TRACE_SOFT_LISTED,
+    &TRACE_SOFT_ASKED,
+    &SHADE_HITS,
+    &BEGIN_PASS,
+    &PROJECT_PRIMITIVES,
+    &DRAW_FEW,
+    &DRAW_MORE,
+    &DRAW_PARTS,
+    &READ_T_BUFFER,
+    &TRACE_NAMELESS,
+    &PACK,
+    &SHOW_COLOR,
+    &SHOW_DEPTH,
+    &PROJECT_MIDDLES,
+    &DRAW_FEW_MIDDLES,
+    &DRAW_MORE_MIDDLES,
+    &DRAW_PARTS_MIDDLES,
+    &READ_MIDDLES,
+    &PROJECT_TEXELS,
+    &MARK_FEW_TEXELS,
+    &MARK_MORE_TEXELS,
+    &MARK_PARTS_TEXELS,
+    &READ_TEXELS,
+];
+
+/// Returns rows of choices, each below its entry in `counts`, such that any two choices of two options occur together
+/// in some row.
+pub(super) fn all_pairs<const N: usize>(counts: [usize; N]) -> Vec<[usize; N]> {
+    let choices = |option: usize| (0..counts[option]).map(move |choice| (option, choice));
+    let pairs_of = |a, b| choices(a).flat_map(move |x| choices(b).map(move |y| (x, y)));
+    let mut open: BTreeSet<_> = (0..N).flat_map(|b| (0..b).flat_map(move |a| pairs_of(a, b))).collect();
+    let mut rows = Vec::new();
+    // A row begins with a pair that has not occurred. Its other choices are those that add most such pairs.
+    while let Some(&(first, second)) = open.first() {
+        let mut row = vec![first, second];
+        for option in (0..N).filter(|&option| option != first.0 && option != second.0) {
+            let meets = |new: (usize, usize)| {
+                row.iter().filter(|&&made| open.contains(&(made.min(new), made.max(new)))).count()
+            };
+            let best = choices(option).rev().max_by_key(|&new| meets(new)).unwrap();
+            row.push(best);
+        }
+        open.retain(|(a, b)| !(row.contains(a) && row.contains(b)));
+        row.sort_unstable();
+        rows.push(std::array::from_fn(|option| row[option].1));
+    }
+    rows
+}
+
+/// Returns variants in which any two choices occur together. All combinations would be tens of thousands.
+pub(super) fn variants() -> Vec<Variant> {
+    let traversals = Traversal::ALL.iter().flat_map(|&traversal| [(traversal, false), (traversal, true)]);
+    let traversals: Vec<_> = traversals.filter(|(with, world)| with.boxes == Boxes::F32 || !world).collect();
+    // Spheres, triangles, normals, ellipsoids.
+    let kinds = [
+        [true, false, false, false],
+        [false, true, false, false],
+        [false, true, true, false],
+        [true, true, false, false],
+        [true, true, true, false],
+        [true, false, false, true],
+        [true, true, false, true],
+        [true; 4],
+    ];
+    let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4]);
+    let with = |row: &[usize; 15]| {
+        let &[
+            traversal,
+            kind,
+            light,
+            kept,
+            sky,
+            bits,
+            counting,
+            close,
+            surfaces,
+            soft,
+            cutouts,
+            masked,
+            planes,
+            jitter,
+            buffer,
+        ] = row;
+        let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
+            (traversals[traversal], kinds[kind]);
+        Variant {
+            traversal,
+            triangles,
+            spheres,
+            ellipsoids,
+            planes: [0, 1, 8][planes],
+            normals,
+            // Scenes without any of these; textures on balls and on triangles, with and without the others.
+            uv: [2, 5].contains(&surfaces),
+            colors: [3, 5].contains(&surfaces),
+            textures: ![0, 4, 6].contains(&surfaces),
+            shine: surfaces > 3,
+            normalised: surfaces > 5,
+            mirrors: surfaces % 2 == 1,
+            cutouts: triangles && cutouts == 1,
+            lights: light > 0,
+            shadows: shadows[light.saturating_sub(1)],
+            // No soft light; lights; occlusion; both; the sky; the sky with lights. Some lights cast no shadows.
+            soft_lights: soft % 2 == 1,
+            casts: soft == 0 || light % 2 == 1,
+            shadow_rays: if soft % 2 == 1 { 16 } else { 0 },
+            occlusion_rays: if soft > 1 { 32 } else { 0 },
+            sky_light: soft > 3,
+            shares: soft > 0 && bits == 1,
+            sky: [SkyKind::Constant, SkyKind::Gradient, SkyKind::Map][sky],
+            world_boxes,
+            close: close == 1,
+            samples: kept & 1 == 1,
+            second: kept & 2 == 2,
+            linear: kept & 2 == 2,
+            masked: masked == 1,
+            jitter: [0, 3][jitter],
+            stack_size: 40,
+            bits: [ShadowReuse::Rays, ShadowReuse::Two, ShadowReuse::Block][bits],
+            count: counting > 0,
+            cost_map: counting > 1,
+            shadow_buffer: [None, Some(ShadowRule::Object), Some(ShadowRule::DEPTH), Some(ShadowRule::HYBRID)][buffer]
+                .map(|rule| Reading::new(rule, 0b101)),
+        }
+    };
+    // The choices paired with scenes of spheres alone are also paired with scenes without a tree: empty ones, or planes
+    // alone.
+    let spheres_alone = rows.iter().filter(|row| row[1] == 0);
+    let empty = spheres_alone.map(|row| Variant { spheres: false, ..with(row) });
+    rows.iter().map(with).chain(empty).collect()
+}
+
+/// Returns the variants of a kernel. Those of `bracket` keep samples, those of mirrors have mirrors, those of soft
+/// light have such light. A scene without a tree has no tiles to bound and nothing to draw.
+pub(super) fn variants_of(kernel: &Kernel) -> Vec<Variant> {
+    let mut all = variants();
+    match kernel.role {
+        Role::Shade(Shading::ListMirrors | Shading::Mirrored) => {
+            all.retain(|with| with.has_tree() || with.planes > 0);
+            all.iter_mut().for_each(|with| with.mirrors = true);
+        }
+        Role::Shade(Shading::Soft | Shading::SoftListed) => all.retain(Variant::is_soft),
+        Role::Shade(Shading::SoftUnknown) => all.retain(|with| with.is_soft() && with.has_tree()),
+        // Tables are read for planes alone, too.
+        Role::Draw(Canvas::Middles | Canvas::Texels) if kernel.main.file.contains("/read_") => {}
+        Role::Hits(Hits::Tiles | Hits::Drawn) | Role::Draw(_) => all.retain(Variant::has_tree),
+        Role::Shade(Shading::Sky | Shading::Reused | Shading::Unknown) => all.retain(Variant::has_tree),
+        Role::Pixels | Role::LinearPixels | Role::MarkBusy | Role::Objects | Role::RayList(_) => {}
+        Role::Hits(Hits::View | Hits::Checked | Hits::Trusted | Hits::Listed) => {}
+        Role::Shade(Shading::Traced(_) | Shading::Source | Shading::Listed) => {}
+    }
+    if kernel.role.does().samples == SampleUse::Read {
+        all.iter_mut().for_each(|with| with.samples = true);
+    }
+    all
+}

@@ -1,0 +1,350 @@
+//! Pipeline variants: what kernels are specialised to, and the resulting choices for their WGSL. Only this module
+//! chooses.
+//!
+//! `src/kernel/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the kernel
+//! (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to hit.
+
+mod choices;
+
+use crate::{
+    Material, Scene, ShadowReuse, Sky,
+    accel::bvh::PackedBvh,
+    ask::shadow_buffer::Reading,
+    kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal},
+    kernel::{Canvas, Role, SampleUse, Shading},
+};
+
+/// The direction of shadow rays, if there are any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Shadows {
+    None,
+    FromLight,
+    FromSurface,
+}
+
+impl Shadows {
+    /// Shadow rays run from the light, unless it is farther away than this multiple of the scene's longest side. From
+    /// there their end would be visibly off the surface.
+    const FAR_LIGHT: f32 = 64.0;
+
+    fn of(scene: &Scene) -> Self {
+        let points = || scene.lights.iter().filter(|light| !light.is_soft());
+        let far = |(low, high): (glam::Vec3, glam::Vec3)| {
+            let reach = Self::FAR_LIGHT * (high - low).max_element();
+            let places = || points().map(|light| scene.local_position(light));
+            places().any(|place| place.clamp(low, high).distance(place) > reach)
+        };
+        match scene.local_bounds() {
+            _ if !scene.shadows || points().next().is_none() => Self::None,
+            Some(bounds) if far(bounds) => Self::FromSurface,
+            _ => Self::FromLight,
+        }
+    }
+}
+
+/// Indices of a primitive's optional texels. They follow three texels that all scenes have, and a fourth for vertex
+/// normals or ellipsoids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TexelPlaces {
+    /// The first of two with texture coordinates.
+    pub(crate) uv: usize,
+    /// The one with the corners' colours.
+    pub(crate) colors: usize,
+    /// Number of all texels.
+    pub(crate) count: usize,
+}
+
+impl TexelPlaces {
+    /// Returns the indices, given whether there is a fourth texel, texture coordinates and colours.
+    pub(crate) fn of(fourth: bool, has_uv: bool, has_colors: bool) -> Self {
+        let uv = if fourth { 4 } else { 3 };
+        let colors = if has_uv { uv + 2 } else { uv };
+        Self { uv, colors, count: colors + usize::from(has_colors) }
+    }
+}
+
+/// Returns the texels of a material in the shading table; `more` if some material has highlights, emits light or sends
+/// rays on.
+pub(crate) fn material_texels(more: bool) -> usize {
+    if more { 4 } else { 1 }
+}
+
+/// The kind of a sky.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum SkyKind {
+    Constant,
+    Gradient,
+    Map,
+}
+
+impl SkyKind {
+    fn of(sky: &Sky) -> Self {
+        match sky {
+            Sky::Constant(_) => Self::Constant,
+            Sky::Gradient { .. } => Self::Gradient,
+            Sky::Map(_) => Self::Map,
+        }
+    }
+}
+
+/// Returns the texels of a light in the shading table; `soft` if some light is not a point.
+pub(crate) fn light_texels(soft: bool) -> usize {
+    if soft { 4 } else { 2 }
+}
+
+/// A kernel's part in soft light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SoftRole {
+    /// There is no soft light.
+    None,
+    /// Other kernels add it.
+    Skipped,
+    /// The kernel adds it by masks.
+    Masked,
+    /// The kernel makes the masks.
+    Asked,
+    /// The kernel traces its own rays.
+    Followed,
+}
+
+/// What a pipeline is specialised to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    pub(crate) traversal: Traversal,
+    pub(crate) triangles: bool,
+    /// Spheres or ellipsoids.
+    pub(crate) spheres: bool,
+    /// Some of them are ellipsoids. Spheres are then traced as ellipsoids.
+    pub(crate) ellipsoids: bool,
+    /// Number of planes, which are in no tree.
+    pub(crate) planes: u32,
+    pub(crate) normals: bool,
+    /// Primitives have texture coordinates, or colours at their corners.
+    pub(crate) uv: bool,
+    pub(crate) colors: bool,
+    /// Some material is textured, or some corner has a colour.
+    pub(crate) textures: bool,
+    /// Some material has highlights or emits light.
+    pub(crate) shine: bool,
+    /// Some highlights are normalised.
+    pub(crate) normalised: bool,
+    /// Some surface sends rays on: a mirror, glass or a veil.
+    pub(crate) mirrors: bool,
+    /// Some material, and so perhaps some triangle, is cut out.
+    pub(crate) cutouts: bool,
+    pub(crate) lights: bool,
+    pub(crate) shadows: Shadows,
+    /// Some lights are not points.
+    pub(crate) soft_lights: bool,
+    /// Whether lights cast shadows.
+    pub(crate) casts: bool,
+    /// Rays to each soft light, and into the surroundings; 0 without such light.
+    pub(crate) shadow_rays: u32,
+    pub(crate) occlusion_rays: u32,
+    /// Sky light takes the place of ambient light.
+    pub(crate) sky_light: bool,
+    /// Views reuse shares of soft light as well as visibility bits.
+    pub(crate) shares: bool,
+    pub(crate) sky: SkyKind,
+    /// Each box is widened by its own distance, for scenes far larger than their detail.
+    pub(crate) world_boxes: bool,
+    /// An eye or a light is close to a large primitive.
+    pub(crate) close: bool,
+    /// Source samples are kept for reuse.
+    pub(crate) samples: bool,
+    /// Views also query a second source.
+    pub(crate) second: bool,
+    /// Linear colour is kept.
+    pub(crate) linear: bool,
+    /// Only the pixels in a mask are computed.
+    pub(crate) masked: bool,
+    /// Jittered samples per side of a pixel; 0 or 1 for none.
+    pub(crate) jitter: u32,
+    /// Words of a traversal's stack.
+    pub(crate) stack_size: u32,
+    /// Which visibility bits are reused.
+    pub(crate) bits: ShadowReuse,
+    /// Nodes and primitive tests are counted.
+    pub(crate) count: bool,
+    /// They are also counted for each pixel.
+    pub(crate) cost_map: bool,
+    /// Points query shadow-buffers before they trace shadow rays.
+    pub(crate) shadow_buffer: Option<Reading>,
+}
+
+impl Variant {
+    /// The variant of a kernel that does not touch the scene.
+    pub(crate) const PIXELS: Self = Self {
+        traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
+        triangles: false,
+        spheres: false,
+        ellipsoids: false,
+        planes: 0,
+        normals: false,
+        uv: false,
+        colors: false,
+        textures: false,
+        shine: false,
+        normalised: false,
+        mirrors: false,
+        cutouts: false,
+        lights: false,
+        shadows: Shadows::None,
+        soft_lights: false,
+        casts: true,
+        shadow_rays: 0,
+        occlusion_rays: 0,
+        sky_light: false,
+        shares: false,
+        sky: SkyKind::Constant,
+        world_boxes: false,
+        close: false,
+        samples: false,
+        second: false,
+        linear: false,
+        masked: false,
+        jitter: 0,
+        stack_size: 0,
+        bits: ShadowReuse::Rays,
+        count: false,
+        cost_map: false,
+        shadow_buffer: None,
+    };
+
+    /// Returns the variant for a scene. Counting is chosen by the frame.
+    pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
+        Self::over_tree(scene, traversal, packed.world_boxes, packed.stack_size)
+    }
+
+    /// Returns the variant for a scene, given these properties of its tree.
+    pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
+        let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
+        let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();
+        let planes = scene.planes().len() as u32;
+        Self {
+            traversal,
+            triangles,
+            spheres: balls,
+            ellipsoids: !scene.ellipsoids().is_empty(),
+            planes,
+            normals: scene.has_normals(),
+            uv: !scene.uv().is_empty(),
+            colors: !scene.colors().is_empty(),
+            textures: scene.is_textured(),
+            shine: scene.materials().iter().any(Material::shines),
+            normalised: scene.materials().iter().any(Material::shines_normalised),
+            mirrors: (triangles || balls || planes > 0) && scene.materials().iter().any(Material::sends_rays),
+            cutouts: triangles && scene.is_cut_out(),
+            lights: !scene.lights.is_empty(),
+            shadows: Shadows::of(scene),
+            soft_lights: scene.soft_lights().next().is_some(),
+            casts: scene.shadows,
+            sky: SkyKind::of(&scene.sky),
+            world_boxes,
+            stack_size,
+            ..Self::PIXELS
+        }
+    }
+
+    /// Reduces the variant to what kernels of a role depend on. A kernel that does not touch the scene is the same for
+    /// every scene.
+    pub(crate) fn of_role(self, role: Role) -> Self {
+        let with = match role {
+            // It depends on whether samples have shares.
+            Role::MarkBusy if self.shares && self.is_soft() => {
+                Self { triangles: true, soft_lights: true, shares: true, ..Self::PIXELS }
+            }
+            Role::Pixels | Role::MarkBusy => Self::PIXELS,
+            Role::LinearPixels => Self { linear: self.linear, ..Self::PIXELS },
+            Role::Objects => Self { traversal: self.traversal, ..Self::PIXELS },
+            // One texel a lane.
+            Role::Draw(Canvas::Texels) => Self { traversal: self.traversal.rays(RaysPerLane::One), ..self.unlit() },
+            Role::Draw(Canvas::Picture | Canvas::Middles) | Role::Hits(_) | Role::RayList(_) => self.unlit(),
+            // One ray a lane, which starts anywhere, or one pixel a lane if none is traced.
+            Role::Shade(Shading::ListMirrors | Shading::Mirrored) => Self {
+                traversal: self.traversal.rays(RaysPerLane::One),
+                close: true,
+                samples: false,
+                second: false,
+                bits: ShadowReuse::Rays,
+                shares: false,
+                ..self
+            },
+            Role::Shade(_) => self,
+        };
+        let does = role.does();
+        let asks = does.queries_shadow_buffers && with.casts_from_lights();
+        Self { masked: self.masked && does.minds_mask, shadow_buffer: with.shadow_buffer.filter(|_| asks), ..with }
+    }
+
+    /// Returns the indices of a primitive's optional texels.
+    fn texel_places(&self) -> TexelPlaces {
+        TexelPlaces::of(self.ellipsoids || (self.triangles && self.normals), self.uv, self.colors)
+    }
+
+    /// Returns the variant of kernels that shade nothing.
+    fn unlit(self) -> Self {
+        Self {
+            textures: false,
+            shine: false,
+            normalised: false,
+            mirrors: false,
+            lights: false,
+            shadows: Shadows::None,
+            soft_lights: false,
+            casts: true,
+            shadow_rays: 0,
+            occlusion_rays: 0,
+            sky_light: false,
+            shares: false,
+            sky: SkyKind::Constant,
+            samples: false,
+            second: false,
+            linear: false,
+            bits: ShadowReuse::Rays,
+            shadow_buffer: None,
+            ..self
+        }
+    }
+
+    /// Returns whether some light is sampled by several rays.
+    pub(crate) fn is_soft(&self) -> bool {
+        (self.soft_lights || self.occlusion_rays > 0) && (self.has_tree() || self.planes > 0)
+    }
+
+    /// Returns whether shadow rays start at point lights.
+    pub(crate) fn casts_from_lights(&self) -> bool {
+        self.lights && self.shadows == Shadows::FromLight && (self.has_tree() || self.planes > 0)
+    }
+
+    /// Returns whether there are primitives other than planes.
+    pub(crate) fn has_tree(&self) -> bool {
+        self.triangles || self.spheres
+    }
+
+    /// Returns a role's part in soft light.
+    pub(crate) fn soft_role(&self, role: Role) -> SoftRole {
+        if self.is_soft() { role.does().soft } else { SoftRole::None }
+    }
+
+    /// Returns how kernels of a role use samples of source views.
+    pub(crate) fn sample_use(&self, role: Role) -> SampleUse {
+        match role.does().samples {
+            SampleUse::Written if !self.samples => SampleUse::None,
+            used => used,
+        }
+    }
+
+    /// Returns whether kernels of a role read a second source's samples.
+    fn reads_second(&self, role: Role) -> bool {
+        self.second && matches!(role, Role::Shade(_)) && self.sample_use(role) == SampleUse::Read
+    }
+
+    /// Switches the counting of nodes and primitive tests. Counting kernels trace one ray a lane on every adapter, so
+    /// that counters do not depend on it.
+    pub(crate) fn counting(self, count: bool, cost_map: bool) -> Self {
+        let count = count || cost_map;
+        let rays = if count { RaysPerLane::One } else { self.traversal.rays };
+        Self { count, cost_map, traversal: self.traversal.rays(rays), ..self }
+    }
+}

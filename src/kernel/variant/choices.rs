@@ -1,0 +1,165 @@
+//! The choices for a kernel's WGSL, and the constants before its text.
+
+use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
+use crate::{
+    ShadowReuse,
+    accel::large::LARGE,
+    kernel::traversal::{Boxes, Fetch, RaysPerLane},
+    kernel::wgsl::{self, Choice, Linked},
+    kernel::{Canvas, Dispatches, Does, Kernel, SampleUse, Visible},
+};
+
+impl Kernel {
+    /// Returns a value for each choice of shared WGSL.
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 29] {
+        let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
+        let primitives = match (with.triangles, with.spheres) {
+            (true, true) => "mixed",
+            (true, false) => "triangles",
+            (false, true) => "spheres",
+            (false, false) => "none",
+        };
+        let texels = match primitives {
+            _ if with.ellipsoids => "ellipsoids",
+            "spheres" => "spheres",
+            _ => "corners",
+        };
+        let smooth = with.triangles && with.normals;
+        let boxes = match with.traversal.boxes {
+            Boxes::Grid16 => "grid",
+            Boxes::F32 if with.world_boxes => "world",
+            Boxes::F32 => "f32",
+        };
+        let sky = match with.sky {
+            SkyKind::Constant => "constant",
+            SkyKind::Gradient => "gradient",
+            SkyKind::Map => "map",
+        };
+        let shadows = match with.shadows {
+            _ if (primitives == "none" && with.planes == 0) || !with.lights => "none", // points among them
+            Shadows::None => "none",
+            Shadows::FromLight => "from_light",
+            Shadows::FromSurface => "from_surface",
+        };
+        let visibility = match visibility {
+            Visible::Traced => "traced",
+            Visible::Taken => "taken",
+            Visible::TakenOrTraced => "taken_or_traced",
+        };
+        let shine = match (with.shine, with.normalised) {
+            (false, _) => "none",
+            (true, false) => "some",
+            (true, true) => "normalised",
+        };
+        let mirrors = match (with.mirrors, follows) {
+            (false, _) => "none",
+            (true, false) => "listed",
+            (true, true) => "followed",
+        };
+        let soft = match with.soft_role(self.role) {
+            SoftRole::None => "none",
+            SoftRole::Skipped => "skipped",
+            SoftRole::Masked => "masked",
+            SoftRole::Asked => "asked",
+            SoftRole::Followed => "followed",
+        };
+        let surroundings = match (soft, with.sky) {
+            ("none" | "skipped", _) => "none",
+            _ if !with.sky_light => "ambient",
+            (_, SkyKind::Constant | SkyKind::Gradient) => "cosine",
+            (_, SkyKind::Map) => "map",
+        };
+        let bits = match with.bits {
+            ShadowReuse::Rays => "none",
+            ShadowReuse::Two => "two",
+            ShadowReuse::Block => "block",
+        };
+        let canvas = match canvas {
+            Canvas::Picture => "picture",
+            Canvas::Middles => "middles",
+            Canvas::Texels => "texels",
+        };
+        let samples = match with.sample_use(self.role) {
+            SampleUse::None => "none",
+            SampleUse::Written => "written",
+            SampleUse::Read => "read",
+        };
+        [
+            ("primitives", primitives),
+            ("planes", if with.planes > 0 { "some" } else { "none" }),
+            ("cutouts", if with.cutouts { "some" } else { "none" }),
+            ("texels", texels),
+            // Spheres alone take as many texels as triangles without vertex normals.
+            ("normals", if smooth { "smooth" } else { "flat" }),
+            ("boxes", boxes),
+            ("canvas", canvas),
+            ("fetch", if with.traversal.fetch == Fetch::Texture { "texture" } else { "buffer" }),
+            ("rays", if with.traversal.rays == RaysPerLane::One { "one" } else { "four" }),
+            ("jitter", if with.jitter > 1 { "rows" } else { "none" }),
+            ("dispatches", if dispatches == Dispatches::Many { "many" } else { "one" }),
+            ("uv", if with.uv { "some" } else { "none" }),
+            ("colors", if with.colors { "some" } else { "none" }),
+            ("textures", if with.textures { "some" } else { "none" }),
+            ("shine", shine),
+            ("mirrors", mirrors),
+            ("sky", sky),
+            ("lights", if with.lights || with.is_soft() { "some" } else { "none" }),
+            ("shadows", shadows),
+            ("shadow_buffer", with.shadow_buffer.map_or("none", |reading| reading.rule)),
+            ("soft", soft),
+            ("surroundings", surroundings),
+            ("visibility", visibility),
+            ("bits", bits),
+            ("samples", samples),
+            ("sources", if with.reads_second(self.role) { "two" } else { "one" }),
+            ("linear", if with.linear { "kept" } else { "none" }),
+            ("wanted", if with.masked { "masked" } else { "all" }),
+            ("checks", if checks { "all" } else { "none" }),
+        ]
+    }
+
+    /// Links the text for the driver.
+    pub(crate) fn linked(&self, with: &Variant) -> Linked {
+        let with = &with.of_role(self.role);
+        let Linked { text, bindings } = wgsl::linked(self.main, &self.choices(with));
+        let used = self.constants(with).into_iter().filter(|(name, ..)| text.contains(name));
+        let constants: String = used.map(|(name, kind, value)| format!("const {name}: {kind} = {value};\n")).collect();
+        Linked { text: constants + &text, bindings }
+    }
+
+    /// Returns the constants that shared WGSL may use: name, type and value.
+    fn constants(&self, with: &Variant) -> Vec<(&'static str, &'static str, String)> {
+        // Six samples are compared by their normals; two have room for an occluder.
+        let shares = with.shares && with.is_soft();
+        let TexelPlaces { uv, colors, count } = with.texel_places();
+        // Mirrored surfaces need fewer rays.
+        let fewer = if self.role.does().follows { 4 } else { 1 };
+        let [shadow_rays, occlusion_rays] = [with.shadow_rays, with.occlusion_rays].map(|rays| rays.div_ceil(fewer));
+        let flag = |name, value: bool| (name, "bool", value.to_string());
+        let number = |name, value: u32| (name, "u32", format!("{value}u"));
+        let mut all = vec![
+            number("STACK_SIZE", with.stack_size),
+            flag("KEEP_OCCLUDERS", with.bits == ShadowReuse::Two && !shares),
+            flag("KEEP_BITS", with.sample_use(self.role) == SampleUse::Written),
+            flag("CLOSE", with.close),
+            ("LARGE", "f32", format!("{LARGE:?}")),
+            flag("SHINE", with.shine),
+            number("MATERIAL_TEXELS", material_texels(with.shine || with.mirrors) as u32),
+            number("PRIMITIVE_TEXELS", count as u32),
+            number("LIGHT_TEXELS", light_texels(with.soft_lights) as u32),
+            flag("CASTS", with.casts),
+            flag("KEEP_SHARES", shares),
+            number("LIGHT_RAYS", shadow_rays),
+            number("OCCLUSION_RAYS", occlusion_rays),
+            number("UV_TEXEL", uv as u32),
+            number("COLOR_TEXEL", colors as u32),
+        ];
+        all.extend((with.planes > 0).then(|| number("PLANES", with.planes)));
+        all.extend((with.jitter > 1).then(|| number("SAMPLES_SIDE", with.jitter)));
+        if let Some(reading) = with.shadow_buffer {
+            all.push(number("BUFFERED_LIGHTS", reading.lights));
+            all.push(("BUFFER_MARGIN", "f32", format!("{:?}", reading.value())));
+        }
+        all
+    }
+}

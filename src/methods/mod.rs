@@ -1,0 +1,3 @@
+//! What methods promise, and how `auto` chooses.
+
+pub(crate) mod auto;

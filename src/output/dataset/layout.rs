@@ -1,0 +1,224 @@
+//! Folder layouts of data sets, compatible with loaders of existing data sets.
+
+use std::{
+    fmt, fs,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+use glam::DVec3;
+
+use crate::{Convergence, Error, EyeTruth, GroundTruth, StereoPair, output::Batch, view::camera::Intrinsics};
+
+/// Folder layout of a data set, after the data set of the same name. Pairs are numbered from 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Layout {
+    /// Middlebury 2014 (Scharstein et al. 2014): a folder per pair, `000000/`, with `im0.png`, `im1.png`, `disp0.pfm`,
+    /// `disp1.pfm`, `calib.txt` and the evaluation's `mask0nocc.png`. In addition to Middlebury, it has
+    /// `mask1nocc.png`, `mask0sky.png` and `mask1sky.png`. Sky is unknown: infinite in the disparities, 0 in
+    /// `mask0nocc.png`.
+    #[default]
+    Middlebury,
+    /// KITTI 2015 (Menze and Geiger 2015), left disparities: `training/image_2/000000_10.png`, `image_3`, `disp_occ_0`,
+    /// `disp_noc_0`, and `calib_cam_to_cam/000000.txt`. Sky is not valid. There are no second frames, flow or
+    /// `obj_map`.
+    Kitti,
+    /// Scene Flow's Monkaa and Driving (Mayer et al. 2016), with one sequence named `stereotrace`:
+    /// `frames_finalpass/stereotrace/left/0000.png`, `right`, the same for `disparity`, `object_index` and
+    /// `material_index` as PFM, and `camera_data/stereotrace/0000.txt`. Concatenate the latter for a `camera_data.txt`.
+    /// As there, id 0 means none. There is no flow and no clean pass.
+    SceneFlow,
+}
+
+impl Layout {
+    /// Every layout, the default first.
+    pub const ALL: &'static [Self] = &[Self::Middlebury, Self::Kitti, Self::SceneFlow];
+
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Middlebury => "middlebury",
+            Self::Kitti => "kitti",
+            Self::SceneFlow => "sceneflow",
+        }
+    }
+
+    /// Returns whether the layout requires parallel cameras. Middlebury's `doffs` allows converged cameras, but its
+    /// loaders accept no negative disparities.
+    pub fn is_parallel(self) -> bool {
+        self != Self::Middlebury
+    }
+
+    /// Returns the disparity limit of the layout's files in pixels: they can't hold disparities of this size or larger.
+    pub fn disparity_limit(self) -> f32 {
+        if self == Self::Kitti { 256.0 } else { f32::INFINITY }
+    }
+
+    /// Adds all files of a pair to a batch, and creates their folders.
+    ///
+    /// # Errors
+    /// [`Error::Options`] for cameras that are not parallel where they must be, for toed-in eyes, and in Middlebury's
+    /// layout for a negative disparity. [`Error::Io`] as [`Batch::add`], as [`Batch::add_kitti_disparity`] for a
+    /// disparity that does not fit, and in Scene Flow's layout for an id over `2^24 - 1`.
+    pub fn add(
+        self,
+        batch: &mut Batch,
+        folder: impl AsRef<Path>,
+        index: u32,
+        pair: &StereoPair,
+        truth: &GroundTruth,
+    ) -> Result<(), Error> {
+        let fault = |reason: String| Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
+        if pair.pose.convergence == Convergence::ToeIn {
+            return fault("its pairs are rectified, and the eyes of this one are toed in".into());
+        }
+        if self.is_parallel() && pair.pose.screen_distance.is_finite() {
+            return fault(format!(
+                "its cameras are parallel, and these look through a screen at {}; put it at infinity",
+                pair.pose.screen_distance
+            ));
+        }
+        if self == Self::Middlebury
+            && let Some(place) = negative_disparity(truth)
+        {
+            return fault(format!(
+                "its loaders take the absolute value of a disparity, and {place}, behind the screen at {}; \
+                 put the screen at infinity, or behind all that is seen",
+                pair.pose.screen_distance
+            ));
+        }
+        let root = Root(folder.as_ref());
+        match self {
+            Self::Middlebury => middlebury(batch, &root, index, pair, truth),
+            Self::Kitti => kitti(batch, &root, index, pair, truth),
+            Self::SceneFlow => scene_flow(batch, &root, index, pair, truth),
+        }
+    }
+}
+
+impl fmt::Display for Layout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Layout {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().copied().find(|layout| layout.name() == name);
+        found.ok_or_else(|| Error::unknown_name("layout", name, Self::ALL))
+    }
+}
+
+/// Folder of a data set.
+struct Root<'a>(&'a Path);
+
+impl Root<'_> {
+    /// Returns a file's path and creates its folder.
+    fn file(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = self.0.join(name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        }
+        Ok(path)
+    }
+}
+
+/// Describes the first surface with a negative disparity.
+fn negative_disparity(truth: &GroundTruth) -> Option<String> {
+    [("left", &truth.left), ("right", &truth.right)].into_iter().find_map(|(eye, truth)| {
+        let mut pixels = truth.disparity.iter().zip(truth.surfaces());
+        let index = pixels.position(|(&disparity, is_surface)| is_surface && disparity < 0.0)?;
+        let (column, row) = (index % truth.width as usize, index / truth.width as usize);
+        Some(format!("the {eye} view has {} px at column {column}, row {row}", truth.disparity[index]))
+    })
+}
+
+fn middlebury(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    pair: &StereoPair,
+    truth: &GroundTruth,
+) -> Result<(), Error> {
+    let file = |name: &str| root.file(&format!("{index:06}/{name}"));
+    for (eye, (view, truth)) in [(&pair.left, &truth.left), (&pair.right, &truth.right)].into_iter().enumerate() {
+        batch.add_png(file(&format!("im{eye}.png"))?, &view.picture())?;
+        let known = truth.disparity.iter().zip(truth.surfaces());
+        let known =
+            Vec::from_iter(known.map(|(&disparity, is_surface)| if is_surface { disparity } else { f32::INFINITY }));
+        batch.add_pfm(file(&format!("disp{eye}.pfm"))?, truth.width, truth.height, &known)?;
+        batch.add_known_nocc_mask(file(&format!("mask{eye}nocc.png"))?, truth)?;
+        batch.add_sky_mask(file(&format!("mask{eye}sky.png"))?, truth)?;
+    }
+    batch.add_calib(file("calib.txt")?, truth)
+}
+
+fn kitti(batch: &mut Batch, root: &Root<'_>, index: u32, pair: &StereoPair, truth: &GroundTruth) -> Result<(), Error> {
+    let file = |folder: &str| root.file(&format!("training/{folder}/{index:06}_10.png"));
+    batch.add_png(file("image_2")?, &pair.left.picture())?;
+    batch.add_png(file("image_3")?, &pair.right.picture())?;
+    let EyeTruth { width, height, disparity, .. } = &truth.left;
+    batch.add_kitti_disparity(file("disp_occ_0")?, *width, *height, disparity, &truth.left.surfaces())?;
+    batch.add_kitti_disparity(file("disp_noc_0")?, *width, *height, disparity, &truth.left.surfaces_of_both())?;
+    let calibration = kitti_calibration(truth);
+    batch.add(root.file(&format!("training/calib_cam_to_cam/{index:06}.txt"))?, calibration.as_bytes())
+}
+
+/// KITTI's camera 2 is the left one, at the origin of the rectified frame, and camera 3 the right one. Principal points
+/// are relative to the centre of the top left pixel.
+fn kitti_calibration(truth: &GroundTruth) -> String {
+    let pose = &truth.pose;
+    let [width, height] = pose.size;
+    let Intrinsics { fx, fy, cx0, cx1, cy } = pose.intrinsics();
+    let cy = cy - 0.5;
+    let mut text = String::new();
+    let rounding = pose.baseline_rounding();
+    // Vector from the eye to the left one: right, down, forward. Apart from rounding, the right eye is on the left
+    // one's x axis.
+    let to_left = DVec3::new(-pose.baseline(), rounding.y, -rounding.z) + DVec3::ZERO; // avoids -0
+    for (name, cx, shift) in [("02", cx0 - 0.5, DVec3::ZERO), ("03", cx1 - 0.5, to_left)] {
+        let DVec3 { x, y, z } = shift;
+        let (right, down) = (fx * x + cx * z, fy * y + cy * z);
+        text += &format!(
+            "S_{name}: {width} {height}\nK_{name}: {fx} 0 {cx} 0 {fy} {cy} 0 0 1\nD_{name}: 0 0 0 0 0\n\
+             R_{name}: 1 0 0 0 1 0 0 0 1\nT_{name}: {x} {y} {z}\nS_rect_{name}: {width} {height}\n\
+             R_rect_{name}: 1 0 0 0 1 0 0 0 1\nP_rect_{name}: {fx} 0 {cx} {right} 0 {fy} {cy} {down} 0 0 1 {z}\n"
+        );
+    }
+    text
+}
+
+fn scene_flow(
+    batch: &mut Batch,
+    root: &Root<'_>,
+    index: u32,
+    pair: &StereoPair,
+    truth: &GroundTruth,
+) -> Result<(), Error> {
+    for (eye, view, truth) in [("left", &pair.left, &truth.left), ("right", &pair.right, &truth.right)] {
+        let file = |kind: &str, ending: &str| root.file(&format!("{kind}/stereotrace/{eye}/{index:04}.{ending}"));
+        batch.add_png(file("frames_finalpass", "png")?, &view.picture())?;
+        batch.add_pfm(file("disparity", "pfm")?, truth.width, truth.height, &truth.disparity)?;
+        for (kind, ids) in [("object_index", &truth.object), ("material_index", &truth.material)] {
+            batch.add_indices_pfm(file(kind, "pfm")?, truth.width, truth.height, ids)?;
+        }
+    }
+    let path = root.file(&format!("camera_data/stereotrace/{index:04}.txt"))?;
+    batch.add(path, camera_data(index, truth).as_bytes())
+}
+
+/// Returns an entry of `camera_data.txt`: the matrices from an eye's frame to the world, row by row. The frame has x
+/// right, y up, and the camera looks along -z.
+fn camera_data(index: u32, truth: &GroundTruth) -> String {
+    let pose = &truth.pose;
+    let [right, up, back] = [pose.right, pose.up, -pose.forward].map(|axis| axis.as_dvec3());
+    let matrix = |side: f32| {
+        let eye = pose.eye_position(side);
+        let rows = [0, 1, 2].map(|axis| format!("{} {} {} {}", right[axis], up[axis], back[axis], eye[axis]));
+        format!("{} 0 0 0 1", rows.join(" "))
+    };
+    format!("Frame {index}\nL {}\nR {}\n\n", matrix(-1.0), matrix(1.0))
+}

@@ -1,0 +1,208 @@
+//! Samples per pixel and their filters (docs/DESIGN.md, section 3).
+
+mod cells;
+mod gather;
+mod jitter;
+
+use std::{fmt, str::FromStr};
+
+pub(crate) use self::{
+    cells::Cells,
+    gather::{Centres, Gather},
+    jitter::Jitter,
+};
+use crate::{Error, Pose, view::camera, view::rig::Eyes};
+
+/// Maximum number of rows and columns of a pixel's sample grid.
+const MAX_SIDE: u32 = 8;
+
+/// Reconstruction filter of a pixel's samples. A sample at distance (x, y) from the pixel's centre, in pixels, has the
+/// weight `w(x) w(y)`, divided by the sum of the pixel's weights. Filtering is in linear light. Samples beyond the
+/// picture's borders are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Filter {
+    /// `w(x) = 1` where `|x| < 0.5`: the mean of the pixel's own samples.
+    #[default]
+    Box,
+    /// `w(x) = 1 - |x|` where `|x| < 1`.
+    Tent,
+    /// `w(x) = exp(-x² / 2σ²) - exp(-1.5² / 2σ²)` where `|x| < 1.5`, with `σ = 0.5`: a bell that ends without a step.
+    Gauss,
+}
+
+impl Filter {
+    /// Every filter, the default first.
+    pub const ALL: &'static [Self] = &[Self::Box, Self::Tent, Self::Gauss];
+
+    /// Returns the name that [`FromStr`] parses and [`Display`](fmt::Display) writes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Tent => "tent",
+            Self::Gauss => "gauss",
+        }
+    }
+
+    /// Returns the filter's radius in pixels.
+    pub fn radius(self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent => 1.0,
+            Self::Gauss => 1.5,
+        }
+    }
+
+    /// Returns `w(x)` for a distance within the radius.
+    fn weight(self, x: f64) -> f64 {
+        match self {
+            Self::Box => 1.0,
+            Self::Tent => 1.0 - x.abs(),
+            Self::Gauss => (-2.0 * x * x).exp() - (-2.0 * self.radius() * self.radius()).exp(),
+        }
+    }
+}
+
+impl fmt::Display for Filter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Filter {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.iter().copied().find(|filter| filter.name() == name);
+        found.ok_or_else(|| Error::unknown_name("filter", name, Self::ALL))
+    }
+}
+
+/// Returns the side of the grid of a pixel's samples.
+///
+/// # Errors
+/// [`Error::Samples`] for a number that is not the square of 1 to 8.
+pub(crate) fn side_of(samples: u32) -> Result<u32, Error> {
+    let side = (1..=MAX_SIDE).find(|side| side * side == samples);
+    side.ok_or_else(|| Error::Samples { samples, reason: "take 1, 4, 9, 16, 25, 36, 49 or 64".into() })
+}
+
+impl Eyes {
+    /// Returns the same eyes and screen with one pixel per sample, for `side` x `side` samples per pixel.
+    ///
+    /// # Errors
+    /// [`Error::Samples`] if directions in f32 don't resolve the samples.
+    pub(crate) fn with_samples(&self, side: u32) -> Result<Self, Error> {
+        let size = self.pose.size.map(|pixels| pixels * side);
+        self.finer(Pose { size, ..self.pose }, side)
+    }
+
+    /// Returns the same eyes with one pixel per sample of a lattice of `side` samples per pixel side. Its first and
+    /// last samples stand on the picture's borders, so the screen is one sample larger.
+    ///
+    /// # Errors
+    /// As [`Eyes::with_samples`].
+    pub(crate) fn with_lattice(&self, side: u32) -> Result<Self, Error> {
+        let Pose { size, screen_size, mut frustum, .. } = self.pose;
+        let samples = size.map(|pixels| pixels * side);
+        let larger = |axis: usize, length: f32| length * (1.0 + 1.0 / samples[axis] as f32);
+        let screen_size = [larger(0, screen_size[0]), larger(1, screen_size[1])];
+        frustum.size = [0, 1].map(|axis| larger(axis, frustum.size[axis] as f32).into());
+        self.finer(Pose { size: samples.map(|samples| samples + 1), screen_size, frustum, ..self.pose }, side)
+    }
+
+    /// Returns the same eyes with a pose that has `side` samples per pixel side.
+    fn finer(&self, mut pose: Pose, side: u32) -> Result<Self, Error> {
+        pose.interaxial_px *= side as f32;
+        let fault = |reason| Err(Error::Samples { samples: side * side, reason });
+        let ([width, height], [across, down]) = (self.pose.size, pose.size);
+        if across.max(down) > camera::MAX_SIDE {
+            return fault(format!(
+                "of {width}x{height} pixels they are a grid of {across}x{down}, whose sides must be at most 131072 (2^17): take \
+                 fewer samples or pixels"
+            ));
+        }
+        let aside = self.offsets.iter().fold(0.0_f32, |most, offset| most.max(offset.abs()));
+        let angle = camera::least_pixel_angle(&pose, aside.into());
+        if angle < f64::from(camera::MIN_PIXEL_ANGLE) {
+            return fault(format!(
+                "those of {width}x{height} pixels are {angle:.1e} radians apart in the picture's corners, and must be at least \
+                 3.8e-6 (2^-18): take fewer samples or pixels"
+            ));
+        }
+        Ok(Self { pose, ..self.clone() })
+    }
+}
+
+/// The samples of a pixel in a row or a column, and their weights, which sum to 1.
+#[derive(Clone, Debug, PartialEq)]
+struct Window {
+    first: u32,
+    weights: Vec<f64>,
+}
+
+impl Window {
+    /// Creates the window of pixel `pixel` of `pixels`, with `side` samples each. Samples stand `aside` cell widths
+    /// beside their cells' centres.
+    fn new(filter: Filter, side: u32, [pixel, pixels]: [u32; 2], aside: f32) -> Self {
+        // In units of samples: sample s stands at s + 0.5 + aside.
+        let (centre, reach) = ((f64::from(pixel) + 0.5) * f64::from(side), filter.radius() * f64::from(side));
+        let away = |sample: u32| f64::from(sample) + 0.5 + f64::from(aside) - centre;
+        // (One more cell on either side, since jittered samples stay in their cells.)
+        let nearest = (centre - reach - 1.0).floor().max(0.0) as u32;
+        let farthest = ((centre + reach + 1.0).ceil() as u32).min(pixels * side);
+        let within = |sample: &u32| away(*sample).abs() < reach;
+        let first = (nearest..farthest).find(within).unwrap_or(farthest);
+        let end = (first..farthest).rfind(within).map_or(first, |last| last + 1);
+        let mut weights: Vec<f64> = (first..end).map(|sample| filter.weight(away(sample) / f64::from(side))).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        Self { first, weights }
+    }
+
+    /// Returns the index after the last sample.
+    fn end(&self) -> u32 {
+        self.first + self.weights.len() as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Creates a window without jitter.
+    fn window(filter: Filter, side: u32, pixel: u32, pixels: u32) -> Window {
+        Window::new(filter, side, [pixel, pixels], 0.0)
+    }
+
+    #[test]
+    fn windows_are_centred_and_whole() {
+        for (filter, own) in [(Filter::Box, 1), (Filter::Tent, 2), (Filter::Gauss, 3)] {
+            for side in 1..=MAX_SIDE {
+                let Window { first, weights } = window(filter, side, 5, 11);
+                // Outermost tent samples have no weight if they stand exactly a pixel away.
+                let none = u32::from(filter == Filter::Tent && side % 2 == 1);
+                assert_eq!(weights.len() as u32, own * side - none, "{filter} {side}");
+                let mean: f64 = (first..).zip(&weights).map(|(s, weight)| (f64::from(s) + 0.5) * weight).sum();
+                assert!((mean / f64::from(side) - 5.5).abs() < 1e-12, "{filter} {side}: {mean}");
+                for pixel in 0..11 {
+                    let window = window(filter, side, pixel, 11);
+                    assert!((window.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                    assert!(window.end() <= 11 * side && window.weights.iter().all(|weight| *weight > 0.0));
+                    assert!(window.first <= pixel * side && window.end() >= (pixel + 1) * side);
+                }
+            }
+        }
+        assert_eq!(window(Filter::Tent, 2, 0, 3).weights, [0.75, 0.75, 0.25].map(|weight: f64| weight / 1.75));
+    }
+
+    #[test]
+    fn what_is_no_grid_is_refused_by_name() {
+        for samples in [0, 2, 5, 65, 81, u32::MAX] {
+            let message = side_of(samples).unwrap_err().to_string();
+            let expected = format!("invalid samples: {samples} a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+            assert_eq!(message, expected);
+        }
+        assert_eq!([1, 4, 9, 16, 25, 36, 49, 64].map(|samples| side_of(samples).unwrap()), [1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+}

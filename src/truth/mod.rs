@@ -1,0 +1,6 @@
+//! Ground truth of views, and measures of pictures against it.
+
+pub(crate) mod disparity;
+pub(crate) mod ground_truth;
+pub mod metrics;
+pub(crate) mod occlusion;

@@ -1,0 +1,4 @@
+//! Cameras and rigs of eyes.
+
+pub mod camera;
+pub mod rig;
