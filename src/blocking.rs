@@ -8,9 +8,9 @@ use pollster::block_on;
 #[cfg(feature = "png")]
 use crate::output::dataset::{FreePoses, RandomPose};
 use crate::{
-    BvhBuild, Cast, Encoded, Error, Gpu, GroundTruth, Occlusions, OnRows, Options, Ray, RayHit, Renderer, Rig, Scene,
-    Statistics, StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async,
-    render_views_async, renderer::OnProgress,
+    BvhBuild, Cast, Encoded, Error, Gpu, GroundTruth, Occlusions, OnProgress, OnRows, Options, Ray, RayHit, Renderer,
+    Rig, Scene, Statistics, StereoCamera, StereoPair, Update, UploadedScene, Views, gpu::Adapter, render_stereo_async,
+    render_views_async,
 };
 
 impl Gpu {

@@ -96,50 +96,58 @@ mod kernel;
 pub mod message;
 mod methods;
 pub mod output;
-pub mod renderer;
+mod random;
+mod render;
 mod sampling;
 pub mod scene;
+mod srgb;
 mod steps;
 mod testing;
 mod truth;
 mod view;
 
 pub use ask::method;
-pub use frame::{cast, pair};
 #[cfg(feature = "png")]
 pub use output::dataset;
+pub use render::{cast, pair};
 pub use testing::cpu;
 pub use truth::metrics;
 pub use view::{camera, rig};
 
 pub use accel::bvh::BvhBuild;
-pub use accel::upload::{Update, UploadInfo, UploadedScene};
 pub use ask::method::{BufferDepth, Check, Method, ShadowReuse, Sweep};
 pub use ask::options::{Adaptive, AmbientOcclusion, GBuffer, MAX_BOUNCES, MAX_SOFT_RAYS, Options, Penumbra, Tone};
+pub use ask::progress::{OnProgress, Progress};
+pub use ask::samples::Filter;
 pub use ask::shadow_buffer::{MAX_SHADOW_BUFFERS, ShadowBuffer, ShadowBufferWork, ShadowRule};
 pub use ask::visibility::Visibility;
 #[cfg(all(feature = "blocking", not(target_arch = "wasm32")))]
 pub use blocking::{render_stereo, render_views};
 pub use error::Error;
-pub use frame::cast::{Cast, Ray, RayHit};
-pub use frame::pair::{MISS, PassTimes, PixelSource, Rays, ShadowSource, Statistics, StereoPair, View, Work};
-pub use frame::{Encoded, EncodedView, OnRows, Rows, ViewRows};
+pub use frame::view::{PixelSource, ShadowSource, View};
+pub use frame::work::{Rays, Work};
+pub use frame::{OnRows, Rows, ViewRows};
+pub use gpu::PassTimes;
 pub use gpu::{Adapter, Gpu};
 #[cfg(any(feature = "scene-files", feature = "sky", feature = "textures", feature = "json"))]
 pub use import::input::Limits;
+#[cfg(feature = "scene-files")]
+pub use import::{MissingTextures, ObjOptions, Origin, OutsideFiles, SceneFile, SceneOptions};
 pub use kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal};
 pub use methods::auto::Choice;
-pub use renderer::{OnProgress, Progress, Renderer, render_stereo_async, render_views_async};
-pub use sampling::Filter;
+pub use render::cast::{Cast, Ray, RayHit};
+pub use render::pair::{Statistics, StereoPair};
+pub use render::{Encoded, EncodedView};
+pub use render::{Renderer, render_stereo_async, render_views_async};
+pub use render::{RigView, Views};
+pub use render::{Update, UploadInfo, UploadedScene};
 pub use scene::builtin::Builtin;
 pub use scene::{
-    Ellipsoid, Finish, Light, LightShape, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
+    Ellipsoid, Finish, Light, LightShape, MISS, Material, MaterialId, Mesh, Plane, Scene, Sky, SkyMap, Sphere, Texture,
     TextureId, TextureKind, Triangle, Wrap,
 };
-#[cfg(feature = "scene-files")]
-pub use scene::{MissingTextures, ObjOptions, Origin, OutsideFiles, SceneFile, SceneOptions};
 pub use truth::disparity::Occlusion;
 pub use truth::ground_truth::{EyeTruth, GroundTruth};
 pub use truth::occlusion::Occlusions;
 pub use view::camera::{CameraPath, Comfort, Convergence, FAR, Pose, StereoCamera};
-pub use view::rig::{Rig, RigView, Views};
+pub use view::rig::Rig;

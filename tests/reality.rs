@@ -3,7 +3,7 @@
 
 #[path = "../benches/reality/fits.rs"]
 mod fits;
-#[path = "../src/testing/random.rs"]
+#[path = "../src/random.rs"]
 mod random;
 
 use crate::{

@@ -1,6 +1,6 @@
 //! The rays of each kind that a stereo pair of a scene is made of.
 
-#[path = "../../src/testing/random.rs"]
+#[path = "../../src/random.rs"]
 #[allow(dead_code, reason = "its sequence is not needed here")]
 mod random;
 

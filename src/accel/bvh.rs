@@ -13,10 +13,9 @@ use glam::{DVec3, Vec3};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2};
 
 use self::primitive::{geometry, push_primitive};
-use crate::{Boxes, Error, Scene, accel::cutouts::masks_of, accel::tree, kernel::layout, scene::components};
-
-/// Four words: the result of one texture or storage buffer load.
-pub(crate) type Texel = [u32; 4];
+use crate::{
+    Boxes, Error, Scene, accel::cutouts::masks_of, accel::tree, gpu::Texel, kernel::layout, scene::components,
+};
 
 /// Effort of building the BVH; docs/TRAVERSAL.md has costs and benefits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

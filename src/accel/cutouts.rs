@@ -5,10 +5,8 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use crate::{Scene, Texture, TextureKind, accel::bvh::Texel, accel::table::wrap_number};
+use crate::{Scene, Texture, TextureKind, accel::table::wrap_number, gpu::Texel, scene::material::MASK_ALPHA};
 
-/// Minimum alpha of a solid pixel.
-pub(crate) const MASK_ALPHA: u8 = 128;
 /// Pixels per texel.
 const MASK_PIXELS: usize = 128;
 /// Rec. 709 luminance weights.

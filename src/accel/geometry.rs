@@ -5,8 +5,9 @@
 //! texel on; only they tell where the other pairs begin.
 
 use crate::{
-    accel::bvh::{LEAF, PackedBvh, Texel},
+    accel::bvh::{LEAF, PackedBvh},
     gpu::TEXTURE_WIDTH,
+    gpu::Texel,
     kernel::traversal::Fetch,
 };
 
@@ -91,7 +92,7 @@ impl<'a> GeometryTexels<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Boxes, BvhBuild, MaterialId, Scene, Sphere, accel::bvh, testing::random::Random};
+    use crate::{Boxes, BvhBuild, MaterialId, Scene, Sphere, accel::bvh, random::Random};
 
     /// Reads a texel as `shaders/shared/fetch.wgsl` does.
     fn primitive_texel(texels: &[Texel], fetch: Fetch, pair: usize, each: usize, slot: usize, texel: usize) -> Texel {

@@ -3,14 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{
-    Scene, Sphere,
-    scene::ToSphere,
-    testing::cpu::intersect::{is_close, is_close_ellipsoid, is_close_sphere},
-};
+use crate::{Scene, Sphere, accel::bvh::reach_bits, kernel::layout::LARGE, scene::ToSphere};
 
-/// A triangle is large for a point nearer to its plane than its longest edge divided by this; `LARGE` in the kernels.
-pub(crate) const LARGE: f32 = 64.0;
+/// `CANCELLED` of ellipsoid.wgsl.
+const CANCELLED: f32 = 0.25;
 /// Number of largest primitives that are checked. If a scene has more, hits on the others are slightly less exact.
 const MOST: usize = 1024;
 
@@ -44,6 +40,40 @@ impl LargePrimitives {
                 || self.ellipsoids.iter().any(|(center, map)| is_close_ellipsoid(point, *center, map))
         })
     }
+}
+
+/// Returns whether t must be computed in sums of two f32.
+pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
+    let reach = f32::from_bits(reach_bits(corners));
+    let [a, b, c] = corners.map(|corner| corner - origin);
+    let normal = (b - a).cross(c - a);
+    let beside = a.dot(a) < 4.0 * reach * reach;
+    normal.dot(a).abs() * LARGE < normal.dot(normal).sqrt() * reach && beside
+}
+
+/// Returns whether t must be computed in sums of two f32.
+pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
+    is_close_to_centered(center - origin, radius)
+}
+
+fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
+    (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
+}
+
+/// Returns whether t must be computed in sums of two f32, for the sphere's size or for cancellation in the map's
+/// products.
+pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
+    let from_origin = center - origin;
+    let to_center = mapped(map, from_origin);
+    let distance = (to_center.dot(to_center) - map.radius * map.radius).abs();
+    let products = Vec3::from(map.rows.map(|row| row.abs().dot(from_origin.abs())));
+    let far = (products - to_center.abs()).max_element() * CANCELLED;
+    let beside = from_origin.dot(from_origin) < 4.0 * map.radius * map.radius;
+    is_close_to_centered(to_center, map.radius) || (distance < (2.0 * map.radius + far) * far && beside)
+}
+
+pub(crate) fn mapped(map: &ToSphere, v: Vec3) -> Vec3 {
+    Vec3::from(map.rows.map(|row| row.dot(v)))
 }
 
 /// Returns whether a point's projection onto a triangle's plane lies in the triangle's box or close to it. Distant
@@ -87,7 +117,7 @@ pub(crate) fn longest_edge([a, b, c]: [DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::random::Random;
+    use crate::random::Random;
 
     #[test]
     fn the_largest_are_those_that_sorting_puts_first() {

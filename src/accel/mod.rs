@@ -6,4 +6,3 @@ pub(crate) mod geometry;
 pub(crate) mod large;
 pub(crate) mod table;
 pub(crate) mod tree;
-pub(crate) mod upload;

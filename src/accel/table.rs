@@ -7,9 +7,9 @@ use half::f16;
 
 use crate::{
     Finish, Light, LightShape, Material, Scene, Sky, SkyMap, Texture, TextureKind, Wrap,
-    accel::bvh::Texel,
-    frame::pair::linear_of,
+    gpu::Texel,
     kernel::variant::{light_texels, material_texels},
+    srgb::linear_of,
 };
 
 /// Texels before the lights.

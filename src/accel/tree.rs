@@ -294,7 +294,7 @@ mod tests {
     use obvhs::bvh2::builder::build_bvh2;
 
     use super::*;
-    use crate::{BvhBuild, testing::random::Random};
+    use crate::{BvhBuild, random::Random};
 
     fn cube(center: Vec3, half: f32) -> Aabb {
         Aabb::new((center - half).into(), (center + half).into())

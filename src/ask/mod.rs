@@ -2,5 +2,7 @@
 
 pub mod method;
 pub(crate) mod options;
+pub(crate) mod progress;
+pub(crate) mod samples;
 pub(crate) mod shadow_buffer;
 pub(crate) mod visibility;

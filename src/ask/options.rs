@@ -1,6 +1,6 @@
 //! Render options.
 
-use crate::{Error, Filter, Method, ShadowBuffer, Visibility, output, sampling};
+use crate::{Error, Filter, Method, ShadowBuffer, Visibility, ask, srgb};
 
 /// Options of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,7 @@ impl Tone {
 
     /// Returns the sRGB pixel of a linear colour multiplied by `exposure`.
     pub(crate) fn rgba8(self, linear: [f32; 3], exposure: f32) -> [u8; 4] {
-        let [red, green, blue] = linear.map(|value| output::encode(self.shown(value * exposure)));
+        let [red, green, blue] = linear.map(|value| srgb::encode(self.shown(value * exposure)));
         [red, green, blue, 255]
     }
 }
@@ -354,7 +354,7 @@ impl Options {
     /// # Errors
     /// [`Error::Options`] for a value out of its range, [`Error::Samples`] for an unsupported number of samples.
     pub fn check(&self) -> Result<(), Error> {
-        sampling::side_of(self.samples)?;
+        ask::samples::side_of(self.samples)?;
         let within = |option, value: u32, range: std::ops::RangeInclusive<u32>| match range.contains(&value) {
             true => Ok(()),
             false => {

@@ -2,48 +2,56 @@
 
 mod host;
 mod in_steps;
-mod slots;
+pub(crate) mod slots;
+pub(crate) mod sweep;
 
-use std::{ops::ControlFlow, sync::Arc, time::Duration};
+use std::{ops::ControlFlow, time::Duration};
 
 use super::{
     bands::Band,
+    drawing,
     executor::{Executor, Resources, Workgroups},
+    lanes::Lanes,
     plan::{Launch, Plan, Stage, Step},
-    targets::{Targets, Used},
+    targets::Targets,
     uniforms::Uniforms,
     wanted::Mask,
 };
 use crate::{
-    Error, OnProgress, Options, Progress, Renderer, UploadedScene,
-    frame::lanes::Lanes,
+    Error, OnProgress, Progress,
     gpu::{Gpu, Timestamps},
-    kernel::layout::{self, WORKGROUP},
-    kernel::variant::Variant,
-    kernel::{Kernel, Resource},
-    methods::auto::CostModel,
-    steps::{shadow_buffer::Tables, t_buffer, trace::TRACE_LEFT},
+    kernel::{
+        Kernel, Kernels, Resource,
+        layout::{self, WORKGROUP},
+        variant::Variant,
+    },
     view::rig::Eyes,
 };
 use slots::Slots;
 
+/// The device, and what a renderer keeps between frames.
+pub(crate) struct Engine<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) kernels: &'a Kernels,
+    /// The last frame's 3D buffer.
+    pub(crate) slots: &'a mut Option<wgpu::Buffer>,
+    /// For timed frames.
+    pub(crate) timestamps: Option<&'a mut Timestamps>,
+}
+
 /// A frame's setting, which does not change while it is made.
 pub(crate) struct Setting<'a> {
-    pub(crate) scene: &'a UploadedScene,
     pub(crate) eyes: &'a Eyes,
     pub(crate) variant: Variant,
     pub(crate) targets: &'a Targets,
-    pub(crate) options: &'a Options,
-    /// Shadow-buffers, if kernels read them.
-    pub(crate) tables: Option<&'a Arc<Tables>>,
-    /// Whether passes are timed.
-    pub(crate) timed: bool,
+    pub(crate) uniforms: Uniforms,
+    /// Resources that all views share: those of the scene.
+    pub(crate) shared: Resources,
 }
 
 /// Runs one frame.
 pub(crate) struct Driver<'a> {
     gpu: &'a Gpu,
-    scene: &'a UploadedScene,
     eyes: &'a Eyes,
     variant: Variant,
     targets: &'a Targets,
@@ -65,39 +73,27 @@ pub(crate) struct Driver<'a> {
 
 impl<'a> Driver<'a> {
     /// Prepares a frame's first step.
-    pub(crate) fn new(
-        renderer: &'a mut Renderer,
-        setting: Setting<'a>,
-        model: &CostModel,
-        progress: &'a mut OnProgress<'a>,
-    ) -> Self {
-        let Setting { scene, eyes, variant, targets, options, tables, timed } = setting;
-        if let Some(timestamps) = &mut renderer.timestamps {
+    pub(crate) fn new(engine: Engine<'a>, setting: Setting<'a>, progress: &'a mut OnProgress<'a>) -> Self {
+        let Engine { gpu, kernels, slots, mut timestamps } = engine;
+        let Setting { eyes, variant, targets, uniforms, shared } = setting;
+        if let Some(timestamps) = &mut timestamps {
             timestamps.restart();
         }
-        let parts = if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() };
-        let shape = targets.shape;
-        let uniforms =
-            Uniforms::new(eyes, options, model, (parts, shape.soft_sources), (shape.words_read(), renderer.runs));
-        let resources = |view: usize| {
-            let mut all = targets.resources(view, eyes.sources[view], eyes.seconds[view]);
-            scene.resources(&mut all);
-            if let Some(tables) = tables {
-                all.set(Resource::ShadowBuffers, &tables.view);
-            }
+        let views = eyes.sources.iter().zip(&eyes.seconds).enumerate();
+        let resources = |(view, (source, second)): (usize, (&usize, &usize))| {
+            let mut all = shared.clone();
+            targets.add_resources(view, *source, *second, &mut all);
             all
         };
-        let timestamps = renderer.timestamps.as_mut().filter(|_| timed);
         Self {
-            gpu: &renderer.gpu,
-            scene,
+            gpu,
             eyes,
             variant,
             targets,
-            executor: Executor::new(&renderer.gpu, &renderer.kernels, Some(&targets.indirect), timestamps),
-            resources: (0..eyes.sources.len()).map(resources).collect(),
+            executor: Executor::new(gpu, kernels, Some(&targets.indirect), timestamps),
+            resources: views.map(resources).collect(),
             uniforms,
-            slots: Slots::new(&mut renderer.cache.slots),
+            slots: Slots::new(slots),
             lanes: None,
             masks: Vec::new(),
             host: Duration::ZERO,
@@ -119,7 +115,7 @@ impl<'a> Driver<'a> {
             Launch::Tiles => self.workgroups(rows, [layout::TILE, layout::TILE]),
             Launch::WideTiles => self.workgroups(rows, [layout::WIDE_TILE, layout::WIDE_TILE]),
             Launch::Rows => [1, rows.div_ceil(WORKGROUP * WORKGROUP), 1],
-            Launch::Primitives => t_buffer::workgroups(targets.shape.drawn),
+            Launch::Primitives => drawing::workgroups(targets.shape.drawn),
             Launch::Once => [1, 1, 1],
             Launch::Listed(lists, list) => return Workgroups::Listed(targets.get(lists, 0), list),
         })
@@ -150,15 +146,6 @@ impl Driver<'_> {
         self.slots.most_bytes() + self.lanes.as_ref().map_or(0, |lanes| lanes.buffer.size())
     }
 
-    /// Uploads tables that only some plans read.
-    pub(crate) async fn upload_tables(&mut self, used: &Used) -> Result<(), Error> {
-        if used.objects {
-            let table = self.scene.object_table(self.gpu).await?;
-            self.resources.iter_mut().for_each(|all| all.set(Resource::ObjectTable, table));
-        }
-        Ok(())
-    }
-
     /// Uploads the masks of a band. Those of the previous band have been submitted with its commands.
     pub(crate) async fn upload_masks(&mut self, masks: &[Mask], band: &Band) -> Result<(), Error> {
         let gpu = self.gpu;
@@ -174,8 +161,7 @@ impl Driver<'_> {
     }
 
     /// Uploads what all bands of a plan share.
-    pub(crate) async fn begin(&mut self, plan: &Plan, used: &Used) -> Result<(), Error> {
-        self.upload_tables(used).await?;
+    pub(crate) async fn begin(&mut self, plan: &Plan) -> Result<(), Error> {
         let write = || {
             self.gpu.queue.write_buffer(&self.targets.empty_lists, 0, bytemuck::cast_slice(&self.heads(plan)));
             Ok(())
@@ -186,7 +172,7 @@ impl Driver<'_> {
     /// Returns the initial heads of lists. Dispatches that run whole or not at all are whole until `choose` decides.
     pub(crate) fn heads(&self, plan: &Plan) -> [[u32; 4]; layout::HEADS] {
         let rows = self.targets.shape.bands.rows;
-        let block = TRACE_LEFT.block(&self.variant);
+        let block = self.variant.traversal.rays.block();
         let mut heads = [layout::EMPTY_LIST; layout::HEADS];
         let tile = if plan.wide { layout::WIDE_TILE } else { layout::TILE };
         for (head, block) in [(layout::TO_SEARCH, tile), (layout::ALL_TRACED, block)] {
@@ -218,7 +204,7 @@ impl Driver<'_> {
                 Stage::Host(host) => {
                     let before = std::mem::replace(&mut encoder, self.encoder());
                     gpu.checked(|| Ok(gpu.submit([before.finish()]))).await?;
-                    self.run_on_host(*host).await?;
+                    self.run_on_host(host).await?;
                 }
             }
         }
@@ -302,7 +288,7 @@ impl Driver<'_> {
             Step::EmptySlots => self.slots.clear(encoder),
             Step::EmptyTBuffer => {
                 encoder.clear_buffer(targets.get(Resource::TBuffer, 0), 0, None);
-                encoder.clear_buffer(targets.get(Resource::Drawing, 0), 0, Some(t_buffer::DRAWING_HEAD));
+                encoder.clear_buffer(targets.get(Resource::Drawing, 0), 0, Some(drawing::DRAWING_HEAD));
             }
             Step::Copy(view) => self.encode_copy(encoder, view),
             Step::Run { name, kernel, view, launch, part } => {

@@ -2,10 +2,8 @@
 
 use super::targets::Used;
 use crate::{
-    BufferDepth, Check, Method, ShadowReuse, Sweep,
-    kernel::variant::Variant,
-    kernel::{Kernel, Kernels, Resource},
-    steps::{bracket, mirrors, reproject, resolve, trace},
+    BufferDepth, ShadowReuse,
+    kernel::{Kernel, Kernels, Resource, variant::Variant},
 };
 
 /// How a view, or a band of it, was made.
@@ -42,6 +40,16 @@ pub(crate) struct Plan {
     pub(crate) made: Vec<Made>,
     /// The source of each view. A traced view is its own source.
     pub(crate) sources: Vec<usize>,
+    /// How each view is traced in steps, so that no limit on a thread's loops can end it.
+    pub(crate) in_steps: Vec<InSteps>,
+}
+
+/// Steps of a view that is traced in several dispatches.
+#[derive(Clone, Debug)]
+pub(crate) struct InSteps {
+    /// Repeated until all threads have finished.
+    pub(crate) trace: Step,
+    pub(crate) after: Vec<Step>,
 }
 
 /// Work that completes before the next stage begins.
@@ -99,12 +107,12 @@ pub(crate) enum Launch {
 }
 
 /// Work of the host between steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(crate) enum Host {
     /// Runs Adelson & Hodges' sweep for a view.
     Sweep(usize),
-    /// Sizes the 3D buffer for a view, and reprojects with it.
-    Slots(BufferDepth, usize),
+    /// Sizes the 3D buffer for a view, and runs these steps over as many rows at a time as fit it.
+    Slots(BufferDepth, usize, Vec<Step>),
 }
 
 impl Step {
@@ -122,55 +130,11 @@ impl Step {
 }
 
 impl Plan {
-    /// Makes the plan of a method for views with these sources. `mirrors` says whether surfaces send rays on. `soft` is
-    /// the number of parts of soft light, if any. `wide` is set for several samples a pixel, `drawn` if a T-buffer
-    /// finds the hits of traced views.
-    pub(crate) fn of(
-        method: Method,
-        sources: &[usize],
-        mirrors: bool,
-        soft: Option<usize>,
-        wide: bool,
-        drawn: bool,
-    ) -> Self {
-        let (bits, samples) = match method {
-            Method::Auto => (ShadowReuse::Two, true),
-            Method::Bracket(shadows) => (shadows, true),
-            _ => (ShadowReuse::Rays, false),
-        };
-        let made = match method {
-            Method::Naive if drawn => Made::Drawn,
-            Method::Naive => Made::Traced,
-            Method::Ideal => Made::Copied,
-            Method::Auto => Made::Chosen,
-            Method::Bracket(_) => Made::Bracketed,
-            Method::Atomic(check) | Method::Buffer(_, check) => Made::Marked { checked: check == Check::All },
-            Method::Sweep(_) => Made::Marked { checked: false },
-        };
-        let reaches = matches!(
-            method,
-            Method::Atomic(Check::Edges) | Method::Buffer(_, Check::Edges) | Method::Bracket(ShadowReuse::Block)
-        );
-        let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
-        let traced = views(sources).filter(|&view| sources[view] == view);
-        let traced = traced.flat_map(|view| [trace::source(view, soft, drawn), behind(view)].concat()).collect();
-        let mut stages = vec![Stage::Steps(traced)];
-        for (view, source) in targets(sources) {
-            stages.extend(target(method, view, source, (soft, wide, drawn)));
-            if method != Method::Ideal {
-                stages.push(Stage::Steps(behind(view)));
-            }
-        }
-        let traced = if drawn { Made::Drawn } else { Made::Traced };
-        let made = views(sources).map(|view| if sources[view] == view { traced } else { made }).collect();
-        Self { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec() }
-    }
-
     /// Returns all steps, including those of the host's stages.
     fn steps(&self) -> impl Iterator<Item = Step> + '_ {
         self.stages.iter().flat_map(|stage| match stage {
             Stage::Steps(steps) => steps.clone(),
-            Stage::Host(Host::Slots(_, view)) => reproject::slots(*view),
+            Stage::Host(Host::Slots(_, _, steps)) => steps.clone(),
             Stage::Host(Host::Sweep(_)) => Vec::new(),
         })
     }
@@ -221,41 +185,4 @@ fn views(sources: &[usize]) -> std::ops::Range<usize> {
 /// Returns the views that are not traced, each with its source.
 pub(crate) fn targets(sources: &[usize]) -> impl Iterator<Item = (usize, usize)> + '_ {
     sources.iter().copied().enumerate().filter(|(view, source)| view != source)
-}
-
-/// Returns the stages that make a view from its source.
-fn target(method: Method, view: usize, source: usize, (soft, wide, drawn): (Option<usize>, bool, bool)) -> Vec<Stage> {
-    let steps = match method {
-        Method::Naive => trace::target(view, soft, drawn),
-        Method::Ideal => vec![Step::Copy(view)],
-        Method::Auto => bracket::or_traced(view, soft, wide),
-        Method::Atomic(check) => [reproject::atomic(view), resolve::of(view, check, soft)].concat(),
-        Method::Buffer(depth, check) => {
-            let range = if depth == BufferDepth::Adaptive { reproject::depth_range(source) } else { Vec::new() };
-            return vec![
-                Stage::Steps(range),
-                Stage::Host(Host::Slots(depth, view)),
-                Stage::Steps(resolve::of(view, check, soft)),
-            ];
-        }
-        // The result of the sweep is trusted, since it has cleared the gaps.
-        Method::Sweep(Sweep::Scanline) => [reproject::scanline(view), resolve::of(view, Check::None, soft)].concat(),
-        Method::Sweep(Sweep::Sequential) => {
-            return vec![Stage::Host(Host::Sweep(view)), Stage::Steps(resolve::of(view, Check::None, soft))];
-        }
-        Method::Bracket(bits) => [bracket::bound(view, bits), bracket::resolve(view, soft, wide)].concat(),
-    };
-    vec![Stage::Steps(steps)]
-}
-
-/// Joins consecutive stages of steps.
-fn joined(stages: Vec<Stage>) -> Vec<Stage> {
-    let mut all: Vec<Stage> = Vec::new();
-    for stage in stages {
-        match (all.last_mut(), stage) {
-            (Some(Stage::Steps(steps)), Stage::Steps(more)) => steps.extend(more),
-            (_, stage) => all.push(stage),
-        }
-    }
-    all
 }

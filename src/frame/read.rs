@@ -7,7 +7,18 @@ use super::{
     plan::{Launch, Made, Step},
     targets::{Shape, Targets},
 };
-use crate::{PixelSource, ShadowSource, UploadedScene, View, kernel::Resource, kernel::layout, steps::show::PACK};
+use crate::{
+    PixelSource, ShadowSource, View,
+    frame::show::PACK,
+    kernel::{Resource, layout},
+};
+
+/// Ids of primitives by slot, and of the objects that primitives belong to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ids<'a> {
+    pub(crate) of_slots: &'a [u32],
+    pub(crate) objects: &'a [u32],
+}
 
 /// Layout of a band in a staging buffer. Each view has the pixels of `pack`, linear colour, costs and counters. Times
 /// follow the last view.
@@ -117,14 +128,7 @@ impl ReadBack {
     }
 
     /// Returns a band's rows of a view, given how it was made; `None` if no pictures are wanted.
-    pub(crate) fn rows(
-        &self,
-        bytes: &[u8],
-        band: &Band,
-        view: usize,
-        made: Made,
-        scene: &UploadedScene,
-    ) -> Option<ViewRows> {
+    pub(crate) fn rows(&self, bytes: &[u8], band: &Band, view: usize, made: Made, ids: Ids<'_>) -> Option<ViewRows> {
         if !self.pictures {
             return None;
         }
@@ -133,10 +137,10 @@ impl ReadBack {
             let depth = f32::from_bits(bits);
             if depth < crate::FAR { depth } else { f32::INFINITY }
         };
-        let id = |slot: u32| scene.ids.get(slot as usize).copied().unwrap_or(crate::MISS);
+        let id = |slot: u32| ids.of_slots.get(slot as usize).copied().unwrap_or(crate::MISS);
         let color = |word: u32| (word | !layout::PACKED_COLOR).to_le_bytes();
         let primitive: Vec<u32> = all(Part::Slot).map(id).collect();
-        let object = |id: &u32| scene.objects.get(*id as usize).copied().unwrap_or(crate::MISS);
+        let object = |id: &u32| ids.objects.get(*id as usize).copied().unwrap_or(crate::MISS);
         let count = all(Part::Color).len();
         let source = match made {
             Made::Traced | Made::Drawn | Made::Chosen => vec![PixelSource::Traced; count],

@@ -1,10 +1,16 @@
-//! Rows of views, and the pairs and views made of them.
+//! Rows of views, as they are done.
 
-use super::{Done, targets::MOST_BYTES};
-use crate::{
-    Error, GBuffer, Options, PixelSource, Pose, RigView, ShadowSource, Statistics, StereoPair, View, Views,
-    message::counted, view::rig::Eyes,
-};
+use super::targets::MOST_BYTES;
+use crate::{Error, GBuffer, Options, PixelSource, ShadowSource, View, message::counted, view::rig::Eyes};
+
+/// Callback that takes rows as they are done. It is `Send`, so that its frame can move to another thread, except on
+/// wasm32.
+#[cfg(not(target_arch = "wasm32"))]
+pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + Send + 'a;
+
+/// Callback that takes rows as they are done.
+#[cfg(target_arch = "wasm32")]
+pub type OnRows<'a> = dyn FnMut(Rows) -> Result<(), Error> + 'a;
 
 /// Rows of all views of a frame, as they are done: see [`Renderer::render_rows`](crate::Renderer::render_rows_async).
 #[derive(Clone, Debug, PartialEq)]
@@ -143,79 +149,5 @@ impl ViewRows {
         view.primitive.append(&mut below.primitive);
         view.object.append(&mut below.object);
         view.cost.append(&mut below.cost);
-    }
-}
-
-impl Done {
-    /// Adds the eye of another frame.
-    pub(crate) fn beside(mut self, other: Self) -> Self {
-        self.eyes.offsets.extend(&other.eyes.offsets);
-        self.eyes.sources.push(1);
-        self.eyes.seconds.push(1);
-        self.tallies.extend(&other.tallies);
-        self.choices.extend(&other.choices);
-        self.in_all(other)
-    }
-
-    /// Returns the statistics of a pair.
-    pub(crate) fn pair_statistics(&self) -> Statistics {
-        let [left, right] = [&self.tallies[0], &self.tallies[1]];
-        Statistics {
-            method: self.method_of(1),
-            choice: self.choices[1],
-            in_steps: self.in_steps,
-            left: left.work,
-            right: right.work,
-            reused: right.reused,
-            bad: right.bad,
-            missed: right.missed,
-            lost_candidates: right.lost_candidates,
-            buffer_depth: self.buffer_depth,
-            times: self.times.clone(),
-            intermediate_bytes: self.intermediate_bytes,
-            shadow_buffer: self.shadow_buffer,
-        }
-    }
-}
-
-impl StereoPair {
-    /// Makes a pair from two frames of one eye each.
-    pub(crate) fn of_two(pose: Pose, left: (Done, Vec<ViewRows>), right: (Done, Vec<ViewRows>)) -> Self {
-        let ((left, mut views), (right, of_right)) = (left, right);
-        views.extend(of_right);
-        Self { pose, ..Self::of(left.beside(right), views) }
-    }
-
-    pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
-        let statistics = done.pair_statistics();
-        let mut views = views.into_iter();
-        let mut next = || views.next().expect("a pair has two views");
-        let (left, right) = (next(), next());
-        Self {
-            left: left.view,
-            right: right.view,
-            source: right.source,
-            shadow_source: right.shadow_source,
-            statistics,
-            pose: done.eyes.pose,
-        }
-    }
-}
-
-impl Views {
-    pub(crate) fn of(done: Done, views: Vec<ViewRows>) -> Self {
-        let with_what_it_cost = |(index, rows): (usize, ViewRows)| RigView {
-            view: rows.view,
-            offset: done.eyes.offsets[index],
-            made_from: done.eyes.sources[index],
-            method: done.method_of(index),
-            choice: done.choices[index],
-            source: rows.source,
-            shadow_source: rows.shadow_source,
-            work: done.tallies[index].work,
-        };
-        let views = views.into_iter().enumerate().map(with_what_it_cost).collect();
-        let Done { times, in_steps, intermediate_bytes, shadow_buffer, eyes, .. } = done;
-        Self { views, pose: eyes.pose, times, in_steps, intermediate_bytes, shadow_buffer }
     }
 }

@@ -12,10 +12,10 @@ use super::{
 };
 use crate::{
     Error, GBuffer,
+    frame::drawing::drawing_bytes,
     gpu::{Gpu, Staging, check_bytes},
     kernel::Resource,
     kernel::layout::{self, WORKGROUP},
-    steps::t_buffer::drawing_bytes,
 };
 
 /// A buffer or texture of a frame, and the view that owns it. What views share belongs to view 0.
@@ -233,13 +233,12 @@ impl Targets {
         self.buffers.get(&place)
     }
 
-    /// Returns what steps bind for a view with these sources.
-    pub(crate) fn resources(&self, view: usize, source: usize, second: usize) -> Resources {
+    /// Adds what steps bind for a view with these sources.
+    pub(crate) fn add_resources(&self, view: usize, source: usize, second: usize, all: &mut Resources) {
         let held = |place| {
             let texture = || self.samples.get(&place).map(Held::from);
             self.buffers.get(&place).map(Held::from).or_else(texture)
         };
-        let mut all = Resources::default();
         for resource in Resource::ALL {
             if let Some(held) = resource.of(view, source).and_then(held) {
                 all.set(*resource, held);
@@ -248,7 +247,6 @@ impl Targets {
         if let Some(samples) = self.samples.get(&(Resource::KeptSamples, second)) {
             all.set(Resource::SecondSamples, samples);
         }
-        all
     }
 
     /// Returns the bytes of a plan's intermediates, without its output.

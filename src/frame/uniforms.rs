@@ -1,9 +1,7 @@
 //! A frame's uniforms, for each view.
 
 use super::{bands::Band, executor::Held};
-use crate::{
-    Options, Tone, kernel::layout, methods::auto::CostModel, sampling::Jitter, steps::soft::Part, view::rig::Eyes,
-};
+use crate::kernel::layout;
 
 /// Bytes from one uniform to the next: WebGPU's default alignment of uniform offsets.
 pub(crate) const STRIDE: u64 = 256;
@@ -11,6 +9,17 @@ pub(crate) const STRIDE: u64 = 256;
 /// Returns the bytes of the uniforms of all views.
 pub(crate) fn uniforms_bytes(views: usize, parts: u32) -> u64 {
     views as u64 * u64::from(parts) * STRIDE
+}
+
+/// The rays to one light that a dispatch traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Index among all lights; ambient light, or the sky in its place, comes after the last.
+    pub(crate) light: u32,
+    /// Index among the sources that are not points.
+    pub(crate) slot: u32,
+    /// First ray.
+    pub(crate) first: u32,
 }
 
 /// The uniforms of all views.
@@ -22,46 +31,9 @@ pub(crate) struct Uniforms {
 }
 
 impl Uniforms {
-    /// Makes the uniforms of a frame's views.
-    pub(crate) fn new(
-        eyes: &Eyes,
-        options: &Options,
-        model: &CostModel,
-        (parts, sources): (Vec<Part>, u32),
-        (words_read, runs): (u32, u32),
-    ) -> Self {
-        let jitter = Jitter::of(options);
-        let view = |view| layout::Frame {
-            eyes: jitter.beside(eyes.uniform(view)),
-            band: layout::Band {
-                size: eyes.pose.size,
-                row_end: eyes.pose.size[1],
-                runs,
-                jitter_seed: jitter.seed(),
-                ..Default::default()
-            },
-            lighting: layout::Lighting {
-                bounces: options.bounces,
-                sources,
-                seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
-                occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
-                share_tolerance: options.penumbra.tolerance(),
-                ..Default::default()
-            },
-            display: layout::Display {
-                exposure: options.exposure.exp2(),
-                filmic: u32::from(options.tone == Tone::Filmic),
-                words_read,
-                _pad: 0,
-            },
-            costs: layout::Costs {
-                least_spared: model.least_spared(),
-                listed: model.listed,
-                disagreed: model.disagreed,
-                _pad: 0,
-            },
-        };
-        Self { views: (0..eyes.sources.len()).map(view).collect(), parts }
+    /// Makes the uniforms of views. Their rows are those of bands.
+    pub(crate) fn new(views: Vec<layout::Frame>, parts: Vec<Part>) -> Self {
+        Self { views, parts }
     }
 
     /// Returns the rows at work of a view.
@@ -72,11 +44,6 @@ impl Uniforms {
     /// Returns the same, to change.
     pub(crate) fn band_mut(&mut self, view: usize) -> &mut layout::Band {
         &mut self.views[view].band
-    }
-
-    /// Returns the number of parts of soft light.
-    pub(crate) fn parts(&self) -> usize {
-        self.parts.len()
     }
 
     /// Sets the rows of a band for each view. For sources these include the rows above and below that steps read.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::accel::bvh::Texel;
+use crate::gpu::Texel;
 
 /// The part of a frame that is wanted.
 #[derive(Clone, Copy)]
@@ -27,11 +27,11 @@ impl Wanted<'_> {
         Self { pictures, part: None }
     }
 
-    pub(super) fn rows(&self, [_, height]: [u32; 2]) -> Range<u32> {
+    pub(crate) fn rows(&self, [_, height]: [u32; 2]) -> Range<u32> {
         self.part.map_or(0..height, |part| part.rows.0..part.rows.1)
     }
 
-    pub(super) fn masks(&self) -> Option<&[Mask]> {
+    pub(crate) fn masks(&self) -> Option<&[Mask]> {
         self.part.and_then(|part| part.masks)
     }
 }

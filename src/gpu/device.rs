@@ -9,7 +9,7 @@ use super::{
     adapter::{Adapter, describe},
     pipelines::Held,
 };
-use crate::{Error, kernel};
+use crate::Error;
 
 /// A graphics device and its properties. Cloning is cheap and shares the device.
 #[derive(Clone, Debug)]
@@ -26,6 +26,28 @@ pub struct Gpu {
 /// Locks a mutex. If another thread's panic poisoned it, its value is still consistent here.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Workgroups in x of the largest dispatch.
+pub(crate) const MAX_WORKGROUPS: u32 = 1 << 14;
+
+/// Returns the limits that kernels need of a device; all other limits are taken from `others`. A test compares them
+/// with all kernels.
+pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
+    wgpu::Limits {
+        max_bind_groups: 1,
+        max_bindings_per_bind_group: 11,
+        max_storage_buffers_per_shader_stage: 6,
+        max_storage_textures_per_shader_stage: 3,
+        max_uniform_buffers_per_shader_stage: 2,
+        max_buffers_and_acceleration_structures_per_shader_stage: 8,
+        max_compute_invocations_per_workgroup: 64,
+        max_compute_workgroup_size_x: 64,
+        max_compute_workgroup_size_y: 8,
+        max_compute_workgroup_size_z: 1,
+        max_compute_workgroups_per_dimension: MAX_WORKGROUPS,
+        ..others
+    }
 }
 
 impl Gpu {
@@ -93,7 +115,7 @@ impl Gpu {
     /// # }
     /// ```
     pub fn required_limits() -> wgpu::Limits {
-        kernel::limits_over(wgpu::Limits::downlevel_defaults())
+        limits_over(wgpu::Limits::downlevel_defaults())
     }
 
     /// Uses the caller's device, which keeps its own handlers for errors and loss.
@@ -103,7 +125,7 @@ impl Gpu {
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, Error> {
         let limits = device.limits();
         let mut short = None;
-        kernel::limits_over(limits.clone()).check_limits_with_fail_fn(&limits, true, |limit, needed, allowed| {
+        limits_over(limits.clone()).check_limits_with_fail_fn(&limits, true, |limit, needed, allowed| {
             short = Some(Error::Limit {
                 what: "rendering".into(),
                 needed: needed.to_string(),

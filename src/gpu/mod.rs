@@ -10,11 +10,15 @@ mod wait;
 
 pub use adapter::{ADAPTER_VARIABLE, Adapter};
 pub use device::Gpu;
-pub(crate) use device::lock;
+#[cfg(test)]
+pub(crate) use device::limits_over;
+pub(crate) use device::{MAX_WORKGROUPS, lock};
 pub(crate) use pipelines::{
     Built, Pipelines, Program, TEXELS, bind_group, sampled_layers_type, sampled_type, storage_type, texture_type,
     uniform_type,
 };
 pub(crate) use staging::{Filling, Staging};
+pub use timing::PassTimes;
 pub(crate) use timing::{Timestamps, add_times};
-pub(crate) use transfer::{TEXTURE_WIDTH, Texels, check_bytes};
+pub use transfer::Fetch;
+pub(crate) use transfer::{TEXTURE_WIDTH, Texel, Texels, check_bytes};

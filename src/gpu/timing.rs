@@ -1,7 +1,24 @@
 //! Timestamps of compute passes.
 
 use super::{Gpu, Staging};
+use std::time::Duration;
+
 use crate::Error;
+
+/// Time of each pass on the device, from timestamp queries.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct PassTimes {
+    /// Name and time of each pass, in order.
+    pub passes: Vec<(&'static str, Duration)>,
+}
+
+impl PassTimes {
+    /// Returns the sum of all passes.
+    pub fn total(&self) -> Duration {
+        self.passes.iter().map(|(_, time)| *time).sum()
+    }
+}
 
 /// Timestamps of one frame's compute passes, a pair each.
 #[derive(Debug)]
@@ -83,7 +100,7 @@ impl Timestamps {
     }
 
     /// Waits for all passes since the last call and sums their times by name; `None` if there were too many passes.
-    pub(crate) async fn read(&mut self, gpu: &Gpu) -> Result<Option<crate::PassTimes>, Error> {
+    pub(crate) async fn read(&mut self, gpu: &Gpu) -> Result<Option<PassTimes>, Error> {
         let fill = || {
             let staging = Staging::new(gpu, Self::BYTES);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -91,14 +108,14 @@ impl Timestamps {
             Ok((names, staging.fill(gpu, encoder.finish())))
         };
         let (names, filling) = gpu.checked(fill).await?;
-        let mut times = crate::PassTimes::default();
+        let mut times = PassTimes::default();
         filling.read(gpu, |ticks| add_times(&mut times, &names, ticks, gpu)).await?;
         Ok((!self.full).then_some(times))
     }
 }
 
 /// Adds the times of a band's passes by name, in order of first use.
-pub(crate) fn add_times(times: &mut crate::PassTimes, names: &[&'static str], ticks: &[u8], gpu: &Gpu) {
+pub(crate) fn add_times(times: &mut PassTimes, names: &[&'static str], ticks: &[u8], gpu: &Gpu) {
     let period = f64::from(gpu.queue.get_timestamp_period());
     for (name, pair) in names.iter().zip(ticks.chunks_exact(16)) {
         let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(pair);

@@ -1,7 +1,20 @@
 //! Buffers and textures, uploads to them and reading back.
 
 use super::{Gpu, Staging, TEXELS};
-use crate::{Error, accel::bvh::Texel, kernel::traversal::Fetch};
+use crate::Error;
+
+/// Four words: the result of one texture or storage buffer load.
+pub(crate) type Texel = [u32; 4];
+
+/// How kernels read a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Fetch {
+    /// Reads textures, which is faster on CPU adapters.
+    Texture,
+    /// Reads storage buffers.
+    Buffer,
+}
 
 /// Width of the textures that hold a scene (`shaders/shared/fetch.wgsl`).
 pub(crate) const TEXTURE_WIDTH: u32 = 8192;

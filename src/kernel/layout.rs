@@ -196,3 +196,6 @@ pub(crate) const MISSED: u32 = 0x8000_0000;
 pub(crate) const ASKED: u32 = 0x2000_0000;
 /// The colour of a packed pixel; marks take the place of alpha (`shaders/show/pack.wgsl`).
 pub(crate) const PACKED_COLOR: u32 = 0x00ff_ffff;
+
+/// A triangle is large for a point nearer to its plane than its longest edge divided by this; `LARGE` in the kernels.
+pub(crate) const LARGE: f32 = 64.0;

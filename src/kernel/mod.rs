@@ -16,7 +16,6 @@ pub(crate) use resource::Resource;
 pub(crate) use role::{Canvas, Dispatches, Does, Hits, Role, SampleUse, Shading, Visible};
 
 use crate::{
-    frame::cast,
     gpu::{Built, Gpu, Pipelines, Program, lock},
     kernel::variant::Variant,
     kernel::wgsl::{Linked, Part},
@@ -39,24 +38,6 @@ macro_rules! kernel {
     }};
 }
 pub(crate) use kernel;
-
-/// Returns the limits that kernels need of a device; all other limits are taken from `others`.
-pub(crate) fn limits_over(others: wgpu::Limits) -> wgpu::Limits {
-    wgpu::Limits {
-        max_bind_groups: 1,
-        max_bindings_per_bind_group: 11,
-        max_storage_buffers_per_shader_stage: 6,
-        max_storage_textures_per_shader_stage: 3,
-        max_uniform_buffers_per_shader_stage: 2,
-        max_buffers_and_acceleration_structures_per_shader_stage: 8,
-        max_compute_invocations_per_workgroup: layout::LIST_WORKGROUP,
-        max_compute_workgroup_size_x: layout::LIST_WORKGROUP,
-        max_compute_workgroup_size_y: layout::WORKGROUP,
-        max_compute_workgroup_size_z: 1,
-        max_compute_workgroups_per_dimension: cast::BATCH as u32 / layout::LIST_WORKGROUP,
-        ..others
-    }
-}
 
 impl std::fmt::Debug for Kernel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

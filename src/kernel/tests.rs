@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::*;
+use crate::gpu::limits_over;
 use crate::{
     kernel::wgsl::{self, Condition, SHARED},
     steps::{resolve::TRACE_LISTED, trace::TRACE_LEFT},

@@ -4,16 +4,7 @@
 use std::fmt;
 
 use crate::Gpu;
-
-/// How kernels read a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Fetch {
-    /// Reads textures, which is faster on CPU adapters.
-    Texture,
-    /// Reads storage buffers.
-    Buffer,
-}
+pub use crate::gpu::Fetch;
 
 /// How the boxes of the BVH are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

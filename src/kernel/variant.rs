@@ -8,7 +8,6 @@ mod choices;
 
 use crate::{
     Material, Scene, ShadowReuse, Sky,
-    accel::bvh::PackedBvh,
     ask::shadow_buffer::Reading,
     kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal},
     kernel::{Canvas, Role, SampleUse, Shading},
@@ -211,12 +210,7 @@ impl Variant {
         shadow_buffer: None,
     };
 
-    /// Returns the variant for a scene. Counting is chosen by the frame.
-    pub(crate) fn of(scene: &Scene, traversal: Traversal, packed: &PackedBvh) -> Self {
-        Self::over_tree(scene, traversal, packed.world_boxes, packed.stack_size)
-    }
-
-    /// Returns the variant for a scene, given these properties of its tree.
+    /// Returns the variant for a scene with a tree of these properties. Counting is chosen by the frame.
     pub(crate) fn over_tree(scene: &Scene, traversal: Traversal, world_boxes: bool, stack_size: u32) -> Self {
         let triangles = scene.triangles().iter().any(|triangle| !triangle.is_degenerate());
         let balls = !scene.spheres().is_empty() || !scene.ellipsoids().is_empty();

@@ -1,9 +1,21 @@
-//! The cost model of `Method::Auto`: it chooses between `bracket` and `naive` once a band of the left view is traced
+//! `auto` and its cost model: it chooses between `bracket` and `naive` once a band of the left view is traced
 //! (shaders/bracket/choose.wgsl).
 
 use std::fmt;
 
-use crate::{Gpu, Method, Pose, wgpu};
+use super::{Promise, Target};
+use crate::{
+    Gpu, Method, Pose, ShadowReuse,
+    frame::plan::{Made, Stage},
+    steps::bracket,
+    wgpu,
+};
+
+pub(super) const PROMISE: Promise = Promise { bits: ShadowReuse::Two, samples: true, ..Promise::of(Made::Chosen) };
+
+pub(super) fn stages(Target { view, soft, wide, .. }: Target) -> Vec<Stage> {
+    vec![Stage::Steps(bracket::or_traced(view, soft, wide))]
+}
 
 /// The choice of [`Method::Auto`] and its reasons.
 #[derive(Clone, Copy, Debug, PartialEq)]

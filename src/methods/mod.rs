@@ -1,3 +1,122 @@
-//! What methods promise, and how `auto` chooses.
+//! Methods: how each makes a view from its source, and what it promises. A file a method.
 
+mod atomic;
 pub(crate) mod auto;
+mod bracket;
+mod buffer;
+mod ideal;
+mod naive;
+mod sweep;
+
+use crate::{
+    Method, ShadowReuse,
+    frame::plan::{InSteps, Made, Plan, Stage, targets},
+    steps::{mirrors, trace},
+};
+
+/// A frame's views, and what their steps depend on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Views<'a> {
+    /// The source of each view. A traced view is its own source.
+    pub(crate) sources: &'a [usize],
+    /// Whether surfaces send rays on.
+    pub(crate) mirrors: bool,
+    /// Parts of soft light, if there is any.
+    pub(crate) soft: Option<usize>,
+    /// Whether tiles are searched four at once, as for several samples a pixel.
+    pub(crate) wide: bool,
+    /// Whether a T-buffer finds the hits of traced views.
+    pub(crate) drawn: bool,
+}
+
+/// A view that a method makes from another.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    view: usize,
+    source: usize,
+    soft: Option<usize>,
+    wide: bool,
+    drawn: bool,
+}
+
+/// What a method promises of the views that it makes, and what it needs.
+#[derive(Clone, Copy, Debug)]
+struct Promise {
+    made: Made,
+    /// Which visibility bits it reuses.
+    bits: ShadowReuse,
+    /// Whether samples of sources are kept.
+    samples: bool,
+    /// Whether it reads the rows above and below a band.
+    reaches: bool,
+    /// Whether surfaces that send rays on are followed in each view. Otherwise the source's colour is copied.
+    follows: bool,
+}
+
+impl Promise {
+    /// Every pixel is as its mark says, and nothing else is reused.
+    const fn of(made: Made) -> Self {
+        Self { made, bits: ShadowReuse::Rays, samples: false, reaches: false, follows: true }
+    }
+}
+
+/// Returns the plan of a method.
+pub(crate) fn plan(method: Method, views: &Views<'_>) -> Plan {
+    let Views { sources, mirrors, soft, wide, drawn } = *views;
+    let Promise { made, bits, samples, reaches, follows } = promise(method, drawn);
+    let behind = |view| if mirrors { mirrors::of(view) } else { Vec::new() };
+    let all = 0..sources.len();
+    let traced = all.clone().filter(|&view| sources[view] == view);
+    let traced = traced.flat_map(|view| [trace::source(view, soft, drawn), behind(view)].concat()).collect();
+    let mut stages = vec![Stage::Steps(traced)];
+    for (view, source) in targets(sources) {
+        stages.extend(stages_of(method, Target { view, source, soft, wide, drawn }));
+        if follows {
+            stages.push(Stage::Steps(behind(view)));
+        }
+    }
+    let traced = if drawn { Made::Drawn } else { Made::Traced };
+    let made = all.clone().map(|view| if sources[view] == view { traced } else { made }).collect();
+    let in_steps = all.map(|view| InSteps {
+        trace: trace::in_steps(view, sources[view]),
+        after: [trace::after_steps(view, soft), behind(view)].concat(),
+    });
+    let in_steps = in_steps.collect();
+    Plan { stages: joined(stages), bits, samples, wide, reaches, made, sources: sources.to_vec(), in_steps }
+}
+
+fn promise(method: Method, drawn: bool) -> Promise {
+    match method {
+        Method::Naive => naive::promise(drawn),
+        Method::Ideal => ideal::PROMISE,
+        Method::Atomic(check) => atomic::promise(check),
+        Method::Buffer(_, check) => buffer::promise(check),
+        Method::Sweep(_) => sweep::PROMISE,
+        Method::Bracket(bits) => bracket::promise(bits),
+        Method::Auto => auto::PROMISE,
+    }
+}
+
+fn stages_of(method: Method, target: Target) -> Vec<Stage> {
+    match method {
+        Method::Naive => naive::stages(target),
+        Method::Ideal => ideal::stages(target),
+        Method::Atomic(check) => atomic::stages(target, check),
+        Method::Buffer(depth, check) => buffer::stages(target, depth, check),
+        Method::Sweep(sweep) => sweep::stages(target, sweep),
+        Method::Bracket(bits) => bracket::stages(target, bits),
+        Method::Auto => auto::stages(target),
+    }
+}
+
+/// Joins consecutive stages of steps.
+fn joined(stages: Vec<Stage>) -> Vec<Stage> {
+    let mut all: Vec<Stage> = Vec::new();
+    for stage in stages {
+        match (all.last_mut(), stage) {
+            (Some(Stage::Steps(steps)), Stage::Steps(more)) => steps.extend(more),
+            (_, stage) => all.push(stage),
+        }
+    }
+    all
+}

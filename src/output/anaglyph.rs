@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Picture, encode, rows, to_byte};
+use super::{Picture, rows};
+use crate::srgb::{encode, to_byte};
 use crate::{Error, View};
 
 /// Rows are the output's R, G, B; columns an eye's R, G, B.

@@ -115,21 +115,10 @@ fn rows<T>(pixels: &[T], width: u32) -> impl Iterator<Item = &[T]> {
     pixels.chunks_exact((width as usize).max(1))
 }
 
-/// Encodes a linear value, clamped to 0 to 1, as an sRGB byte (IEC 61966-2-1).
-pub(crate) fn encode(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    to_byte(encoded)
-}
-
-/// Returns the nearest byte of an encoded value, clamped to 0 to 1.
-fn to_byte(encoded: f32) -> u8 {
-    (encoded.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::srgb::encode;
     use crate::{MISS, PixelSource, ShadowSource, Statistics, StereoCamera, glam::Vec3};
 
     /// The inverse of [`encode`], in f64 and with the standard's own constants.

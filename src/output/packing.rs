@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Picture, encode, rows};
+use super::{Picture, rows};
+use crate::srgb::encode;
 use crate::{Error, View};
 
 /// Arrangement of the eyes in one picture.

@@ -179,7 +179,7 @@ fn size(pose: &Map<String, Value>) -> Result<[u32; 2], String> {
 mod tests {
     use super::super::Batch;
     use super::*;
-    use crate::{StereoCamera, folder::Folder, testing::random::Random};
+    use crate::{StereoCamera, folder::Folder, random::Random};
 
     #[test]
     fn a_pose_reads_back_to_the_bit() {

@@ -1,8 +1,7 @@
 //! Offsets of jittered samples from their cells' centres, one per row of samples (docs/DESIGN.md, section 3;
 //! shaders/shared/jitter.wgsl).
 
-use super::side_of;
-use crate::{Options, kernel::layout, testing::random::pcg};
+use crate::{Options, kernel::layout, random::pcg};
 
 /// The offsets of a picture's rows of samples, the same in all views.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +19,7 @@ impl Jitter {
 
     /// Returns the jitter that the options ask for; none for invalid numbers of samples, which are refused elsewhere.
     pub(crate) fn of(options: &Options) -> Self {
-        let side = if options.jitter { side_of(options.samples).unwrap_or(1) } else { 1 };
+        let side = if options.jitter { crate::ask::samples::side_of(options.samples).unwrap_or(1) } else { 1 };
         Self::new(side, options.seed)
     }
 

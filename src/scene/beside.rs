@@ -14,9 +14,9 @@ const NO_COLORS: [Vec3; 3] = [Vec3::ONE; 3];
 
 /// Texture coordinates and colours at the corners of triangles.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Beside {
-    pub(super) uv: Vec<[Vec2; 3]>,
-    pub(super) colors: Vec<[Vec3; 3]>,
+pub(crate) struct Beside {
+    pub(crate) uv: Vec<[Vec2; 3]>,
+    pub(crate) colors: Vec<[Vec3; 3]>,
     /// Number of objects that have texture coordinates, and number that have colours.
     with_uv: usize,
     with_colors: usize,
@@ -25,7 +25,7 @@ pub(super) struct Beside {
 impl Beside {
     /// Replaces the attributes of the object `replaced` by a mesh's, or inserts them. `triangles` is the scene's
     /// previous number of triangles.
-    pub(super) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
+    pub(crate) fn replace(&mut self, range: Range<usize>, mesh: &Mesh, replaced: Option<&Object>, triangles: usize) {
         let count = mesh.triangles.len();
         // Counting avoids a loop over all objects for each added one, which takes quadratic time.
         self.with_uv -= usize::from(replaced.is_some_and(|object| object.has_uv));

@@ -15,21 +15,21 @@ use crate::{Error, message::counted};
 const COARSE_STEP: f32 = 1e-4;
 
 /// Valid ranges of [`Material`] values.
-pub(super) const OPACITIES: RangeInclusive<f32> = 0.0..=1.0;
-pub(super) const EXPONENTS: RangeInclusive<f32> = 0.0..=10_000.0;
-pub(super) const INDICES: RangeInclusive<f32> = 0.1..=10.0;
+pub(crate) const OPACITIES: RangeInclusive<f32> = 0.0..=1.0;
+pub(crate) const EXPONENTS: RangeInclusive<f32> = 0.0..=10_000.0;
+pub(crate) const INDICES: RangeInclusive<f32> = 0.1..=10.0;
 /// Largest share of light that a material may return, with the rounding of two shares.
 const MOST_RETURNED: f32 = 1.0 + 1e-5;
 
 impl Scene {
-    pub(super) fn check_material(&self, material: MaterialId) -> Result<(), String> {
+    pub(crate) fn check_material(&self, material: MaterialId) -> Result<(), String> {
         if (material.0 as usize) < self.materials.len() {
             return Ok(());
         }
         Err(format!("material {} of {}", material.0, self.materials.len()))
     }
 
-    pub(super) fn check_sphere(&self, index: usize, sphere: &Sphere) -> Result<(), Error> {
+    pub(crate) fn check_sphere(&self, index: usize, sphere: &Sphere) -> Result<(), Error> {
         let check = || {
             check_coordinate(sphere.center)?;
             check_coordinate(sphere.center.abs() + sphere.radius)?;
@@ -145,14 +145,14 @@ impl Scene {
 }
 
 /// Returns a message about the f32 step of coordinates in a box, if it is above a share of the longest side.
-pub(super) fn rounding_text(low: Vec3, high: Vec3, share: f32) -> Option<String> {
+pub(crate) fn rounding_text(low: Vec3, high: Vec3, share: f32) -> Option<String> {
     let largest = low.abs().max(high.abs()).max_element();
     let step = largest.next_up() - largest;
     (largest > 0.0 && step > share * (high - low).max_element())
         .then(|| format!("coordinates near {largest:e} are rounded to steps of {step}"))
 }
 
-pub(super) fn check_light_count(count: usize) -> Result<(), Error> {
+pub(crate) fn check_light_count(count: usize) -> Result<(), Error> {
     if count <= MAX_LIGHTS {
         return Ok(());
     }
@@ -160,7 +160,7 @@ pub(super) fn check_light_count(count: usize) -> Result<(), Error> {
 }
 
 /// Checks that light or reflectance is finite and not negative.
-pub(super) fn check_color(what: &str, color: Vec3) -> Result<(), String> {
+pub(crate) fn check_color(what: &str, color: Vec3) -> Result<(), String> {
     match color.is_finite() && color.min_element() >= 0.0 {
         true => Ok(()),
         false => Err(format!("{what} is {color}; it must be finite and not negative")),
@@ -174,7 +174,7 @@ fn check_within(what: &str, value: f32, range: &RangeInclusive<f32>) -> Result<(
     }
 }
 
-pub(super) fn check_coordinate(point: Vec3) -> Result<(), String> {
+pub(crate) fn check_coordinate(point: Vec3) -> Result<(), String> {
     match point.to_array().into_iter().find(|value| value.is_nan() || value.abs() > MAX_COORDINATE) {
         None => Ok(()),
         Some(value) if value.is_finite() => Err(format!("coordinate {value} is beyond ±{MAX_COORDINATE:e}")),

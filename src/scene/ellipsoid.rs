@@ -139,7 +139,7 @@ impl Scene {
         &self.ellipsoids
     }
 
-    pub(super) fn check_ellipsoid(&self, index: usize, ellipsoid: &Ellipsoid) -> Result<(), Error> {
+    pub(crate) fn check_ellipsoid(&self, index: usize, ellipsoid: &Ellipsoid) -> Result<(), Error> {
         let check = || {
             check_coordinate(ellipsoid.center)?;
             ellipsoid.axes.to_cols_array_2d().into_iter().map(Vec3::from_array).try_for_each(check_coordinate)?;
@@ -167,7 +167,7 @@ mod tests {
     use glam::{Affine3A, Quat};
 
     use super::*;
-    use crate::{Sphere, testing::random::Random};
+    use crate::{Sphere, random::Random};
 
     fn turned(random: &mut Random, radii: Vec3) -> Ellipsoid {
         let turn = Mat3::from_quat(Quat::from_axis_angle(random.point(1.0).normalize(), random.between(0.0, 6.0)));

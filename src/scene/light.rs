@@ -97,7 +97,7 @@ impl Light {
     }
 
     /// Checks position and shape, in a scene with this origin.
-    pub(super) fn check(&self, origin: DVec3) -> Result<(), String> {
+    pub(crate) fn check(&self, origin: DVec3) -> Result<(), String> {
         let above_zero = |what: &str, length: f32| match length.is_finite() && length > 0.0 {
             true => Ok(()),
             false => Err(format!("{what} is {length}; it must be finite and above 0")),

@@ -1,9 +1,9 @@
 //! Automatic lights.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
-use crate::{Error, StereoCamera, testing::cpu::intersect::closest_hit};
+use crate::{Error, StereoCamera};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 /// Largest longest side of a scene, in screen distances, for which the bounding box describes the eyes' surroundings.
@@ -46,7 +46,7 @@ impl Scene {
             let position = position.filter(|&position| !self.enclosed(position, eye));
             let position = position.unwrap_or_else(|| {
                 let near = near.get_or_insert_with(|| self.within_reach(eye, pose.subject_distance));
-                let (way, _) = closest_hit(near, eye, wanted - eye, 0.0, 1.0);
+                let way = near.way_to_obstacle(eye.as_dvec3(), (wanted - eye).as_dvec3()) as f32;
                 eye + (wanted - eye) * if way < 1.0 { BEFORE_OBSTACLE * way } else { 1.0 }
             });
             Light::point(self.origin + position.as_dvec3(), Vec3::splat((1.0 - DEFAULT_AMBIENT) / count as f32))
@@ -67,6 +67,39 @@ impl Scene {
         };
         let of_planes = || self.planes.iter().any(|plane| plane.height_of(point) * plane.height_of(eye) <= 0.0);
         of_spheres() || of_ellipsoids() || of_planes()
+    }
+
+    /// Returns the share of a way up to the first surface on it, or infinity.
+    fn way_to_obstacle(&self, eye: DVec3, way: DVec3) -> f64 {
+        let triangles = self.triangles.iter().filter(|triangle| !triangle.is_degenerate());
+        let triangles = triangles.filter_map(|triangle| {
+            let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3() - eye);
+            let (ab, ac) = (b - a, c - a);
+            let across = way.cross(ac);
+            let determinant = ab.dot(across);
+            let (u, v) = (-a.dot(across) / determinant, way.dot(ab.cross(a)) / determinant);
+            let is_inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+            is_inside.then(|| ac.dot(ab.cross(a)) / determinant)
+        });
+        let of_ball = |to_center: DVec3, way: DVec3, radius: f64| {
+            let (middle, squared) = (way.dot(to_center), way.length_squared());
+            let root = middle * middle - squared * (to_center.length_squared() - radius * radius);
+            let near = (middle - root.sqrt()) / squared;
+            if near >= 0.0 { near } else { (middle + root.sqrt()) / squared }
+        };
+        let spheres = self.spheres.iter();
+        let spheres = spheres.map(|sphere| of_ball(sphere.center.as_dvec3() - eye, way, sphere.radius.into()));
+        let ellipsoids = self.ellipsoids.iter().map(|one| {
+            let map = one.to_sphere();
+            let mapped = |v: DVec3| DVec3::from_array(map.rows.map(|row| row.as_dvec3().dot(v)));
+            of_ball(mapped(one.center.as_dvec3() - eye), mapped(way), map.radius.into())
+        });
+        let planes = self.planes.iter().map(|plane| {
+            let normal = plane.unit_normal().as_dvec3();
+            normal.dot(plane.point.as_dvec3() - eye) / normal.dot(way)
+        });
+        let all = triangles.chain(spheres).chain(ellipsoids).chain(planes);
+        all.filter(|t| *t >= 0.0).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns a scene of the primitives that may stand between the eyes and a light.
@@ -114,5 +147,35 @@ impl Walls {
             }
             _ => Self::None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Ellipsoid, MaterialId, Mesh, Plane, Sphere, glam::Mat3, random::Random, testing::cpu::intersect::closest_hit,
+    };
+
+    #[test]
+    fn the_first_surface_on_a_way_is_the_one_that_rays_hit() {
+        let mut random = Random::new(11);
+        let mut scene = Scene::new();
+        let corners = (0..120).map(|_| random.point(2.0)).collect();
+        let triangles = (0..40).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect();
+        scene.add_mesh(&Mesh::new(corners, triangles)).unwrap();
+        scene.add_sphere(Sphere::new(Vec3::new(1.0, 1.0, 0.0), 0.7, MaterialId(0))).unwrap();
+        let axes = Mat3::from_diagonal(Vec3::new(0.4, 0.9, 0.5));
+        scene.add_ellipsoid(Ellipsoid::new(Vec3::new(-1.0, 0.5, 0.3), axes, MaterialId(0))).unwrap();
+        scene.add_plane(Plane::new(-2.0 * Vec3::Y, Vec3::new(0.1, 1.0, 0.0), MaterialId(0))).unwrap();
+        let mut hits = 0;
+        for _ in 0..2000 {
+            let (eye, way) = (random.point(3.0), random.point(4.0));
+            let (expected, _) = closest_hit(&scene, eye, way, 0.0, f32::INFINITY);
+            let found = scene.way_to_obstacle(eye.as_dvec3(), way.as_dvec3()) as f32;
+            hits += usize::from(expected.is_finite());
+            assert!((found - expected).abs() <= 1e-4 * expected.max(1.0) || found == expected, "{found} {expected}");
+        }
+        assert!(hits > 500, "{hits}");
     }
 }

@@ -4,6 +4,9 @@ use glam::Vec3;
 
 use super::TextureId;
 
+/// Minimum alpha of a solid pixel.
+pub(crate) const MASK_ALPHA: u8 = 128;
+
 /// Index of a [`Material`] in its [`Scene`](super::Scene). The default is the grey material of every scene.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -174,7 +177,7 @@ impl Material {
 
     /// Returns the largest share of each channel's light that the material can return: diffuse, reflected and
     /// transmitted. It ignores highlights that don't conserve energy.
-    pub(super) fn most_returned(&self) -> Vec3 {
+    pub(crate) fn most_returned(&self) -> Vec3 {
         let (albedo, reflected) = (self.albedo, self.specular);
         match self.finish {
             Finish::Matte if !self.normalised => albedo,
@@ -187,7 +190,7 @@ impl Material {
 
     /// Scales the shares so that the material returns at most 1. Returns whether it had returned more.
     #[cfg(any(feature = "obj", feature = "gltf", test))]
-    pub(super) fn conserve(&mut self) -> bool {
+    pub(crate) fn conserve(&mut self) -> bool {
         if self.most_returned().max_element() <= 1.0 {
             return false;
         }
@@ -215,7 +218,7 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::random::Random;
+    use crate::random::Random;
 
     #[test]
     fn what_is_scaled_down_returns_all_that_came_and_no_more() {

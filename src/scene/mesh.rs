@@ -81,11 +81,11 @@ impl Mesh {
         self
     }
 
-    pub(super) fn fault(&self, element: &str, reason: String) -> Error {
+    pub(crate) fn fault(&self, element: &str, reason: String) -> Error {
         Error::Scene { element: format!("mesh '{}', {element}", self.name), reason }
     }
 
-    pub(super) fn check_corners(&self, triangle: usize) -> Result<(), String> {
+    pub(crate) fn check_corners(&self, triangle: usize) -> Result<(), String> {
         match self.triangles[triangle].iter().find(|&&corner| corner as usize >= self.positions.len()) {
             None => Ok(()),
             Some(corner) => Err(format!("corner {corner} of {}", counted(self.positions.len(), "vertex", "vertices"))),
@@ -121,12 +121,12 @@ impl Mesh {
 pub(crate) struct Object {
     pub(crate) name: Arc<str>,
     pub(crate) first_primitive: u32,
-    pub(super) has_uv: bool,
-    pub(super) has_colors: bool,
+    pub(crate) has_uv: bool,
+    pub(crate) has_colors: bool,
 }
 
 impl Object {
-    pub(super) fn new(mesh: &Mesh, first_primitive: u32) -> Self {
+    pub(crate) fn new(mesh: &Mesh, first_primitive: u32) -> Self {
         let [has_uv, has_colors] = [!mesh.uv.is_empty(), !mesh.colors.is_empty()];
         Self { name: mesh.name.clone(), first_primitive, has_uv, has_colors }
     }
@@ -177,7 +177,7 @@ impl Scene {
     }
 
     /// Logs how many triangles of a mesh were dropped. Only the first such meshes are logged.
-    pub(super) fn warn_of_dropped(&mut self, name: &str, dropped: usize, of: Range<usize>) {
+    pub(crate) fn warn_of_dropped(&mut self, name: &str, dropped: usize, of: Range<usize>) {
         if dropped == 0 {
             return;
         }
@@ -193,7 +193,7 @@ impl Scene {
     }
 
     /// Adds a mesh as [`Scene::add_mesh`] does, without a warning about dropped triangles.
-    pub(super) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
+    pub(crate) fn push_mesh(&mut self, mesh: &Mesh) -> Result<(), Error> {
         let triangles = self.checked_triangles(mesh)?;
         let end = self.triangles.len();
         self.mesh_objects.push(Object::new(mesh, end as u32));
@@ -203,7 +203,7 @@ impl Scene {
     }
 
     /// Replaces a range of triangles and updates the counts of dropped and smooth ones.
-    pub(super) fn replace_triangles(&mut self, range: Range<usize>, by: Vec<Triangle>) {
+    pub(crate) fn replace_triangles(&mut self, range: Range<usize>, by: Vec<Triangle>) {
         let counts = |triangles: &[Triangle]| {
             triangles.iter().fold((0, 0), |(dropped, smooth), triangle| match triangle.is_degenerate() {
                 true => (dropped + 1, smooth),
@@ -222,7 +222,7 @@ impl Scene {
     }
 
     /// Returns a mesh's triangles, after checking it against the scene.
-    pub(super) fn checked_triangles(&self, mesh: &Mesh) -> Result<Vec<Triangle>, Error> {
+    pub(crate) fn checked_triangles(&self, mesh: &Mesh) -> Result<Vec<Triangle>, Error> {
         for (index, &position) in mesh.positions.iter().enumerate() {
             check_coordinate(position).map_err(|reason| mesh.fault(&format!("vertex {index}"), reason))?;
         }
@@ -245,7 +245,7 @@ impl Scene {
 }
 
 /// Returns a message about dropped triangles: how many there are, and whether the rounding of coordinates caused it.
-pub(super) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
+pub(crate) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
     let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());

@@ -2,52 +2,28 @@
 
 mod beside;
 pub mod builtin;
-mod checks;
+pub(crate) mod checks;
 pub(crate) mod components;
 mod content;
-#[cfg(any(feature = "obj", feature = "ply"))]
-mod ears;
 mod ellipsoid;
-#[cfg(feature = "scene-files")]
-mod file;
-#[cfg(feature = "gltf")]
-mod gltf;
 mod light;
 mod lights;
-mod material;
-mod mesh;
+pub(crate) mod material;
+pub(crate) mod mesh;
 mod moving;
-#[cfg(feature = "obj")]
-mod obj;
-#[cfg(feature = "scene-files")]
-mod options;
-#[cfg(feature = "scene-files")]
-mod origin;
 mod plane;
-#[cfg(feature = "ply")]
-mod ply;
-#[cfg(any(feature = "obj", feature = "ply"))]
-mod polygon;
 #[cfg(feature = "serde")]
 mod serialised;
-mod sky;
-mod smooth;
+pub(crate) mod sky;
+pub(crate) mod smooth;
 pub mod suite;
-mod texture;
-#[cfg(feature = "scene-files")]
-mod warnings;
+pub(crate) mod texture;
 
 pub(crate) use ellipsoid::ToSphere;
 pub use ellipsoid::{Ellipsoid, MAX_ASPECT, MIN_SEMI_AXIS};
-#[cfg(feature = "scene-files")]
-pub use file::SceneFile;
 pub use light::{Light, LightShape, MAX_SOFT_LIGHTS};
 pub use material::{Finish, Material, MaterialId};
 pub use mesh::{Mesh, Triangle};
-#[cfg(feature = "scene-files")]
-pub use options::{MissingTextures, ObjOptions, OutsideFiles, SceneOptions};
-#[cfg(feature = "scene-files")]
-pub use origin::Origin;
 pub use plane::{MAX_PLANES, PLANE_REACH, Plane};
 pub use sky::SkyMap;
 pub use texture::{MAX_TEXTURE_SIDE, Texture, TextureId, TextureKind, Wrap};
@@ -56,19 +32,12 @@ use glam::{DVec3, Vec3};
 
 pub(crate) use self::moving::Stamp;
 use self::{beside::Beside, mesh::Object};
-#[cfg(feature = "obj")]
-use crate::Limits;
-#[cfg(any(feature = "obj", feature = "gltf", feature = "ply"))]
-use crate::import::input::Files;
 use crate::{Error, view::camera::MAX_WORLD_COORDINATE};
 
-/// Largest coordinate relative to [`Scene::origin`], in world units. Larger ones are refused, since they overflow f32
-/// in the traversal's box tests.
-pub const MAX_COORDINATE: f32 = 1e8;
+/// Primitive or object id where nothing was hit.
+pub const MISS: u32 = u32::MAX;
 
-/// Least length of a scene's longest side, in world units. In smaller scenes the products of an intersection vanish in
-/// f32. Smaller objects may stand in a larger scene.
-pub const MIN_EXTENT: f32 = 1e-6;
+pub use crate::view::camera::{MAX_COORDINATE, MIN_EXTENT};
 
 /// Maximum number of lights in a scene.
 pub const MAX_LIGHTS: usize = 1 << 20;
@@ -77,7 +46,7 @@ pub const MAX_LIGHTS: usize = 1 << 20;
 const DEFAULT_AMBIENT: f32 = 0.15;
 
 /// Number of warnings of one kind that are logged; further ones are only counted.
-const PRINTED_WARNINGS: usize = 5;
+pub(crate) const PRINTED_WARNINGS: usize = 5;
 
 /// Light along rays that hit nothing, linear RGB.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -154,9 +123,9 @@ pub struct Scene {
     /// Light along rays that hit nothing. It lights surfaces if [`Options::sky_rays`](crate::Options::sky_rays) is set.
     pub sky: Sky,
     origin: DVec3,
-    materials: Vec<Material>,
-    textures: Vec<Texture>,
-    triangles: Vec<Triangle>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     ellipsoids: Vec<Ellipsoid>,
     planes: Vec<Plane>,
@@ -165,7 +134,7 @@ pub struct Scene {
     /// Number of traced triangles with smooth shading.
     smooth: usize,
     /// Number of degenerate triangles.
-    dropped: usize,
+    pub(crate) dropped: usize,
     /// Number of meshes with a warning about degenerate triangles.
     dropping_meshes: usize,
     /// Renewed whenever triangles change. Scenes with equal stamps have equal primitives. `spheres_stamp` does the same
@@ -221,97 +190,6 @@ impl Scene {
         self.spheres.push(sphere);
         self.spheres_stamp = Stamp::new();
         Ok(())
-    }
-
-    /// Reads a scene from an OBJ file and the MTL files that it names.
-    ///
-    /// - A face of n corners becomes n - 2 triangles. Convex faces become a fan from the first corner, concave ones are
-    ///   cut by ear clipping. Faces that cross themselves or are far from flat become fans, with a warning.
-    /// - Faces without normals are flat. A missing MTL is logged; its materials are grey.
-    /// - Vertex colours (`v x y z r g b`) are sRGB.
-    /// - Textures (`map_Kd`, `map_d`) of used materials are read with the feature `textures`.
-    /// - A mirror or glass without a diffuse colour takes its specular one.
-    /// - Unsupported features, such as highlights, lines and points, are logged once a file.
-    ///
-    /// DESIGN, section 8, lists the MTL fields. The scene has no lights: see [`Scene::place_lights`].
-    ///
-    /// # Errors
-    /// - [`Error::Io`] if the file can't be read or is no regular file.
-    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`], with the line where it is known, if the file is UTF-16 or its content is wrong. Examples are
-    ///   numbers that don't parse or are not finite, indices out of range, no faces, and unreadable textures.
-    #[cfg(feature = "obj")]
-    pub fn from_obj(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::from_obj_with(path, &ObjOptions::default())
-    }
-
-    /// Does the same as [`Scene::from_obj`], with the given limits.
-    ///
-    /// # Errors
-    /// Those of [`Scene::from_obj`].
-    #[cfg(feature = "obj")]
-    pub fn from_obj_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
-        Self::from_obj_with(path, &ObjOptions::default().limits(*limits))
-    }
-
-    /// Does the same as [`Scene::from_obj`]; `options` set limits, missing textures and missing normals.
-    ///
-    /// # Errors
-    /// Those of [`Scene::from_obj`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
-    #[cfg(feature = "obj")]
-    pub fn from_obj_with(path: impl AsRef<std::path::Path>, options: &ObjOptions) -> Result<Self, Error> {
-        obj::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
-    }
-
-    /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights. It reads the meshes of the default scene's
-    /// nodes, with base colour, metal, roughness, emission, masks and transparency.
-    ///
-    /// `docs/FORMATS.md` has the rules. Unsupported features are logged once. [`SceneFile::open`] also reads the
-    /// cameras.
-    ///
-    /// # Errors
-    /// - [`Error::Io`] if the file or one that it names can't be read or is no regular file.
-    /// - [`Error::TooLarge`] if a file or the number of triangles exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`], naming the item, if the content is wrong. Examples are invalid JSON, indices out of range,
-    ///   infinite numbers, nodes with two parents, unknown required extensions, no triangles, and unreadable textures.
-    #[cfg(feature = "gltf")]
-    pub fn from_gltf(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::from_gltf_with(path, &SceneOptions::default())
-    }
-
-    /// Does the same as [`Scene::from_gltf`]; `options` set limits, missing textures and missing normals.
-    ///
-    /// # Errors
-    /// Those of [`Scene::from_gltf`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
-    #[cfg(feature = "gltf")]
-    pub fn from_gltf_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        gltf::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options).map(|file| file.scene)
-    }
-
-    /// Reads a mesh from a PLY file, text or binary of either byte order. It reads positions, normals, sRGB colours and
-    /// texture coordinates of vertices, and faces. Faces become triangles as in [`Scene::from_obj`]. Without vertex
-    /// colours the mesh is grey.
-    ///
-    /// `docs/FORMATS.md` lists the properties; unsupported ones are logged once. The scene has no lights: see
-    /// [`Scene::place_lights`].
-    ///
-    /// # Errors
-    /// - [`Error::Io`] if the file can't be read or is no regular file.
-    /// - [`Error::TooLarge`] if the file exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`], with element and line where they are known, if the content is wrong. Examples are an invalid
-    ///   header, numbers that are missing or not finite, corners out of range, and no faces, as in point clouds.
-    #[cfg(feature = "ply")]
-    pub fn from_ply(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::from_ply_with(path, &SceneOptions::default())
-    }
-
-    /// Does the same as [`Scene::from_ply`]; `options` set limits and missing normals.
-    ///
-    /// # Errors
-    /// Those of [`Scene::from_ply`], and [`Error::Scene`] for a crease angle outside 0 to 180 degrees.
-    #[cfg(feature = "ply")]
-    pub fn from_ply_with(path: impl AsRef<std::path::Path>, options: &SceneOptions) -> Result<Self, Error> {
-        ply::read(Files::Disk(&options.folder_of(path.as_ref())), path.as_ref(), options)
     }
 
     /// Returns the ambient light that is rendered: [`Scene::ambient`] if it is set, else 1 without lights and 0.15 with
@@ -458,6 +336,6 @@ impl Scene {
 
 /// Converts an sRGB value to linear light (IEC 61966-2-1).
 #[cfg(any(feature = "scene-files", feature = "sky"))]
-fn linear(value: f32) -> f32 {
+pub(crate) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

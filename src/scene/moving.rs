@@ -20,7 +20,7 @@ const ROUND: f64 = 1e-5;
 pub(crate) struct Stamp(u64);
 
 impl Stamp {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
     }

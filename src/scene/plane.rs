@@ -147,7 +147,7 @@ impl Scene {
         (count - self.planes.len()) as u32..count as u32
     }
 
-    pub(super) fn check_plane(&self, index: usize, plane: &Plane) -> Result<(), Error> {
+    pub(crate) fn check_plane(&self, index: usize, plane: &Plane) -> Result<(), Error> {
         let check = || {
             if index >= MAX_PLANES {
                 return Err(format!("a scene can have at most {MAX_PLANES} planes"));

@@ -1,15 +1,10 @@
 //! Sky maps.
 
-#[cfg(feature = "sky")]
-mod picture;
-
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::{Error, message::counted};
-#[cfg(feature = "sky")]
-use crate::{Limits, import::input};
 
 /// An equirectangular picture of the surroundings, linear RGB. The top row is straight up, the middle column points to
 /// -z, and columns turn to the right. Sampling is bilinear, also across the seam and the poles. Clones share the
@@ -88,51 +83,6 @@ impl SkyMap {
         Self::new(width, height, (0..width * height).map(color).collect())
     }
 
-    /// Reads a picture: PNG or JPEG (as sRGB), or Radiance HDR (linear). With the feature `exr` it also reads `OpenEXR`
-    /// (linear): one part with channels R, G and B, where negative light becomes 0. The size is checked before
-    /// decoding. Decoding takes 12 bytes a pixel, besides the format's own memory.
-    ///
-    /// # Errors
-    /// - [`Error::Io`] if the file can't be read or is no regular file.
-    /// - [`Error::TooLarge`] if the file or its number of pixels exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`] if it is not such a picture or not a sky.
-    #[cfg(feature = "sky")]
-    pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
-        Self::open_within(path, &Limits::default())
-    }
-
-    /// Does the same as [`SkyMap::open`], with the given limits; [`Limits::gpu`] has those of an adapter.
-    ///
-    /// # Errors
-    /// Those of [`SkyMap::open`].
-    #[cfg(feature = "sky")]
-    pub fn open_within(path: impl AsRef<std::path::Path>, limits: &Limits) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let (file, _) = input::open(path, limits.file_bytes, limits.option_names[0])?;
-        Self::decode(path, std::io::BufReader::new(file), limits)
-    }
-
-    /// Decodes a picture file in memory, as [`SkyMap::open`] does from the disk. Messages name it `name`.
-    ///
-    /// # Errors
-    /// Those of [`SkyMap::open`] except [`Error::Io`].
-    #[cfg(feature = "sky")]
-    pub fn from_bytes(name: impl AsRef<std::path::Path>, bytes: &[u8], limits: &Limits) -> Result<Self, Error> {
-        let path = name.as_ref();
-        input::check_size(path, bytes.len() as u64, limits.file_bytes, limits.option_names[0])?;
-        Self::decode(path, std::io::Cursor::new(bytes), limits)
-    }
-
-    #[cfg(feature = "sky")]
-    fn decode(
-        path: &std::path::Path,
-        source: impl std::io::BufRead + std::io::Seek,
-        limits: &Limits,
-    ) -> Result<Self, Error> {
-        let (width, height, pixels) = picture::decode(path, source, limits)?;
-        Self::new(width, height, pixels).map_err(|error| Error::parse_from(path, None, error.to_string(), error))
-    }
-
     /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
@@ -145,7 +95,7 @@ impl SkyMap {
 
 /// Returns whether a picture of this size can be a map. Its width must be even, so that each column has an opposite
 /// one.
-fn is_map(width: u32, height: u32) -> bool {
+pub(crate) fn is_map(width: u32, height: u32) -> bool {
     width > 0 && height > 0 && width.is_multiple_of(2)
 }
 

@@ -33,7 +33,7 @@ impl Mesh {
     }
 }
 
-pub(super) fn check_crease(degrees: f32) -> Result<(), String> {
+pub(crate) fn check_crease(degrees: f32) -> Result<(), String> {
     match (0.0..=180.0).contains(&degrees) {
         true => Ok(()),
         false => Err(format!("it is {degrees} degrees; it must be within 0 to 180")),
@@ -42,13 +42,13 @@ pub(super) fn check_crease(degrees: f32) -> Result<(), String> {
 
 /// Normalises a vector; zero stays zero. f64 keeps the direction of tiny and huge normals.
 #[cfg(feature = "scene-files")]
-pub(super) fn unit(normal: Vec3) -> Vec3 {
+pub(crate) fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or_zero().as_vec3()
 }
 
 /// Returns three normals per triangle, zeros for flat ones, or none if all are flat. `groups` has smoothing groups of
 /// the first triangles. Triangles of different groups never share a fan, and those of group 0 are flat.
-pub(super) fn smooth_normals(
+pub(crate) fn smooth_normals(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
     groups: &[u32],

@@ -6,8 +6,6 @@ pub(crate) mod edges;
 pub(crate) mod mirrors;
 pub(crate) mod reproject;
 pub(crate) mod resolve;
-pub(crate) mod shadow_buffer;
-pub(crate) mod show;
 pub(crate) mod soft;
 pub(crate) mod t_buffer;
 pub(crate) mod trace;

@@ -5,7 +5,10 @@
 use super::step;
 use crate::{
     Light, Options, Scene,
-    frame::plan::{Launch, Step},
+    frame::{
+        plan::{Launch, Step},
+        uniforms::Part,
+    },
     kernel::{Hits, Kernel, Resource::Lists, Role, Shading, kernel},
 };
 
@@ -20,17 +23,6 @@ pub(crate) const SHADE_HITS: Kernel = kernel!("soft", "shade_hits", Role::Shade(
 
 /// Rays of a part: `ASKED_GROUPS` of four (soft.wgsl).
 const PART_RAYS: u32 = 16;
-
-/// The rays to one light that a dispatch traces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
-    /// Index among all lights; ambient light, or the sky in its place, comes after the last.
-    pub(crate) light: u32,
-    /// Index among the sources that are not points.
-    pub(crate) slot: u32,
-    /// First ray.
-    pub(crate) first: u32,
-}
 
 /// The soft lights of a scene, as frames need them.
 #[derive(Clone, Debug, Default)]

@@ -26,6 +26,16 @@ fn by_t_buffer(view: usize, soft: Option<usize>) -> Vec<Step> {
     [t_buffer::hits(view), soft::behind_hits(view, Launch::Pixels, soft.unwrap_or(0))].concat()
 }
 
+/// Returns the step that traces a view in several dispatches.
+pub(crate) fn in_steps(view: usize, source: usize) -> Step {
+    step(&TRACE_IN_STEPS, view, Launch::Pixels).named(if view == source { "trace_left" } else { "trace_right" })
+}
+
+/// Returns the steps after it that add soft light.
+pub(crate) fn after_steps(view: usize, soft: Option<usize>) -> Vec<Step> {
+    soft.map_or(Vec::new(), |parts| soft::behind_hits(view, Launch::Pixels, parts))
+}
+
 /// Returns the steps for a view that is traced in bands where `choose` decides so.
 pub(crate) fn chosen(view: usize, soft: Option<usize>) -> Vec<Step> {
     traced("trace_right", view, Launch::Listed(Resource::Lists, ALL_TRACED), soft)

@@ -1,4 +1,3 @@
-//! Twins of the kernels, and random numbers.
+//! What tests compare with: twins of the kernels.
 
 pub mod cpu;
-pub(crate) mod random;

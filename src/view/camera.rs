@@ -4,8 +4,6 @@ mod comfort;
 mod display;
 mod fitting;
 mod frustum;
-#[cfg(feature = "json")]
-mod given;
 mod intrinsics;
 mod path;
 mod ranges;
@@ -16,18 +14,17 @@ pub use display::{ComfortRule, Comfortable, Display};
 pub use intrinsics::Intrinsics;
 pub use path::CameraPath;
 pub use ranges::{
-    MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MAX_WORLD_COORDINATE, MIN_PIXEL_ANGLE, SCREEN_DISTANCES,
+    MAX_COORDINATE, MAX_EYE_COORDINATE, MAX_EYE_SHIFT, MAX_SIDE, MAX_WORLD_COORDINATE, MIN_EXTENT, MIN_PIXEL_ANGLE,
+    SCREEN_DISTANCES,
 };
 
 use glam::{DVec3, Vec3};
 
+pub(crate) use self::intrinsics::Lenses;
+use self::ranges::{check_eyes, check_fields, check_pixel_angles, check_screen_distance, fault};
 pub(crate) use self::{
     frustum::{Frustum, Parallax},
     ranges::least_pixel_angle,
-};
-use self::{
-    intrinsics::Lenses,
-    ranges::{check_eyes, check_fields, check_pixel_angles, check_screen_distance, fault},
 };
 use crate::Error;
 
@@ -40,7 +37,7 @@ pub const HUMAN_INTERAXIAL: f32 = 0.065;
 /// Field of view: a vertical angle in degrees, the width of the screen rectangle, or focal lengths and the eyes' mean
 /// principal point in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Aperture {
+pub(crate) enum Aperture {
     VerticalFov(f32),
     ScreenWidth(f32),
     Lenses(Lenses),
@@ -48,7 +45,7 @@ enum Aperture {
 
 /// Position of the screen: its distance from the eyes, or the offset between the eyes' principal points in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Screen {
+pub(crate) enum Screen {
     Distance(f32),
     Offset(f64),
 }
@@ -70,7 +67,7 @@ pub enum Convergence {
 
 /// Interaxial, in world units or in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Interaxial {
+pub(crate) enum Interaxial {
     World(f32),
     Pixels(f32),
 }
@@ -98,15 +95,15 @@ enum Interaxial {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StereoCamera {
-    eye: DVec3,
-    target: DVec3,
-    up: Vec3,
-    aperture: Aperture,
-    screen: Screen,
-    interaxial: Interaxial,
-    convergence: Convergence,
-    width: u32,
-    height: u32,
+    pub(crate) eye: DVec3,
+    pub(crate) target: DVec3,
+    pub(crate) up: Vec3,
+    pub(crate) aperture: Aperture,
+    pub(crate) screen: Screen,
+    pub(crate) interaxial: Interaxial,
+    pub(crate) convergence: Convergence,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
 }
 
 /// A checked camera, in the numbers that kernels and formulas use. [`Pose::intrinsics`] gives them as a calibration.

@@ -2,13 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{
-    Choice, Convergence, Error, Method, PassTimes, PixelSource, Pose, ShadowBufferWork, ShadowSource, StereoCamera,
-    View, Work,
-    frame::uniform::{eyes_uniform, same_parallax},
-    kernel::layout,
-    testing::cpu,
-};
+use crate::{Convergence, Error, Pose, StereoCamera};
 
 /// Number of views that makes two traced views better than one: each other view then has a nearer source, and most have
 /// traced views on both sides, which leaves far fewer shadow rays. With 45 views, each other view then costs 0.074 of a
@@ -212,84 +206,15 @@ impl Eyes {
         self.offsets.iter().map(|offset| self.pose.eye_in_scene(2.0 * offset)).collect()
     }
 
-    /// Returns the uniform that describes a view and its source to kernels.
-    pub(crate) fn uniform(&self, view: usize) -> layout::Eyes {
-        let apart = self.offsets[view] - self.offsets[self.seconds[view]];
-        layout::Eyes {
-            second_parallax_px: self.pose.parallax().times(apart).scale_px,
-            second_same_parallax: same_parallax(&self.pose, apart),
-            ..eyes_uniform(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
-        }
-    }
-
     /// Returns whether any view has a second source.
     pub(crate) fn has_seconds(&self) -> bool {
         self.seconds != self.sources
-    }
-
-    /// Returns the same for the kernels' CPU twins.
-    pub(crate) fn cpu_frame(&self, view: usize) -> cpu::Frame {
-        cpu::Frame::between(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
     }
 
     /// Returns the pose of a view and its source as a pair: its interaxial is the distance between them.
     pub(crate) fn pair_of(&self, view: usize) -> Pose {
         self.pose.apart((self.offsets[view] - self.offsets[self.sources[view]]).abs())
     }
-}
-
-/// Views of a rig.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Views {
-    /// One view per eye, in the rig's order.
-    pub views: Vec<RigView>,
-    /// Camera at the rig's midpoint.
-    pub pose: Pose,
-    /// Time of each pass in order; `None` if the adapter has no timestamps, or too few for all passes.
-    pub times: Option<PassTimes>,
-    /// Whether threads spread their work over several dispatches: see
-    /// [`Statistics::in_steps`](crate::Statistics::in_steps).
-    pub in_steps: bool,
-    /// Device memory of the buffers between the passes in bytes, without the views themselves.
-    pub intermediate_bytes: u64,
-    /// Cost of filling shadow-buffers: see [`Statistics::shadow_buffer`](crate::Statistics::shadow_buffer).
-    pub shadow_buffer: ShadowBufferWork,
-}
-
-impl Views {
-    /// Returns the mean cost of the views that are not traced relative to the mean cost of the traced ones, by counters
-    /// (DESIGN, section 7). NaN unless counting is on.
-    pub fn other_views(&self) -> f64 {
-        let sum = |traced: bool| {
-            let costs = self.views.iter().enumerate().filter(|(index, view)| (view.made_from == *index) == traced);
-            costs.fold((0.0, 0.0), |(cost, views), (_, view)| (cost + view.work.cost() as f64, views + 1.0))
-        };
-        let ((traced, sources), (made, others)) = (sum(true), sum(false));
-        (made / others) / (traced / sources)
-    }
-}
-
-/// One view of a rig and its statistics.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct RigView {
-    /// Picture and G-buffer of the eye.
-    pub view: View,
-    /// The eye's offset from the rig's midpoint, in interaxials.
-    pub offset: f32,
-    /// Index of the view's source; its own index if it was traced.
-    pub made_from: usize,
-    /// The method that made it.
-    pub method: Method,
-    /// Reason for the choice of [`Method::Auto`]; `None` with other methods.
-    pub choice: Option<Choice>,
-    /// Source of each pixel, row-major.
-    pub source: Vec<PixelSource>,
-    /// Source of each pixel's visibility bits, row-major; empty unless made by `bracket`.
-    pub shadow_source: Vec<ShadowSource>,
-    /// Work of the view.
-    pub work: Work,
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ mod folder;
 #[path = "../it/common/gltf.rs"]
 mod gltf;
 #[allow(dead_code, reason = "the other tests use more of it")]
-#[path = "../../src/testing/random.rs"]
+#[path = "../../src/random.rs"]
 mod random;
 mod seeds;
 mod structure;

@@ -39,6 +39,7 @@ mod obj;
 mod planes;
 mod ply;
 mod rays;
+mod rooms;
 mod rows_and_textures;
 mod samples;
 mod scenes;

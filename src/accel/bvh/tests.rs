@@ -3,7 +3,7 @@
 use glam::Affine3A;
 
 use super::{primitive::pack_normal, *};
-use crate::{MaterialId, Mesh, testing::random::Random};
+use crate::{MaterialId, Mesh, random::Random};
 
 fn scene_of(corners: Vec<Vec3>) -> Scene {
     let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();

@@ -2,14 +2,18 @@
 
 use web_time::Instant;
 
-use super::Driver;
-use crate::{Error, ask::method::BufferDepth, frame::plan::Host, kernel::Resource, kernel::layout, steps::reproject};
+use super::{Driver, sweep::sweep};
+use crate::{
+    BufferDepth, Error,
+    frame::plan::{Host, Step},
+    kernel::{Resource, layout},
+};
 
 impl Driver<'_> {
-    pub(super) async fn run_on_host(&mut self, host: Host) -> Result<(), Error> {
+    pub(super) async fn run_on_host(&mut self, host: &Host) -> Result<(), Error> {
         match host {
-            Host::Sweep(view) => self.sweep(view).await,
-            Host::Slots(depth, view) => self.reproject_by_slots(depth, view).await,
+            Host::Sweep(view) => self.sweep(*view).await,
+            Host::Slots(depth, view, steps) => self.reproject_by_slots(*depth, *view, steps).await,
         }
     }
 
@@ -24,7 +28,7 @@ impl Driver<'_> {
         let source = targets.get(Resource::View, self.eyes.sources[view]);
         let source: Vec<layout::Pixel> = gpu.read(source, rows.end).await?;
         let depths: Vec<f32> = source[rows.clone()].iter().map(|pixel| pixel.depth).collect();
-        let keys = crate::testing::cpu::adelson_hodges::sweep(&self.eyes.cpu_frame(view), &depths);
+        let keys = sweep(&self.eyes.uniform(view), width, &depths);
         let marked: Vec<_> = keys.into_iter().map(|marks| layout::Pixel { marks, ..Default::default() }).collect();
         let offset = (rows.start * size_of::<layout::Pixel>()) as u64;
         gpu.queue.write_buffer(targets.get(Resource::View, view), offset, bytemuck::cast_slice(&marked));
@@ -33,7 +37,7 @@ impl Driver<'_> {
     }
 
     /// Reprojects with the 3D buffer, as many rows at a time as fit one binding.
-    async fn reproject_by_slots(&mut self, depth: BufferDepth, view: usize) -> Result<(), Error> {
+    async fn reproject_by_slots(&mut self, depth: BufferDepth, view: usize, steps: &[Step]) -> Result<(), Error> {
         let range = match depth {
             BufferDepth::Adaptive => self.depth_range(view).await?,
             _ => (f32::INFINITY, f32::INFINITY),
@@ -50,7 +54,7 @@ impl Driver<'_> {
                 *self.uniforms.band_mut(view) = layout::Band { row_begin: begin, row_end, ..band };
                 self.upload_uniforms();
                 let mut encoder = self.encoder();
-                self.encode_all(&mut encoder, &reproject::slots(view));
+                self.encode_all(&mut encoder, steps);
                 gpu.queue.submit([encoder.finish()]);
                 Ok(())
             };

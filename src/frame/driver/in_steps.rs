@@ -3,20 +3,17 @@
 use super::Driver;
 use crate::{
     Error, RaysPerLane,
-    frame::lanes::{DISPATCHES, Lanes, Steps},
     frame::{
         bands::Band,
-        plan::{Launch, Step},
+        lanes::{DISPATCHES, Lanes, Steps},
+        plan::{InSteps, Plan},
     },
-    kernel::Resource,
-    kernel::layout::WORKGROUP,
-    kernel::variant::Shadows,
-    steps::{mirrors, soft, trace::TRACE_IN_STEPS},
+    kernel::{Resource, layout::WORKGROUP, variant::Shadows},
 };
 
 impl Driver<'_> {
     /// Renders all views of a band by `Naive` in steps.
-    pub(crate) async fn band_in_steps(&mut self, band: &Band, steps: Steps) -> Result<(), Error> {
+    pub(crate) async fn band_in_steps(&mut self, plan: &Plan, band: &Band, steps: Steps) -> Result<(), Error> {
         let usual = self.variant;
         if self.variant.shadows == Shadows::FromSurface {
             // Its shadow rays are traced one by one, and a lane keeps the state of one traversal only.
@@ -41,19 +38,14 @@ impl Driver<'_> {
         };
         gpu.checked(clear).await?;
         for view in 0..self.eyes.sources.len() {
-            self.view_in_steps(band, view, rows, steps).await?;
+            self.view_in_steps(band, view, (&plan.in_steps[view], rows), steps).await?;
         }
         self.uniforms.set_rows(&self.eyes.sources, band);
         let follow = || {
             self.upload_uniforms();
             let mut encoder = self.encoder();
-            for view in 0..self.eyes.sources.len() {
-                if self.variant.is_soft() {
-                    self.encode_all(&mut encoder, &soft::behind_hits(view, Launch::Pixels, self.uniforms.parts()));
-                }
-                if self.variant.mirrors {
-                    self.encode_all(&mut encoder, &mirrors::of(view));
-                }
+            for InSteps { after, .. } in &plan.in_steps {
+                self.encode_all(&mut encoder, after);
             }
             gpu.queue.submit([encoder.finish()]);
             Ok(())
@@ -75,10 +67,15 @@ impl Driver<'_> {
     }
 
     /// Traces one view, some rows at a time, each in as many steps as it takes.
-    async fn view_in_steps(&mut self, band: &Band, view: usize, rows: u32, steps: Steps) -> Result<(), Error> {
+    async fn view_in_steps(
+        &mut self,
+        band: &Band,
+        view: usize,
+        (of_view, rows): (&InSteps, u32),
+        steps: Steps,
+    ) -> Result<(), Error> {
         let gpu = self.gpu;
-        let name = if self.eyes.sources[view] == view { "trace_left" } else { "trace_right" };
-        let step = Step::Run { name, kernel: &TRACE_IN_STEPS, view, launch: Launch::Pixels, part: 0 };
+        let name = of_view.trace.name().unwrap_or_default();
         let block = self.variant.traversal.rays.block();
         let views = self.eyes.sources.len() as f32;
         for begin in band.place().step_by(rows as usize) {
@@ -93,7 +90,7 @@ impl Driver<'_> {
                 let submit = || {
                     let mut encoder = self.encoder();
                     for _ in 0..DISPATCHES {
-                        self.encode(&mut encoder, step);
+                        self.encode(&mut encoder, of_view.trace);
                     }
                     gpu.queue.submit([encoder.finish()]);
                     Ok(())
@@ -101,8 +98,8 @@ impl Driver<'_> {
                 gpu.checked(submit).await?;
                 unfinished = self.lanes().unfinished(gpu).await?;
                 let rows = (end - begin) as f32 * (1.0 - unfinished as f32 / threads as f32);
-                let of_view = (begin - band.place().start) as f32 + rows;
-                self.tell(name, (view as f32 * band.count() as f32 + of_view) / views)?;
+                let done = (begin - band.place().start) as f32 + rows;
+                self.tell(name, (view as f32 * band.count() as f32 + done) / views)?;
             }
         }
         Ok(())
@@ -124,8 +121,8 @@ mod tests {
         glam::{Vec2, Vec3},
         kernel::traversal::{Boxes, Fetch},
         kernel::variant::Variant,
+        random::Random,
         scene::builtin::Builtin,
-        testing::random::Random,
     };
 
     fn gpu() -> Gpu {
@@ -338,8 +335,9 @@ mod tests {
         let scene = Builtin::Hall.scene();
         for (traversal, stack_size) in Traversal::ALL.iter().flat_map(|&t| [8, 40, 256].map(|size| (t, size))) {
             let packed = crate::accel::bvh::build(&scene, BvhBuild::Balanced, traversal.boxes).unwrap();
-            let with = Variant { stack_size, ..Variant::of(&scene, traversal, &packed) };
-            let module = naga::front::wgsl::parse_str(&TRACE_IN_STEPS.linked(&with).text).unwrap();
+            let with =
+                Variant { stack_size, ..Variant::over_tree(&scene, traversal, packed.world_boxes, packed.stack_size) };
+            let module = naga::front::wgsl::parse_str(&crate::steps::trace::TRACE_IN_STEPS.linked(&with).text).unwrap();
             let lane = module.types.iter().find_map(|(_, kind)| match kind.inner {
                 naga::TypeInner::Struct { span, .. } if kind.name.as_deref() == Some("Lane") => Some(span),
                 _ => None,

@@ -1,7 +1,7 @@
 //! The 3D buffer of `buffer`, sized when its depth is known (thesis, 3.1.2).
 
 use crate::{
-    Error,
+    BufferDepth, Error, Pose,
     gpu::{Gpu, check_bytes},
 };
 
@@ -59,4 +59,25 @@ impl<'a> Slots<'a> {
         let slots = self.buffer.as_ref().expect("sized before the step that empties it");
         encoder.clear_buffer(slots, 0, Some(self.bytes));
     }
+}
+
+impl BufferDepth {
+    /// Returns the slots per right pixel for left depths in `[nearest, farthest]`, from 1 to the picture's width.
+    pub(crate) fn slots(self, pose: &Pose, (nearest, farthest): (f32, f32)) -> u32 {
+        let depth = match self {
+            Self::Fixed(slots) => f64::from(slots.get()),
+            Self::TwiceInteraxial => f64::from(2.0 * pose.typical_parallax_px()).ceil(),
+            // X is rounded to f32, which can move two samples closer together by a thousandth of a pixel.
+            Self::Adaptive => (lemma1(pose, nearest, farthest) + 1e-3).floor() + 2.0,
+        };
+        // Depths of 0 make the bound infinite or NaN; `max` turns NaN into 1.
+        depth.min(f64::from(pose.size[0])).max(1.0) as u32
+    }
+}
+
+/// Returns Lemma 1's bound `B = e_px d (1/Z_near - 1/Z_far)`, with `f_px e` for `e_px d` for parallel cameras. Two left
+/// samples in one right column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN,
+/// section 2). An infinite farthest depth counts as 1/Z = 0.
+pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
+    pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
 }

@@ -3,7 +3,7 @@
 use super::{Shadows, SkyKind, SoftRole, TexelPlaces, Variant, light_texels, material_texels};
 use crate::{
     ShadowReuse,
-    accel::large::LARGE,
+    kernel::layout::LARGE,
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, SampleUse, Visible},

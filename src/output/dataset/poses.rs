@@ -6,8 +6,8 @@ use glam::{DVec3, Quat, Vec3};
 
 use crate::{
     Error, Pose, Ray, RayHit, Renderer, Scene, StereoCamera, UploadedScene,
+    random::{Random, pcg},
     scene::Primitive,
-    testing::random::{Random, pcg},
     truth::occlusion::Pixels,
 };
 

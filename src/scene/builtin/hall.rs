@@ -8,7 +8,7 @@ use super::{
     add, lamp, paint,
     shapes::{Shading, Shape, torus},
 };
-use crate::{MaterialId, Mesh, Scene, Sky, StereoCamera, testing::random::pcg};
+use crate::{MaterialId, Mesh, Scene, Sky, StereoCamera, random::pcg};
 
 /// x of the rows of columns in metres; the outermost are engaged in the walls.
 const ROWS: [f32; 6] = [-12.0, -7.6, -3.2, 3.2, 7.6, 12.0];

@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 
 use super::hall;
-use crate::{Finish, LightShape, Material, MaterialId, Mesh, Scene, Sphere, Texture, TextureId, testing::random::pcg};
+use crate::{Finish, LightShape, Material, MaterialId, Mesh, Scene, Sphere, Texture, TextureId, random::pcg};
 
 /// Side of a marble picture on the floor in metres, and in pixels.
 const SLAB: f32 = 3.2;

@@ -3,7 +3,7 @@
 use glam::{Mat3, Quat, Vec3};
 
 use super::{lamp, paint};
-use crate::{Ellipsoid, Finish, MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera, testing::random::Random};
+use crate::{Ellipsoid, Finish, MaterialId, Mesh, Scene, Sky, Sphere, StereoCamera, random::Random};
 
 /// Half the sides of the box with the objects, and its centre. The floor is below it, and the camera in front of it.
 const HALF_BOX: Vec3 = Vec3::new(4.5, 2.6, 3.5);
@@ -92,7 +92,7 @@ impl RandomObjects {
             })
         });
         // The seed is hashed. Otherwise neighbouring seeds would share all numbers but one.
-        let mut random = Random(crate::testing::random::pcg(self.seed));
+        let mut random = Random(crate::random::pcg(self.seed));
         let spheres = (self.sphere_share.clamp(0.0, 1.0) * self.count as f32).round() as usize;
         let mut placed = Vec::with_capacity(self.count);
         for index in 0..self.count {
@@ -184,7 +184,7 @@ fn add_floor(scene: &mut Scene) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::random::pcg;
+    use crate::random::pcg;
 
     #[test]
     fn objects_stand_apart_over_the_floor_and_shares_change_materials_alone() {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{lamp, paint};
-use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, testing::random::Random};
+use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, random::Random};
 
 pub(super) const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     Scene, Sky, Sphere, StereoCamera,
-    testing::random::{Random, pcg},
+    random::{Random, pcg},
 };
 
 /// The stage: eyes above a tiled floor, in front of a wall.

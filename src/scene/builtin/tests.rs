@@ -11,7 +11,7 @@ use obvhs::{
 
 use super::*;
 use crate::Pose;
-use crate::testing::random::pcg;
+use crate::random::pcg;
 
 /// A scene, its camera and a tree for ray casts, in pictures of `SIZE`.
 struct Caster {

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use super::on_sphere;
 use crate::{
     StereoCamera,
+    random::Random,
     scene::{
         Scene, Sky, Sphere,
         builtin::{
@@ -15,7 +16,6 @@ use crate::{
             stage::{self, EYE, SCREEN, stage},
         },
     },
-    testing::random::Random,
 };
 
 /// Scale and position of a copy of the composition.

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::on_sphere;
 use crate::{
+    random::{Random, pcg},
     scene::{
         Scene, Sky, Sphere,
         builtin::{
@@ -15,7 +16,6 @@ use crate::{
             stage::{EYE, INTERAXIAL, SCREEN, WIDTH, stage},
         },
     },
-    testing::random::{Random, pcg},
 };
 
 /// Builds a wall in the plane between the eyes, with columns and spheres on either side.

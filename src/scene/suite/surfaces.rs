@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::on_sphere;
 use crate::{
+    random::pcg,
     scene::{
         MaterialId, Scene, Sphere,
         builtin::{
@@ -14,7 +15,6 @@ use crate::{
             stage::{EYE, stage},
         },
     },
-    testing::random::pcg,
 };
 
 /// Builds two nests of open spheres, each with a solid sphere at its centre.

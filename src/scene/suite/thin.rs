@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use super::PIXEL;
 use crate::{
     Material, Mesh, Texture,
+    random::Random,
     scene::{
         MaterialId, Scene, Sphere,
         builtin::{
@@ -15,7 +16,6 @@ use crate::{
             stage::{EYE, stage},
         },
     },
-    testing::random::Random,
 };
 
 /// Builds ribbons, tapering slivers and chains of spheres in front of the stage's brick wall.

@@ -52,7 +52,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::{StereoCamera, testing::random::Random};
+    use crate::{StereoCamera, random::Random};
 
     /// State of a right column in the right-to-left variation.
     #[derive(Clone, Copy, PartialEq)]

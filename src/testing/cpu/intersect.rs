@@ -10,12 +10,10 @@ use super::{
 use crate::{
     Ellipsoid, MISS, Plane, Scene,
     accel::bvh::{reach_bits, shortest_edge_first},
-    accel::large::LARGE,
-    scene::{PLANE_REACH, ToSphere},
+    accel::large::{is_close, is_close_ellipsoid, is_close_sphere, mapped},
+    scene::PLANE_REACH,
 };
 
-/// `CANCELLED` of ellipsoid.wgsl.
-const CANCELLED: f32 = 0.25;
 /// Error of edge products, as a share of the direction's length, the corners' distance and the longest edge.
 const DOUBT: f32 = 22.0 / 16_777_216.0;
 
@@ -86,40 +84,6 @@ fn look_again_triangle(origin: Vec3, direction: Vec3, corners: [Vec3; 3]) -> Opt
     };
     let t_corner = Vec3::from(relative.map(|corner| direction.dot(corner))) / direction.dot(direction);
     Some(t.max(t_corner.min_element()).min(t_corner.max_element()))
-}
-
-/// Returns whether t must be computed in sums of two f32.
-pub(crate) fn is_close(origin: Vec3, corners: [Vec3; 3]) -> bool {
-    let reach = f32::from_bits(reach_bits(corners));
-    let [a, b, c] = corners.map(|corner| corner - origin);
-    let normal = (b - a).cross(c - a);
-    let beside = a.dot(a) < 4.0 * reach * reach;
-    normal.dot(a).abs() * LARGE < normal.dot(normal).sqrt() * reach && beside
-}
-
-/// Returns whether t must be computed in sums of two f32.
-pub(crate) fn is_close_sphere(origin: Vec3, center: Vec3, radius: f32) -> bool {
-    is_close_to_centered(center - origin, radius)
-}
-
-fn is_close_to_centered(to_center: Vec3, radius: f32) -> bool {
-    (to_center.dot(to_center) - radius * radius).abs() < 0.5 * radius * radius
-}
-
-/// Returns whether t must be computed in sums of two f32, for the sphere's size or for cancellation in the map's
-/// products.
-pub(crate) fn is_close_ellipsoid(origin: Vec3, center: Vec3, map: &ToSphere) -> bool {
-    let from_origin = center - origin;
-    let to_center = mapped(map, from_origin);
-    let distance = (to_center.dot(to_center) - map.radius * map.radius).abs();
-    let products = Vec3::from(map.rows.map(|row| row.abs().dot(from_origin.abs())));
-    let far = (products - to_center.abs()).max_element() * CANCELLED;
-    let beside = from_origin.dot(from_origin) < 4.0 * map.radius * map.radius;
-    is_close_to_centered(to_center, map.radius) || (distance < (2.0 * map.radius + far) * far && beside)
-}
-
-fn mapped(map: &ToSphere, v: Vec3) -> Vec3 {
-    Vec3::from(map.rows.map(|row| row.dot(v)))
 }
 
 fn projected(direction: Vec3, corner: Vec3) -> (f32, f32) {

@@ -16,7 +16,7 @@ pub mod trace_left;
 
 use glam::Vec3;
 
-use crate::{Pose, frame::uniform::eyes_uniform, kernel::layout, sampling::Jitter};
+use crate::{Pose, frame::eyes::eyes_uniform, kernel::layout, sampling::Jitter};
 
 /// The frame of the kernels, with vectors.
 #[derive(Clone, Copy, Debug)]
@@ -80,5 +80,13 @@ impl Frame {
         let (x, y): (Vec3, Vec3) = (self.raw.step_x.into(), self.raw.step_y.into());
         let aside = self.jitter.aside(self.jitter.stratum(row as u32));
         corner + x * (column as f32 + 0.5 + aside) + y * (row as f32 + 0.5)
+    }
+}
+
+impl crate::view::rig::Eyes {
+    /// Returns the frame of a view and its source.
+    #[cfg(test)]
+    pub(crate) fn cpu_frame(&self, view: usize) -> Frame {
+        Frame::between(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
     }
 }

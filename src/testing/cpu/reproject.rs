@@ -1,6 +1,7 @@
 //! Twin of shaders/reproject/reproject.wgsl: assigns left samples to right pixels.
 
 use super::Frame;
+pub use crate::frame::driver::slots::lemma1;
 
 /// Returns the columns in the order of a sweep.
 pub(super) fn in_sweep(frame: &Frame) -> impl Iterator<Item = usize> + use<> {

@@ -194,7 +194,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::{testing::random::Random, view::camera::Intrinsics};
+    use crate::{random::Random, view::camera::Intrinsics};
 
     /// A camera whose focal length is the picture's width.
     fn camera() -> StereoCamera {

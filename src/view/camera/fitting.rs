@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::StereoCamera;
-use crate::scene::{MAX_COORDINATE, MIN_EXTENT};
+use crate::view::camera::{MAX_COORDINATE, MIN_EXTENT};
 
 /// Largest tangent of half the horizontal field of view in a fitting camera.
 const WIDEST_FIT: f64 = 3.0;

@@ -68,9 +68,9 @@ impl Intrinsics {
 
 /// Focal lengths and the mean of both eyes' principal points, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lenses {
-    pub(super) focal: [f64; 2],
-    pub(super) principal: [f64; 2],
+pub(crate) struct Lenses {
+    pub(crate) focal: [f64; 2],
+    pub(crate) principal: [f64; 2],
 }
 
 impl Lenses {

@@ -11,6 +11,14 @@ use crate::Error;
 /// view: see [`MIN_PIXEL_ANGLE`].
 pub const MAX_SIDE: u32 = 1 << 17;
 
+/// Largest coordinate relative to [`Scene::origin`](crate::Scene::origin), in world units. Larger ones are refused,
+/// since they overflow f32 in the traversal's box tests.
+pub const MAX_COORDINATE: f32 = 1e8;
+
+/// Least length of a scene's longest side, in world units. In smaller scenes the products of an intersection vanish in
+/// f32. Smaller objects may stand in a larger scene.
+pub const MIN_EXTENT: f32 = 1e-6;
+
 /// Largest world coordinate of the eyes and of the target. Beyond it, f64 rounds positions by more than 1e-3.
 pub const MAX_WORLD_COORDINATE: f64 = 1e13;
 

@@ -3,7 +3,7 @@ pub(crate) mod floor;
 pub(crate) mod folder;
 pub(crate) mod gltf;
 pub(crate) mod nearest;
-#[path = "../../../src/testing/random.rs"]
+#[path = "../../../src/random.rs"]
 pub(crate) mod random;
 mod random_scene;
 pub(crate) mod sampling;

@@ -4,8 +4,8 @@ use std::num::NonZeroU32;
 
 use stereotrace::{
     BufferDepth, Check, Finish, MISS, Method, Options, PixelSource, StereoCamera, StereoPair,
+    cpu::reproject::lemma1,
     glam::Vec3,
-    method::lemma1,
     metrics::{Difference, compare},
     scene::builtin::Builtin,
 };

@@ -1,0 +1,75 @@
+//! The lists of a T-buffer: their sizes, and the dispatch over primitives.
+
+use crate::{
+    gpu::Gpu,
+    kernel::{layout::LIST_WORKGROUP, variant::Variant},
+};
+
+/// Bytes of `Drawing` before its entries (`shaders/shared/t_buffer.wgsl`, like the following constants).
+pub(crate) const DRAWING_HEAD: u64 = 56;
+/// Bytes of a primitive's entries, and of a further part.
+const ENTRIES: u64 = 12;
+const PART: u64 = 8;
+/// Entries for further parts of primitives.
+const FURTHER_PARTS: u32 = 65536;
+/// With more primitives their parts, up to 64 each, would overflow their counter.
+const MOST_PRIMITIVES: u32 = 1 << 26;
+/// Parts per row of workgroups.
+const PARTS_IN_ROW: u32 = 512;
+/// Workgroups in a row of the dispatch over primitives.
+const PROJECTED_ACROSS: u32 = 1024;
+
+/// Returns the bytes of the lists for this many primitives.
+pub(crate) fn drawing_bytes(primitives: u32) -> u64 {
+    DRAWING_HEAD + ENTRIES * u64::from(primitives) + PART * u64::from(FURTHER_PARTS)
+}
+
+/// Returns how many primitives of a scene are drawn, or `None` if their lists do not fit one binding.
+pub(crate) fn drawn(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<u32> {
+    let primitives = primitives - with.planes;
+    let most = u64::from(PARTS_IN_ROW) * u64::from(gpu.limits.max_compute_workgroups_per_dimension);
+    let fits = primitives <= MOST_PRIMITIVES
+        && drawing_bytes(primitives) <= gpu.binding_limit()
+        && u64::from(primitives + FURTHER_PARTS) <= most;
+    if !fits {
+        log::info!("{primitives} primitives are too many for a T-buffer's lists: rays are traced");
+    }
+    (fits && with.has_tree()).then_some(primitives)
+}
+
+/// Returns the workgroups for this many primitives, one thread each.
+pub(crate) fn workgroups(primitives: u32) -> [u32; 3] {
+    let all = primitives.div_ceil(LIST_WORKGROUP);
+    [all.min(PROJECTED_ACROSS), all.div_ceil(PROJECTED_ACROSS), 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn host_and_wgsl_have_the_same_numbers() {
+        let text = crate::kernel::wgsl::part!("shared/t_buffer.wgsl").text;
+        for (name, value) in [
+            ("FURTHER_PARTS", FURTHER_PARTS),
+            ("GROUP", 8),
+            ("PARTS_ACROSS", PARTS_IN_ROW * 8 / LIST_WORKGROUP),
+            ("PROJECTED_ACROSS", PROJECTED_ACROSS),
+        ] {
+            assert!(text.contains(&format!("const {name}: u32 = {value}u;")), "{name}");
+        }
+    }
+
+    #[test]
+    fn each_primitive_gets_a_thread() {
+        for primitives in [1, 64, 65, 65_535, 65_536, 65_537, 1_000_000, 34_000_000] {
+            let [x, y, z] = workgroups(primitives);
+            let threads = u64::from(x) * u64::from(y) * u64::from(z) * u64::from(LIST_WORKGROUP);
+            let more = threads - u64::from(primitives);
+            assert!(
+                more < u64::from(PROJECTED_ACROSS * LIST_WORKGROUP) && x.max(y) <= 1024,
+                "{primitives}: {x} {y} {z}"
+            );
+        }
+    }
+}

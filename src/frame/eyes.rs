@@ -1,0 +1,80 @@
+//! The uniform of two eyes.
+
+use crate::{
+    Pose,
+    kernel::layout,
+    view::{camera::least_pixel_angle, rig::Eyes},
+};
+
+/// Guard band of an ordinary picture, in pixels. Its pixels span at least 2e-5 radians, so this far exceeds the
+/// rounding of a projection.
+const WIDER: f32 = 0.05;
+
+/// Returns the uniform of two eyes, with offsets from the middle along `pose.right` in interaxials. Directions have
+/// length 1 along the view axis, so a ray's t is the depth Z.
+pub(crate) fn eyes_uniform(pose: &Pose, source: f32, target: f32) -> layout::Eyes {
+    let corner = |offset: f32| pose.corner(offset.into()).as_vec3().to_array();
+    let [step_x, step_y] = pose.pixel_steps().map(|step| step.as_vec3().to_array());
+    // The direction to the outermost corner of the picture, from either eye.
+    let far = f64::from(source.abs().max(target.abs()));
+    let [aside, above] = pose.frustum.aside(far);
+    let longest = (1.0_f64.hypot(aside.hypot(above)) * 1.001) as f32;
+    let parallax = pose.parallax().times(target - source);
+    layout::Eyes {
+        source_eye: pose.eye_in_scene(2.0 * source).to_array(),
+        target_eye: pose.eye_in_scene(2.0 * target).to_array(),
+        source_corner: corner(source),
+        target_corner: corner(target),
+        step_x,
+        step_y,
+        right_axis: pose.right.to_array(),
+        forward: pose.forward.to_array(),
+        longest,
+        parallax_px: parallax.scale_px,
+        parallax_distance: parallax.distance,
+        at_infinity: parallax.at_infinity,
+        shift: (target - source) * pose.interaxial,
+        same_parallax: same_parallax(pose, target - source),
+        wider: wider(pose, far),
+        pixel_side: pixel_side(pose),
+        ..layout::Eyes::default()
+    }
+}
+
+/// Returns the square root of a pixel's height over its width. Pixels that differ from squares by rounding alone count
+/// as square.
+fn pixel_side(pose: &Pose) -> f32 {
+    let [x, y] = pose.frustum.steps(pose.size);
+    if (y / x - 1.0).abs() < 1e-6 { 1.0 } else { (y / x).sqrt() as f32 }
+}
+
+/// A sample vouches for a point beside it if the surface between them recedes by at most this many pixels per pixel.
+/// These are pixels of their size on the screen. This is an angle of 88.4 degrees there, more before the screen and
+/// less beyond it.
+const STEEPEST: f32 = 36.0;
+const MOST_PARALLAX: f32 = 0.75;
+
+/// Returns the same limit as a difference of parallaxes in pixels, at the camera's subject. It does not depend on the
+/// picture's size: with twice as many pixels neighbours are half as far apart, and a pixel of parallax is half as much
+/// depth. For eyes 15 pixels of 600 apart and 45 degrees of view it is 0.75, its maximum.
+pub(crate) fn same_parallax(pose: &Pose, apart: f32) -> f32 {
+    MOST_PARALLAX.min(STEEPEST * (apart * pose.interaxial).abs() / pose.subject_distance)
+}
+
+/// Returns the guard band of a tile's search, in pixels. It is four times the rounding of directions in the picture's
+/// corners, and at least that of an ordinary picture. `far` is the eyes' largest offset in interaxials.
+fn wider(pose: &Pose, far: f64) -> f32 {
+    WIDER.max((f64::from(f32::EPSILON) * 8.0 / least_pixel_angle(pose, far)) as f32)
+}
+
+impl Eyes {
+    /// Returns the uniform that describes a view and its source to kernels.
+    pub(crate) fn uniform(&self, view: usize) -> layout::Eyes {
+        let apart = self.offsets[view] - self.offsets[self.seconds[view]];
+        layout::Eyes {
+            second_parallax_px: self.pose.parallax().times(apart).scale_px,
+            second_same_parallax: same_parallax(&self.pose, apart),
+            ..eyes_uniform(&self.pose, self.offsets[self.sources[view]], self.offsets[view])
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Pictures of eyes, and how their pixels were made.
+
+#[allow(unused_imports, reason = "documentation links to it")]
+use crate::MISS;
+use crate::srgb::linear_of;
+
+/// View of one eye. All lists are row-major, `[height][width]`, top row first.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct View {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Picture, sRGB-encoded, alpha 255.
+    pub rgba8: Vec<[u8; 4]>,
+    /// Linear RGB radiance before [`Options::exposure`](crate::Options::exposure), unclamped, alpha 1. Empty unless
+    /// [`Options::linear`](crate::Options::linear) is set.
+    pub linear: Vec<[f32; 4]>,
+    /// Depth `Z` along the view direction (not along the ray) in world units, `f32::INFINITY` for misses.
+    pub depth: Vec<f32>,
+    /// Id of the primitive that was hit, or [`MISS`].
+    pub primitive: Vec<u32>,
+    /// Id of the object that the primitive belongs to, or [`MISS`].
+    pub object: Vec<u32>,
+    /// BVH nodes visited and primitives tested by all rays of the pixel. With `bracket`, a tile's query counts for the
+    /// tile's first pixel. Primitives projected into a T-buffer are not counted. Empty unless
+    /// [`Options::cost_map`](crate::Options) is set.
+    pub cost: Vec<u32>,
+}
+
+/// Source of a right pixel's colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[repr(u8)]
+pub enum PixelSource {
+    /// Reused from the left view. With `bracket`: found within the tile's bound.
+    Reused = 0,
+    /// Traced: a left sample landed here, but its check failed. With `bracket`: the hit lies beyond the tile's bound.
+    Bad = 1,
+    /// Traced: no left sample landed here. With `bracket`: or the list overflowed.
+    Missed = 2,
+    /// Traced, or found by a [T-buffer](crate::Visibility::TBuffer), independently of the left view (`Naive`).
+    Traced = 3,
+}
+
+/// Source of a right pixel's visibility bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[repr(u8)]
+pub enum ShadowSource {
+    /// Reused from the left samples beside it. Also where no light is in front of the surface, or the scene has none.
+    Taken = 0,
+    /// At least one shadow ray.
+    Traced = 1,
+}
+
+impl View {
+    /// Returns the displayed picture as linear RGB and alpha, 0 to 1, decoded from [`View::rgba8`].
+    pub fn light(&self) -> Vec<[f32; 4]> {
+        let decoded = |&[red, green, blue, alpha]: &[u8; 4]| {
+            let [red, green, blue] = [red, green, blue].map(linear_of);
+            [red, green, blue, f32::from(alpha) / 255.0]
+        };
+        self.rgba8.iter().map(decoded).collect()
+    }
+
+    /// Returns the nearest and the farthest depth. The farthest is infinite if any ray missed, both if all did.
+    pub fn depth_range(&self) -> (f32, f32) {
+        let fold = |(near, far): (f32, f32), &z: &f32| (near.min(z), far.max(z));
+        self.depth.iter().fold((f32::INFINITY, 0.0), fold)
+    }
+}

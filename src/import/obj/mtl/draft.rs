@@ -1,0 +1,265 @@
+//! MTL statements, and their conversion to materials.
+
+use std::ops::RangeInclusive;
+
+use glam::Vec3;
+
+use super::{
+    super::{GREY, without_comment},
+    maps::{Map, Placement, parse_map},
+};
+use crate::{
+    Finish, Material,
+    import::warnings::Warnings,
+    scene::{
+        TextureId,
+        checks::{EXPONENTS, INDICES, OPACITIES},
+    },
+};
+
+/// Default index of refraction, of window glass.
+const GLASS_INDEX: f32 = 1.5;
+
+/// A material under construction.
+#[derive(Default)]
+pub(super) struct Draft {
+    pub(super) name: String,
+    line: usize,
+    diffuse: Option<Vec3>,
+    specular: Option<Vec3>,
+    emission: Option<Vec3>,
+    transmission: Option<Vec3>,
+    exponent: Option<f32>,
+    index: Option<f32>,
+    /// `d`, and its opposite `Tr`, which only counts without `d`, since some programs write 1 for opaque in both.
+    dissolve: Option<f32>,
+    transparency: Option<f32>,
+    illumination: Option<u32>,
+    pub(super) texture: Option<Map>,
+    pub(super) cutout: Option<Map>,
+}
+
+impl Draft {
+    pub(super) fn new(name: &str, line: usize) -> Self {
+        Self { name: name.into(), line, ..Self::default() }
+    }
+
+    /// Returns the material, and whether a value was clamped to its range.
+    pub(super) fn finish(
+        self,
+        texture: Option<TextureId>,
+        cutout: Option<TextureId>,
+        warnings: &mut Warnings,
+    ) -> (Material, bool) {
+        let mut bounds = Bounds { crossed: false };
+        let finish = self.finish_of(&mut bounds);
+        let mut material = Material::new(self.albedo(finish, texture, warnings)).name(self.name.clone()).finish(finish);
+        (material.texture, material.cutout) = (texture, cutout);
+        material.albedo = bounds.color(material.albedo);
+        material.specular = match finish {
+            // Models 0 and 1 have no highlights.
+            Finish::Matte if matches!(self.illumination, Some(0 | 1)) => Vec3::ZERO,
+            Finish::Matte => bounds.color(self.specular.unwrap_or(Vec3::ZERO)),
+            _ => bounds.color(self.specular.unwrap_or(Vec3::ONE)),
+        };
+        if let Some(exponent) = self.exponent {
+            material.exponent = bounds.number(exponent, EXPONENTS);
+        }
+        if let Some(emission) = self.emission {
+            material.emission = emission.max(Vec3::ZERO);
+            bounds.crossed |= material.emission != emission;
+        }
+        material.opacity = match finish {
+            // A glass's transmission already contains its opacity.
+            Finish::Glass { .. } => 1.0,
+            _ => self.opacity(&mut bounds),
+        };
+        if material.opacity == 0.0 && self.dissolve.is_none() {
+            warnings.warn(
+                "materials that are not seen at all",
+                self.line,
+                format_args!(
+                    "material '{}' is not seen at all, by its Tr of 1; where it is opaque, give it a d of 1",
+                    self.name
+                ),
+            );
+        }
+        bounds.crossed |= material.conserve();
+        (material, bounds.crossed)
+    }
+
+    /// Returns the placement of the material's textures. Texture coordinates are transformed when they are read, so all
+    /// textures share one.
+    pub(super) fn placement(&self, warnings: &mut Warnings) -> Placement {
+        if let [Some(texture), Some(cutout)] = [&self.texture, &self.cutout]
+            && texture.placement != cutout.placement
+        {
+            let text =
+                format!("material '{}' has other -s or -o for map_d than for map_Kd, whose are taken", self.name);
+            warnings.warn("textures of other scales or offsets", cutout.line, text);
+        }
+        [&self.texture, &self.cutout].into_iter().flatten().next().map(|map| map.placement).unwrap_or_default()
+    }
+
+    /// Returns the diffuse colour. The default is grey, white with a texture, and black for mirrors and glass.
+    fn albedo(&self, finish: Finish, texture: Option<TextureId>, warnings: &mut Warnings) -> Vec3 {
+        match (self.diffuse, texture, finish) {
+            (Some(diffuse), Some(_), Finish::Matte) if diffuse.max_element() <= 0.0 => {
+                let text = format!("material '{}' has a texture and a black Kd; white takes its place", self.name);
+                warnings.warn("textures on black (map_Kd with a Kd of 0)", self.line, text);
+                Vec3::ONE
+            }
+            (Some(diffuse), ..) => diffuse,
+            (None, Some(_), _) => Vec3::ONE,
+            (None, None, Finish::Matte) => GREY,
+            (None, None, _) => Vec3::ZERO,
+        }
+    }
+
+    /// Returns the finish of the illumination model. Maya writes model 4 for all its materials, so it is glass only if
+    /// another value says so too.
+    fn finish_of(&self, bounds: &mut Bounds) -> Finish {
+        let fresnel = match self.illumination {
+            Some(3 | 8) => return Finish::Mirror { fresnel: false },
+            Some(5) => return Finish::Mirror { fresnel: true },
+            Some(4) if !self.is_clear() => return Finish::Matte,
+            Some(4 | 6 | 9) => false,
+            Some(7) => true,
+            _ => return Finish::Matte,
+        };
+        let index = self.index.map_or(GLASS_INDEX, |index| bounds.number(index, INDICES));
+        let opacity = self.opacity(bounds);
+        let through = if opacity < 1.0 { 1.0 - opacity } else { 1.0 };
+        let transmission = through * bounds.color(self.transmission.unwrap_or(Vec3::ONE));
+        Finish::Glass { index, transmission, fresnel }
+    }
+
+    /// Returns whether light passes by `d`, `Tr` or `Tf`, or there is no diffuse colour to show instead.
+    fn is_clear(&self) -> bool {
+        self.opacity(&mut Bounds { crossed: false }) < 1.0
+            || self.transmission.is_some_and(|color| color != Vec3::ONE)
+            || self.diffuse.is_none_or(|diffuse| diffuse.max_element() <= 0.0)
+    }
+
+    fn opacity(&self, bounds: &mut Bounds) -> f32 {
+        let opacity = self.dissolve.or(self.transparency.map(|transparency| 1.0 - transparency));
+        opacity.map_or(1.0, |opacity| bounds.number(opacity, OPACITIES))
+    }
+}
+
+/// Clamps values to their ranges and stores whether any was outside.
+struct Bounds {
+    crossed: bool,
+}
+
+impl Bounds {
+    fn color(&mut self, color: Vec3) -> Vec3 {
+        let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
+        self.crossed |= clamped != color;
+        clamped
+    }
+
+    fn number(&mut self, value: f32, range: RangeInclusive<f32>) -> f32 {
+        let clamped = value.clamp(*range.start(), *range.end());
+        self.crossed |= clamped != value;
+        clamped
+    }
+}
+
+/// Reads a statement into the current material, or counts it as unsupported.
+pub(super) fn read_statement(
+    keyword: &str,
+    rest: &str,
+    line: usize,
+    draft: Option<&mut Draft>,
+    warnings: &mut Warnings,
+) {
+    let numbers = without_comment(rest).trim();
+    let is_value =
+        matches!(keyword, "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" | "map_d");
+    match draft {
+        _ if !is_value => note_left_out(keyword, numbers, line, warnings),
+        Some(draft) => draft.take(keyword, rest, numbers, line, warnings),
+        None => warnings.warn(
+            "statements before the first newmtl",
+            line,
+            format!("{keyword} before the first newmtl; it is left out"),
+        ),
+    }
+}
+
+impl Draft {
+    fn take(&mut self, keyword: &str, rest: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
+        let color = |place: &mut Option<Vec3>| {
+            let color = parse_color(numbers);
+            *place = color.or(*place);
+            color.map(drop).ok_or("no colour, which takes three finite numbers")
+        };
+        let number = |place: &mut Option<f32>, words: &str| {
+            let number = words.parse().ok().filter(|value: &f32| value.is_finite());
+            *place = number.or(*place);
+            number.map(drop).ok_or("no finite number")
+        };
+        let taken = match keyword {
+            "Kd" => color(&mut self.diffuse),
+            "Ks" => color(&mut self.specular),
+            "Ke" => color(&mut self.emission),
+            "Tf" => color(&mut self.transmission),
+            "Ns" => number(&mut self.exponent, numbers),
+            "Ni" => number(&mut self.index, numbers),
+            // A halo, which makes edges more transparent, is ignored without a warning.
+            "d" => number(&mut self.dissolve, numbers.strip_prefix("-halo").unwrap_or(numbers).trim()),
+            "Tr" => number(&mut self.transparency, numbers),
+            "illum" => {
+                self.illumination = numbers.parse().ok().filter(|model| *model <= 10);
+                self.illumination.map(drop).ok_or("no illumination model, which are 0 to 10")
+            }
+            _ => {
+                let place = if keyword == "map_Kd" { &mut self.texture } else { &mut self.cutout };
+                *place = parse_map(keyword, rest, line, warnings);
+                place.as_ref().map(drop).ok_or("no file name")
+            }
+        };
+        if let Err(fault) = taken {
+            let (kind, consequence) = match keyword {
+                "Kd" => ("diffuse colours (Kd) that are none", "it is grey"),
+                _ => ("values that are none", "it is left out"),
+            };
+            // The text is formatted only if printed, since a long name may have thousands of errors.
+            let name = &self.name;
+            let text = format_args!("{keyword} '{rest}' of material '{name}' is {fault}; {consequence}");
+            warnings.warn(kind, line, text);
+        }
+    }
+}
+
+/// Counts an unsupported statement.
+fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
+    match keyword {
+        "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => {
+            warnings.left_out("ambient colours of their own (Ka)", line)
+        }
+        "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
+            warnings.left_out("physically based parameters (Pr, Pm and their like)", line);
+        }
+        "bump" | "disp" | "decal" | "refl" | "norm" => warnings.left_out(OTHER_MAPS, line),
+        _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
+        // Sharpness has no effect, since reflections are always sharp.
+        "Ka" | "sharpness" | "" => {}
+        _ if keyword.starts_with('#') => {}
+        _ => warnings.left_out("unknown statements", line),
+    }
+}
+
+const OTHER_MAPS: &str = "textures of other kinds than map_Kd and map_d";
+
+/// Parses three numbers, or one for all three (MTL's rule).
+pub(super) fn parse_color(words: &str) -> Option<Vec3> {
+    let mut words = words.split_whitespace();
+    let mut next = || words.next().map(|word| word.parse().ok().filter(|value: &f32| value.is_finite()));
+    match [next(), next(), next(), next()] {
+        [Some(Some(r)), Some(Some(g)), Some(Some(b)), None] => Some(Vec3::new(r, g, b)),
+        [Some(Some(grey)), None, ..] => Some(Vec3::splat(grey)),
+        _ => None,
+    }
+}

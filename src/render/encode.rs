@@ -1,0 +1,213 @@
+//! A frame as commands for the caller's encoder. Its views stay on the device, as textures.
+
+use std::{ops::ControlFlow, sync::Arc};
+
+use super::shadow_buffer::Tables;
+use crate::{
+    Error, GBuffer, Gpu, Options, Renderer, Rig, UploadedScene,
+    frame::{
+        driver::{Driver, Setting},
+        plan::Plan,
+        show::{SHOW_COLOR, SHOW_DEPTH},
+        targets::Targets,
+        uniforms::{STRIDE, uniforms_bytes},
+    },
+    kernel::Resource,
+    view::rig::Eyes,
+};
+
+/// Views on the device. They are complete once the commands that make them have run.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Encoded {
+    /// One per eye, in the rig's order.
+    pub views: Vec<EncodedView>,
+    /// A buffer of four bytes, to be mapped after the commands have run: the number of threads (u32) that the adapter
+    /// ended early. If it is not 0, the pictures are incomplete. Render them by [`Renderer::render_views_async`], which
+    /// goes on in steps.
+    pub unfinished: wgpu::Buffer,
+    /// Resources that the commands use.
+    _targets: Arc<Targets>,
+    _upload: wgpu::Buffer,
+    _tables: Option<Arc<Tables>>,
+}
+
+/// A view on the device: textures that can be sampled and copied.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct EncodedView {
+    /// The picture, sRGB-encoded, alpha 1: `Rgba8Unorm`, which may also be viewed as `Rgba8UnormSrgb`.
+    pub color: wgpu::Texture,
+    /// Depth along the view direction in world units, `R32Float`, 3.4e38 for a miss. `None` if [`Options::g_buffer`] is
+    /// [`GBuffer::None`].
+    pub depth: Option<wgpu::Texture>,
+}
+
+impl EncodedView {
+    fn new(gpu: &Gpu, size: [u32; 2], depth: bool) -> Self {
+        use wgpu::{TextureFormat as Format, TextureUsages as Usages};
+
+        let usage = Usages::STORAGE_BINDING | Usages::TEXTURE_BINDING | Usages::COPY_SRC;
+        Self {
+            color: gpu.texture("color", size, Format::Rgba8Unorm, usage, &[Format::Rgba8UnormSrgb]),
+            depth: depth.then(|| gpu.texture("depth", size, Format::R32Float, usage, &[])),
+        }
+    }
+}
+
+impl Renderer {
+    /// Encodes a frame into the caller's encoder. Its views stay on the device, and nothing is read back. The call only
+    /// waits for the driver's checks of new buffers and kernels. The commands are fixed: a thread ends early if its
+    /// rays take more rounds than the adapter grants. [`Encoded::unfinished`] counts such threads.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render_views_async`]; [`Error::Encoding`] for a method with a stage on the host, and for
+    /// options that need reading back; [`Error::Limit`] for a picture larger than the adapter's textures.
+    pub async fn encode_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<Encoded, Error> {
+        self.encode_each(scene, rig, options, Some(encoder)).await.map(|(encoded, _)| encoded)
+    }
+
+    /// Encodes a frame as one command buffer per band of rows, from the top down. This suits frames so heavy that a
+    /// watchdog would end one submission, or that must leave the device to others in between. Submit the buffers in
+    /// order, with nothing else of this renderer between them.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::encode_async`].
+    pub async fn encode_bands_async(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        self.encode_each(scene, rig, options, None).await
+    }
+
+    async fn encode_each(
+        &mut self,
+        scene: &UploadedScene,
+        rig: &Rig,
+        options: &Options,
+        mut into: Option<&mut wgpu::CommandEncoder>,
+    ) -> Result<(Encoded, Vec<wgpu::CommandBuffer>), Error> {
+        scene.belongs_to(&self.gpu)?;
+        options.check()?;
+        if options.sky_rays.is_some() {
+            scene.weigh_sky().await?;
+        }
+        let eyes = rig.eyes(scene.origin)?;
+        let tables = self.shadow_tables(scene, options).await?.map(|(tables, _)| tables);
+        let drawn = self.drawn(scene, options);
+        let (.., plan) = self.planned(scene, &eyes, options, drawn.is_some());
+        check(&self.gpu, options, &plan, &eyes)?;
+        let variant = self.variant(scene, &eyes, options, &plan);
+        let mut used = plan.uses(&self.kernels, &variant);
+        used.places.insert((Resource::Unfinished, 0));
+        let targets = self.targets(self.shape(scene, &eyes, options, (&plan, eyes.pose.size[1], drawn)), &used).await?;
+        let mut go_on = |_| ControlFlow::Continue(());
+        let gpu = self.gpu.clone();
+        let shared = scene.resources_for(&gpu, &used, tables.as_deref()).await?;
+        let model = scene.cost_model(&gpu, options);
+        let uniforms = self.uniforms(scene, &eyes, options, (&variant, &model, &targets.shape));
+        let setting = Setting { eyes: &eyes, variant, targets: &targets, uniforms, shared };
+        let mut driver = Driver::new(self.engine(false), setting, &mut go_on);
+        let depth = options.g_buffer != GBuffer::None;
+        let encode = || {
+            let views = eyes.sources.iter().map(|_| EncodedView::new(&gpu, eyes.pose.size, depth));
+            let encoded = Encoded::new(&gpu, views.collect(), &targets, tables.clone());
+            let mut commands = Vec::new();
+            let bands = targets.shape.bands;
+            let mut upload = bytemuck::cast_slice(&driver.heads(&plan)).to_vec();
+            upload.resize(STRIDE as usize, 0);
+            for index in 0..bands.count() {
+                let mut own = into.is_none().then(|| driver.encoder());
+                let encoder = own.as_mut().or(into.as_deref_mut()).expect("one of the two");
+                upload.extend(driver.uniforms_of(&bands.get(index)));
+                encoded.encode_band(&mut driver, &plan, encoder, index);
+                if index + 1 == bands.count() {
+                    let unfinished = targets.get(Resource::Unfinished, 0);
+                    encoder.copy_buffer_to_buffer(unfinished, 0, &encoded.unfinished, 0, Some(4));
+                }
+                commands.extend(own.map(wgpu::CommandEncoder::finish));
+            }
+            gpu.queue.write_buffer(&encoded._upload, 0, &upload);
+            Ok((encoded, commands))
+        };
+        gpu.checked(encode).await
+    }
+}
+
+impl Encoded {
+    fn new(gpu: &Gpu, views: Vec<EncodedView>, targets: &Arc<Targets>, tables: Option<Arc<Tables>>) -> Self {
+        let buffer = |label, size, usage| {
+            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            gpu.device.create_buffer(&descriptor)
+        };
+        let uniforms =
+            u64::from(targets.shape.bands.count()) * uniforms_bytes(targets.shape.views, targets.shape.parts);
+        let (from, to) = (wgpu::BufferUsages::COPY_SRC, wgpu::BufferUsages::COPY_DST);
+        Self {
+            views,
+            unfinished: buffer("unfinished", 4, to | wgpu::BufferUsages::MAP_READ),
+            _upload: buffer("uniforms", STRIDE + uniforms, from | to),
+            _targets: targets.clone(),
+            _tables: tables,
+        }
+    }
+
+    /// Encodes one band, from the upload of its uniforms to its rows of the textures.
+    fn encode_band(&self, driver: &mut Driver<'_>, plan: &Plan, encoder: &mut wgpu::CommandEncoder, index: u32) {
+        let targets = &self._targets;
+        let uniforms = uniforms_bytes(targets.shape.views, targets.shape.parts);
+        let begin = STRIDE + u64::from(index) * uniforms;
+        encoder.copy_buffer_to_buffer(&self._upload, begin, &targets.uniforms, 0, Some(uniforms));
+        if index == 0 {
+            encoder.copy_buffer_to_buffer(&self._upload, 0, &targets.empty_lists, 0, Some(targets.empty_lists.size()));
+            encoder.clear_buffer(targets.get(Resource::Unfinished, 0), 0, None);
+        }
+        driver.encode_band(encoder, plan);
+        for (index, view) in self.views.iter().enumerate() {
+            let shown = [(&SHOW_COLOR, Some(&view.color)), (&SHOW_DEPTH, view.depth.as_ref())];
+            for (kernel, texture) in shown {
+                if let Some(texture) = texture {
+                    let texture = texture.create_view(&wgpu::TextureViewDescriptor::default());
+                    driver.encode_shown(encoder, kernel, index, &texture);
+                }
+            }
+        }
+    }
+}
+
+/// # Errors
+/// [`Error::Encoding`] for what cannot be encoded ahead, [`Error::Limit`] for a picture larger than a texture may be.
+fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
+    if plan.needs_host() {
+        let what = options.method.to_string();
+        return Err(Error::Encoding { what, reason: "a part of it is the host's" });
+    }
+    let read_back = [
+        (options.samples != 1 || options.adaptive.is_some(), "a pixel of several samples"),
+        (options.linear, "linear colour"),
+        (options.cost_map, "a map of costs"),
+        (options.count, "counting"),
+    ];
+    if let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) {
+        return Err(Error::Encoding { what: what.into(), reason: "it is there for what is read back only" });
+    }
+    let ([width, height], side) = (eyes.pose.size, gpu.limits.max_texture_dimension_2d);
+    if width.max(height) > side {
+        return Err(Error::Limit {
+            what: format!("a {width}x{height} picture in a texture"),
+            needed: format!("a side of {}", width.max(height)),
+            limit: "max_texture_dimension_2d",
+            allowed: side.to_string(),
+            remedy: "encode a smaller one, or take its rows as they are done (render_rows)",
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,445 @@
+//! A frame: its method's plan, run band by band. At most two bands are in flight.
+
+use std::sync::Arc;
+
+use super::tally::Tally;
+use crate::{
+    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, Renderer, Rows, ShadowBufferWork,
+    ShadowReuse, Tone, UploadedScene, Visibility,
+    frame::{
+        Band, Bands,
+        driver::{Driver, Engine, Setting},
+        lanes::Steps,
+        plan::{Made, Plan},
+        read::{Counts, Ids, ReadBack},
+        targets::{Shape, Targets, Used},
+        uniforms::{Part, Uniforms},
+        wanted::Wanted,
+    },
+    gpu::{Filling, Staging, Timestamps, add_times},
+    kernel::{Resource, layout, variant::Variant},
+    message::counted,
+    methods::{self, auto::CostModel},
+    sampling::Jitter,
+    view::rig::Eyes,
+};
+
+/// How a frame was made, and what it cost.
+pub(crate) struct Done {
+    pub(crate) eyes: Eyes,
+    /// The requested method, or the one that replaced it.
+    pub(super) method: Method,
+    /// One per view.
+    pub(crate) tallies: Vec<Tally>,
+    /// The choice of `Auto`, per view.
+    pub(crate) choices: Vec<Option<Choice>>,
+    pub(crate) in_steps: bool,
+    pub(crate) buffer_depth: u32,
+    pub(crate) times: Option<PassTimes>,
+    pub(crate) intermediate_bytes: u64,
+    /// Cost of filling the shadow-buffers.
+    pub(crate) shadow_buffer: ShadowBufferWork,
+}
+
+impl Done {
+    /// Returns the method that made a view.
+    pub(crate) fn method_of(&self, view: usize) -> Method {
+        match self.choices[view] {
+            _ if self.eyes.sources[view] == view => Method::Naive,
+            Some(choice) => choice.method,
+            None => self.method,
+        }
+    }
+}
+
+/// A frame in progress.
+struct Frame<'a> {
+    driver: Driver<'a>,
+    ids: Ids<'a>,
+    eyes: &'a Eyes,
+    targets: &'a Targets,
+    /// The cost model of `Auto`.
+    model: CostModel,
+    plan: Plan,
+    used: &'a Used,
+    wanted: Wanted<'a>,
+    read_back: ReadBack,
+    /// Staging buffers that are free.
+    stagings: Vec<Staging>,
+    steps: Steps,
+    tallies: Vec<Tally>,
+    times: PassTimes,
+    /// Number of bands that were traced in steps.
+    in_steps: u32,
+    on_rows: &'a mut OnRows<'a>,
+}
+
+/// A band that the device works on.
+struct Flight {
+    band: Band,
+    filling: Filling,
+    /// The timed passes.
+    names: Vec<&'static str>,
+    in_steps: bool,
+}
+
+/// The result of reading back a band.
+enum Landed {
+    Rows(Option<Rows>),
+    /// The adapter ended the loops of this many threads.
+    CutShort(u64),
+}
+
+impl Renderer {
+    /// Renders all bands of a frame. Their rows go to `on_rows`, if pictures are wanted.
+    pub(crate) async fn frame<'a>(
+        &'a mut self,
+        scene: &'a UploadedScene,
+        eyes: &'a Eyes,
+        options: &Options,
+        wanted: Wanted<'a>,
+        progress: &'a mut OnProgress<'a>,
+        on_rows: &'a mut OnRows<'a>,
+    ) -> Result<Done, Error> {
+        scene.belongs_to(&self.gpu)?;
+        options.check()?;
+        if options.sky_rays.is_some() {
+            scene.weigh_sky().await?;
+        }
+        let tables = self.shadow_tables(scene, options).await?;
+        let masked = wanted.masks().is_some();
+        let drawn = if masked { None } else { self.drawn(scene, options) };
+        let (method, early, plan) = self.planned(scene, eyes, options, drawn.is_some());
+        let variant = Variant { masked, ..self.variant(scene, eyes, options, &plan) };
+        let mut used = plan.uses(&self.kernels, &variant);
+        used.places.extend(wanted.pictures.then_some((Resource::Packed, 0)));
+        let rows = wanted.rows(eyes.pose.size).len() as u32;
+        let targets = self.targets(self.shape(scene, eyes, options, (&plan, rows, drawn)), &used).await?;
+        let read_back = ReadBack::new(targets.shape, options.linear, wanted.pictures);
+        let bytes = read_back.times_offset() + Timestamps::BYTES;
+        // The staging buffers leave the cache while the frame is in progress. So a buffer that a cancelled frame leaves
+        // mapped is not used again.
+        let mut stagings = self.cache.staging_of(bytes);
+        let in_flight = targets.shape.bands.count().min(2) as usize;
+        let make = || Ok((stagings.len()..in_flight).map(|_| Staging::new(&self.gpu, bytes)).collect::<Vec<_>>());
+        stagings.extend(self.gpu.checked(make).await?);
+        let (tables, shadow_buffer) = tables.unzip();
+        let shared = scene.resources_for(&self.gpu, &used, tables.as_deref()).await?;
+        let model = scene.cost_model(&self.gpu, options);
+        let uniforms = self.uniforms(scene, eyes, options, (&variant, &model, &targets.shape));
+        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared };
+        let mut frame = Frame {
+            ids: Ids { of_slots: &scene.ids, objects: &scene.objects },
+            eyes,
+            targets: &targets,
+            model,
+            plan,
+            used: &used,
+            wanted,
+            read_back,
+            stagings,
+            steps: self.steps,
+            tallies: vec![Tally::default(); eyes.sources.len()],
+            times: PassTimes::default(),
+            in_steps: 0,
+            on_rows,
+            driver: Driver::new(self.engine(true), setting, progress),
+        };
+        frame.run().await?;
+        let done = Done { shadow_buffer: shadow_buffer.unwrap_or_default(), ..frame.done(method, early) };
+        let stagings = frame.stagings;
+        self.cache.staging.extend(stagings);
+        Ok(done)
+    }
+
+    /// Returns what a driver takes of the renderer.
+    pub(super) fn engine(&mut self, timed: bool) -> Engine<'_> {
+        Engine {
+            gpu: &self.gpu,
+            kernels: &self.kernels,
+            slots: &mut self.cache.slots,
+            timestamps: self.timestamps.as_mut().filter(|_| timed),
+        }
+    }
+
+    /// Returns the uniforms of a frame's views.
+    pub(super) fn uniforms(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        (variant, model, shape): (&Variant, &CostModel, &Shape),
+    ) -> Uniforms {
+        let jitter = Jitter::of(options);
+        let view = |view| layout::Frame {
+            eyes: jitter.beside(eyes.uniform(view)),
+            band: layout::Band {
+                size: eyes.pose.size,
+                row_end: eyes.pose.size[1],
+                runs: self.runs,
+                jitter_seed: jitter.seed(),
+                ..Default::default()
+            },
+            lighting: layout::Lighting {
+                bounces: options.bounces,
+                sources: shape.soft_sources,
+                seed: options.seed.wrapping_add(if options.noise_by_view { view as u32 } else { 0 }),
+                occlusion_radius: options.surroundings().map_or(0.0, |occlusion| occlusion.radius),
+                share_tolerance: options.penumbra.tolerance(),
+                ..Default::default()
+            },
+            display: layout::Display {
+                exposure: options.exposure.exp2(),
+                filmic: u32::from(options.tone == Tone::Filmic),
+                words_read: shape.words_read(),
+                _pad: 0,
+            },
+            costs: layout::Costs {
+                least_spared: model.least_spared(),
+                listed: model.listed,
+                disagreed: model.disagreed,
+                _pad: 0,
+            },
+        };
+        let parts: Vec<Part> = if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() };
+        Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts)
+    }
+
+    /// Returns a frame's method, the choice of `Auto` if it can be made before the first step, and the resulting plan.
+    pub(super) fn planned(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        drawn: bool,
+    ) -> (Method, Option<Choice>, Plan) {
+        let method = if self.steps.always { Method::Naive } else { self.effective(options, eyes, scene) };
+        let early = if method == Method::Auto { scene.choose_early(&self.gpu, &eyes.pose, options) } else { None };
+        let is_soft = !scene.ids.is_empty() && scene.soft.count(options) > 0;
+        let soft = is_soft.then(|| scene.soft.parts(options).len());
+        let chosen = early.map_or(method, |choice| choice.method);
+        let views = methods::Views {
+            sources: &eyes.sources,
+            mirrors: scene.variant.mirrors,
+            soft,
+            wide: options.samples > 1,
+            drawn,
+        };
+        let plan = methods::plan(chosen, &views);
+        (method, early, plan)
+    }
+
+    /// Returns the method that makes the views. Without interaxial all views are equal, unless each has its own noise.
+    /// Without a tree `bracket` has nothing to search. `Auto` traces pictures too wide for the texture of `bracket`'s
+    /// samples.
+    fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
+        let width = eyes.pose.size[0];
+        match options.method {
+            Method::Naive => Method::Naive,
+            _ if eyes.pose.interaxial == 0.0 && options.noise_by_view => Method::Naive,
+            _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
+            Method::Auto | Method::Bracket(_) if !scene.variant.has_tree() => Method::Naive,
+            Method::Auto if width > self.gpu.limits.max_texture_dimension_2d => Method::Naive,
+            method => method,
+        }
+    }
+
+    /// Returns the number of primitives to draw into a T-buffer, or `None` if the frame has none.
+    pub(super) fn drawn(&self, scene: &UploadedScene, options: &Options) -> Option<u32> {
+        let is_asked = options.visibility == Visibility::TBuffer && !self.steps.always;
+        if is_asked { scene.drawn() } else { None }
+    }
+
+    /// Returns the shape of a frame of this many rows.
+    pub(super) fn shape(
+        &self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        (plan, rows, drawn): (&Plan, u32, Option<u32>),
+    ) -> Shape {
+        let rays = 1 + scene.lights.len() as u32 + scene.soft.rays(options);
+        let band_pixels = self.band_pixels / rays.div_ceil(6);
+        let views = eyes.sources.len();
+        let bands = Bands::new([eyes.pose.size[0], rows], band_pixels, views, plan.reaches);
+        Shape {
+            size: eyes.pose.size,
+            bands,
+            views,
+            cost_map: options.cost_map,
+            g_buffer: options.g_buffer,
+            soft_sources: scene.soft.count(options),
+            drawn: drawn.unwrap_or(0),
+            parts: (scene.soft.parts(options).len() as u32).max(1),
+        }
+    }
+
+    /// Returns the variant that a frame's kernels are specialised to.
+    pub(super) fn variant(&self, scene: &UploadedScene, eyes: &Eyes, options: &Options, plan: &Plan) -> Variant {
+        let counting = scene.variant.counting(options.count, options.cost_map);
+        let (bits, samples) = (plan.bits, plan.samples);
+        let second = samples && eyes.has_seconds();
+        let shadow_rays = if counting.soft_lights { options.shadow_rays } else { 0 };
+        let occlusion_rays = options.surroundings().map_or(0, |occlusion| occlusion.rays);
+        let soft = shadow_rays + occlusion_rays > 0;
+        Variant {
+            linear: options.linear,
+            jitter: Jitter::of(options).side(),
+            close: scene.close_to(&eyes.positions()),
+            bits,
+            samples,
+            second,
+            shadow_rays,
+            occlusion_rays,
+            sky_light: options.sky_rays.is_some(),
+            shares: soft && bits == ShadowReuse::Two && options.penumbra != Penumbra::Exact,
+            casts: counting.casts || !soft,
+            shadow_buffer: scene.shadow_reading(options),
+            ..counting
+        }
+    }
+
+    pub(super) async fn targets(&mut self, shape: Shape, used: &Used) -> Result<Arc<Targets>, Error> {
+        if let Some(targets) = self.cache.fitting(shape, used) {
+            return Ok(targets);
+        }
+        self.cache.make_room(self.cache.others());
+        let make = || Targets::new(&self.gpu, shape, used);
+        let targets = Arc::new(self.gpu.checked(make).await?);
+        self.cache.targets.push(targets.clone());
+        Ok(targets)
+    }
+}
+
+impl Frame<'_> {
+    /// Runs all bands. At most two are in flight.
+    async fn run(&mut self) -> Result<(), Error> {
+        self.driver.begin(&self.plan).await?;
+        let bands = self.targets.shape.bands;
+        let mut flight: Option<Flight> = None;
+        let top = self.wanted.rows(self.targets.shape.size).start;
+        for band in (0..bands.count()).map(|index| bands.get(index).moved_down(top)) {
+            let next = if self.steps.always { self.in_steps(band).await? } else { self.at_once(band).await? };
+            if let Some(before) = flight.replace(next) {
+                self.land(before).await?;
+            }
+        }
+        match flight {
+            Some(last) => self.land(last).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Runs a band by the frame's plan.
+    async fn at_once(&mut self, band: Band) -> Result<Flight, Error> {
+        if let Some(masks) = self.wanted.masks() {
+            self.driver.upload_masks(masks, &band).await?;
+        }
+        let commands = self.driver.band(&self.plan, &band).await?;
+        self.take_off(band, commands, false).await
+    }
+
+    /// Runs a band by `Naive` in steps, so that no limit on a thread's loops can end it.
+    async fn in_steps(&mut self, band: Band) -> Result<Flight, Error> {
+        self.in_steps += 1;
+        self.driver.band_in_steps(&self.plan, &band, self.steps).await?;
+        let commands = self.driver.encoder();
+        self.take_off(band, commands, true).await
+    }
+
+    /// Submits a band's last commands, with those that read it back.
+    async fn take_off(
+        &mut self,
+        band: Band,
+        mut commands: wgpu::CommandEncoder,
+        in_steps: bool,
+    ) -> Result<Flight, Error> {
+        let (driver, targets, read_back) = (&mut self.driver, self.targets, self.read_back);
+        let staging = self.stagings.pop().expect("as many as are in flight");
+        let gpu = driver.gpu().clone();
+        let submit = || {
+            read_back.encode(driver, targets, &mut commands, &band, staging.buffer());
+            let offset = read_back.times_offset();
+            let timestamps = driver.timestamps();
+            let names = timestamps.map(|times| times.resolve(&mut commands, staging.buffer(), offset));
+            let filling = staging.fill(&gpu, commands.finish());
+            Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
+        };
+        gpu.checked(submit).await
+    }
+
+    /// Waits for a band, and passes its rows on.
+    async fn land(&mut self, flight: Flight) -> Result<(), Error> {
+        let mut flight = flight;
+        loop {
+            let Flight { band, filling, names, in_steps } = flight;
+            let gpu = self.driver.gpu().clone();
+            let (landed, staging) = filling.read(&gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
+            self.stagings.push(staging);
+            match landed {
+                Landed::Rows(rows) => {
+                    rows.map_or(Ok(()), |rows| (self.on_rows)(rows))?;
+                    return self.driver.band_done(&self.plan, &band);
+                }
+                Landed::CutShort(threads) if in_steps => return Err(Error::cut_short(threads)),
+                Landed::CutShort(threads) => {
+                    let threads = counted(threads, "thread", "threads");
+                    log::warn!(
+                        "rows {} to {}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps",
+                        band.rows.start,
+                        band.rows.end
+                    );
+                    flight = self.in_steps(band).await?;
+                }
+            }
+        }
+    }
+
+    fn landed(&mut self, bytes: &[u8], band: &Band, names: &[&'static str], in_steps: bool) -> Landed {
+        let views = 0..self.tallies.len();
+        let counts = Vec::from_iter(views.map(|view| self.read_back.counts(bytes, band, view)));
+        add_times(&mut self.times, names, &bytes[self.read_back.times_offset() as usize..], self.driver.gpu());
+        let threads = counts.iter().map(|counts| counts.cut_short).sum();
+        if threads > 0 {
+            return Landed::CutShort(threads);
+        }
+        let width = self.targets.shape.size[0];
+        let rows_of = |(view, counts): (usize, &Counts)| {
+            let made = if in_steps { Made::Traced } else { counts.made(self.plan.made[view]) };
+            let masks = self.wanted.masks().filter(|_| !in_steps);
+            let all = u64::from(width) * u64::from(band.count());
+            let pixels = masks.map_or(all, |masks| masks[view].count(band.rows.clone()));
+            self.tallies[view].add(counts, pixels, made);
+            self.read_back.rows(bytes, band, view, made, self.ids)
+        };
+        let views: Vec<_> = counts.iter().enumerate().filter_map(rows_of).collect();
+        Landed::Rows((!views.is_empty()).then_some(Rows { first: band.rows.start, views }))
+    }
+
+    fn done(&mut self, method: Method, early: Option<Choice>) -> Done {
+        let (eyes, targets) = (self.eyes, self.targets);
+        let all_in_steps = self.in_steps == targets.shape.bands.count();
+        let choice = |view: usize| {
+            let source = eyes.sources[view];
+            let chosen = || self.tallies[view].choice(&self.tallies[source], self.model, &eyes.pose);
+            (method == Method::Auto && source != view && !all_in_steps).then(|| early.unwrap_or_else(chosen))
+        };
+        let choices = (0..eyes.sources.len()).map(choice).collect();
+        let timed = self.driver.timestamps().is_some_and(|timestamps| !timestamps.is_full());
+        let on_host = self.driver.time_on_host();
+        if !on_host.is_zero() {
+            self.times.passes.insert(1.min(self.times.passes.len()), ("reproject_on_the_host", on_host));
+        }
+        Done {
+            eyes: eyes.clone(),
+            method: if all_in_steps { Method::Naive } else { method },
+            choices,
+            tallies: std::mem::take(&mut self.tallies),
+            in_steps: self.in_steps > 0,
+            buffer_depth: self.driver.buffer_depth(),
+            times: timed.then(|| std::mem::take(&mut self.times)),
+            intermediate_bytes: targets.intermediate_bytes(self.used) + self.driver.bytes_beside_targets(),
+            shadow_buffer: ShadowBufferWork::default(),
+        }
+    }
+}

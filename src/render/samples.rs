@@ -1,0 +1,158 @@
+//! Frames of several samples a pixel: a larger picture with a pixel for each sample, filtered on the host as its rows
+//! arrive. Rows of samples are epipolar lines like any others (DESIGN, section 3), so methods and kernels need not
+//! know.
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
+
+use super::frame::Done;
+use crate::{
+    Error, GBuffer, OnProgress, Options, PassTimes, Progress, Renderer, UploadedScene,
+    ask::samples::side_of,
+    frame::{OnRows, Rows, targets::MOST_BYTES, wanted::Wanted},
+    message::counted,
+    sampling,
+    view::rig::Eyes,
+};
+
+impl Renderer {
+    /// Renders all bands of a frame with the requested samples a pixel. With one sample it is [`Renderer::frame`].
+    pub(crate) async fn sampled(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        pictures: bool,
+        progress: &mut OnProgress<'_>,
+        on_rows: &mut OnRows<'_>,
+    ) -> Result<Done, Error> {
+        let side = side_of(options.samples)?;
+        if options.adaptive.is_some() {
+            return self.adaptive(scene, eyes, options, pictures, progress, on_rows).await;
+        }
+        if side == 1 {
+            return self.frame(scene, eyes, options, Wanted::all(pictures), progress, on_rows).await;
+        }
+        let finer = eyes.with_samples(side)?;
+        // An odd grid without jitter has a sample in the pixel's centre.
+        let asks_centre = (side % 2 == 0 || options.jitter) && options.g_buffer != GBuffer::None;
+        let rays = (if asks_centre { 1.0 } else { 0.0 }, options.samples as f32); // per pixel, of both frames
+        let (mut centre, mut centres) = (None, None);
+        if asks_centre {
+            check_centres(eyes, options, pictures)?;
+            let mut progress = part_of(progress, 0.0, rays.0, rays);
+            let (done, kept) = self.centres(scene, eyes, options, pictures, &mut progress).await?;
+            (centre, centres) = (Some(done), Some(kept));
+        }
+        let mut gather = sampling::Gather::new(eyes.pose.size, side, options, centres);
+        let mut add = |rows: Rows| gather.add(&rows).map_or(Ok(()), &mut *on_rows);
+        let mut progress = part_of(progress, rays.0, rays.1, rays);
+        let g_buffer = if asks_centre { GBuffer::None } else { options.g_buffer };
+        let finer_options = Options { linear: true, g_buffer, ..options.clone() };
+        let done = self.frame(scene, &finer, &finer_options, Wanted::all(pictures), &mut progress, &mut add).await;
+        let done = done.map_err(|error| of_samples(error, options.samples))?;
+        Ok(Done { eyes: eyes.clone(), ..centre.into_iter().fold(done, Done::with) })
+    }
+
+    /// Renders a frame of one sample a pixel, in its centre.
+    pub(super) async fn centres(
+        &mut self,
+        scene: &UploadedScene,
+        eyes: &Eyes,
+        options: &Options,
+        pictures: bool,
+        progress: &mut OnProgress<'_>,
+    ) -> Result<(Done, sampling::Centres), Error> {
+        let mut centres = sampling::Centres::default();
+        let mut keep = |rows: Rows| {
+            centres.add(rows.views);
+            Ok(())
+        };
+        // Linear colour is not needed, but with it the kernels are those of the other frames.
+        let options = Options { linear: true, samples: 1, ..options.clone() };
+        let done = self.frame(scene, eyes, &options, Wanted::all(pictures), progress, &mut keep).await?;
+        Ok((done, centres))
+    }
+}
+
+/// Maps a sub-frame's progress to the whole frame: `rays` of all rays a pixel, after `before`.
+pub(super) fn part_of(
+    progress: &mut OnProgress<'_>,
+    before: f32,
+    rays: f32,
+    all: (f32, f32),
+) -> impl FnMut(Progress) -> ControlFlow<()> {
+    move |Progress { pass, done }| progress(Progress { pass, done: (before + rays * done) / (all.0 + all.1) })
+}
+
+/// # Errors
+/// [`Error::Limit`] if the data of pixels' centres does not fit into memory.
+pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> Result<(), Error> {
+    let ([width, height], views) = (eyes.pose.size, eyes.sources.len());
+    // Depth, two ids, sources and a cost.
+    let needed = (u64::from(width) * u64::from(height)).saturating_mul(18 * views as u64);
+    if needed <= MOST_BYTES || !pictures {
+        return Ok(());
+    }
+    Err(Error::Limit {
+        what: format!(
+            "depth and ids of {} of {width}x{height} with {} samples a pixel",
+            counted(views, "view", "views"),
+            options.samples
+        ),
+        needed: format!("{} MiB", needed >> 20),
+        limit: "memory for whole pictures",
+        allowed: format!("{} MiB", MOST_BYTES >> 20),
+        remedy: "take 9, 25 or 49 samples without jitter, or colours alone (GBuffer::None)",
+    })
+}
+
+/// Renames an error of the larger picture, whose size the caller did not give.
+pub(super) fn of_samples(error: Error, samples: u32) -> Error {
+    match error {
+        Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
+            what: format!("{samples} samples a pixel: {what}"),
+            needed,
+            limit,
+            allowed,
+            remedy: "take fewer samples or pixels",
+        },
+        error => error,
+    }
+}
+
+impl Done {
+    /// Adds the cost of another frame of the same picture.
+    pub(super) fn with(mut self, other: Self) -> Self {
+        for (tally, other) in self.tallies.iter_mut().zip(&other.tallies) {
+            tally.work += other.work;
+            tally.reused += other.reused;
+            tally.bad += other.bad;
+            tally.missed += other.missed;
+            tally.lost_candidates += other.lost_candidates;
+        }
+        self.in_all(other)
+    }
+
+    /// Adds the cost of another frame, except that of its views.
+    pub(super) fn in_all(mut self, other: Self) -> Self {
+        self.in_steps |= other.in_steps;
+        self.times = self.times.zip(other.times).map(|(times, others)| sum(times, &others));
+        self.intermediate_bytes = self.intermediate_bytes.max(other.intermediate_bytes);
+        self.shadow_buffer = self.shadow_buffer.with(other.shadow_buffer);
+        self
+    }
+}
+
+/// Adds times by name.
+fn sum(mut times: PassTimes, others: &PassTimes) -> PassTimes {
+    for &(name, time) in &others.passes {
+        match times.passes.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += time,
+            None => times.passes.push((name, time)),
+        }
+    }
+    times
+}

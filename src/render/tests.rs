@@ -1,0 +1,324 @@
+use std::{num::NonZeroU32, ops::ControlFlow};
+
+use glam::Vec3;
+
+use crate::{
+    BufferDepth, Check, Error, GBuffer, Gpu, Method, Options, Renderer, Rows, Scene, Statistics, StereoCamera,
+    StereoPair, Traversal, UploadedScene,
+    frame::{
+        Bands,
+        driver::{Driver, Setting},
+        plan::Stage,
+        targets::Shape,
+        wanted::{Mask, Part, Wanted},
+    },
+    kernel::Resource,
+    kernel::layout,
+    methods,
+    random::Random,
+    view::camera::Intrinsics,
+    view::rig::Eyes,
+};
+
+#[test]
+fn the_parts_that_rows_are_dealt_to_change_no_picture() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let mut renderer = renderer(USUAL);
+    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    for size in [[130, 71], [77, 8], [65, 200]] {
+        let camera = builtin.camera(size[0], size[1]);
+        for method in [Method::Naive, Method::ATOMIC, Method::BRACKET] {
+            let [expected, dealt @ ..] = [1, 2, 3, 32].map(|runs| {
+                renderer.runs = runs;
+                let pair = renderer.render(&uploaded, &camera, &Options::new(method)).unwrap();
+                StereoPair { statistics: Statistics { times: None, ..pair.statistics }, ..pair }
+            });
+            assert!(dealt.iter().all(|pair| *pair == expected), "{method} {size:?}");
+        }
+    }
+}
+
+const USUAL: u32 = 1 << 18;
+
+fn renderer(band_pixels: u32) -> Renderer {
+    let wanted = std::env::var(crate::gpu::ADAPTER_VARIABLE).unwrap_or_else(|_| "software".into());
+    let mut renderer = Renderer::new(Gpu::open(wanted).unwrap());
+    renderer.band_pixels = band_pixels;
+    renderer
+}
+
+#[test]
+fn bands_change_nothing_but_the_number_of_dispatches() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let camera = builtin.camera(130, 271);
+    let mut renderer = renderer(USUAL);
+    let uploaded = renderer.upload(&builtin.scene()).unwrap();
+    // Counting traces one ray a lane; the tiles' search should run as it ships.
+    let shipped = [Method::BRACKET, Method::VERIFIED, Method::BRACKET_RAYS];
+    let all = Method::ALL.iter().copied().chain(["buffer-edges".parse().unwrap(), "buffer-3".parse().unwrap()]);
+    let counted = all.map(|method| Options::new(method).count(true).cost_map(true).linear(true));
+    for options in counted.chain(shipped.map(Options::new)) {
+        let method = options.method;
+        let [whole, banded] = [USUAL, 130 * 64].map(|band_pixels| {
+            renderer.band_pixels = band_pixels;
+            let mut calls = 0;
+            let mut count = |_| {
+                calls += 1;
+                ControlFlow::Continue(())
+            };
+            let mut pair = renderer.render_with(&uploaded, &camera, &options, &mut count).unwrap();
+            pair.statistics.times = None;
+            pair.statistics.intermediate_bytes = 0;
+            pair.statistics.buffer_depth = 0; // a band's may be smaller
+            (pair, calls)
+        });
+        let [(a, _), (b, _)] = [&whole, &banded];
+        assert_eq!(a.statistics, b.statistics, "{method}");
+        assert!(whole.0 == banded.0, "{method}");
+        assert_eq!([whole.1, banded.1], [1, 5], "{method}");
+    }
+}
+
+#[test]
+fn every_traversal_gives_the_same_pair() {
+    use crate::scene::builtin::Builtin;
+    let spheres_and_triangles = Builtin::Near;
+    for builtin in [Builtin::Hall, Builtin::Spheres, spheres_and_triangles] {
+        let camera = builtin.camera(65, 40);
+        let pairs = Vec::from_iter(Traversal::ALL.iter().map(|&traversal| {
+            let mut renderer = Renderer::with_traversal(renderer(USUAL).gpu, traversal);
+            let uploaded = renderer.upload(&builtin.scene()).unwrap();
+            let mut pair = renderer.render(&uploaded, &camera, &Options::default()).unwrap();
+            // Which of several occluders is kept depends on the traversal, and so does the number of rays that it
+            // saves.
+            pair.statistics = Statistics::default();
+            pair
+        }));
+        for (traversal, pair) in Traversal::ALL.iter().zip(&pairs) {
+            assert_eq!(*pair, pairs[0], "{builtin} {traversal:?}");
+        }
+    }
+}
+
+const TRUSTING: Method = Method::Atomic(Check::None);
+
+fn buffer(depth: BufferDepth) -> Method {
+    Method::Buffer(depth, Check::None)
+}
+
+/// Runs reprojection alone on given source depths. Returns the keys of samples, and the number of lost candidates.
+fn reproject(eyes: &Eyes, depths: &[f32], method: Method) -> (Vec<u32>, u64) {
+    let mut renderer = renderer(64 * 16);
+    let scene = renderer.upload(&Scene::new()).unwrap();
+    let run = async {
+        // The depths are given, in place of the step that traces the source.
+        let views = methods::Views { sources: &eyes.sources, mirrors: false, soft: None, wide: false, drawn: false };
+        let mut plan = methods::plan(method, &views);
+        let Stage::Steps(steps) = &mut plan.stages[0] else { panic!("{plan:?}") };
+        steps.remove(0);
+        let variant = renderer.variant(&scene, eyes, &Options::default(), &plan);
+        let bands = Bands::new(eyes.pose.size, USUAL, 2, false);
+        let shape = Shape {
+            size: eyes.pose.size,
+            bands,
+            views: 2,
+            cost_map: false,
+            g_buffer: GBuffer::None,
+            soft_sources: 0,
+            drawn: 0,
+            parts: 1,
+        };
+        let used = plan.uses(&renderer.kernels, &variant);
+        let targets = renderer.targets(shape, &used).await?;
+        let source: Vec<_> = depths.iter().map(|&depth| layout::Pixel { depth, ..Default::default() }).collect();
+        renderer.gpu.queue.write_buffer(targets.get(Resource::View, 0), 0, bytemuck::cast_slice(&source));
+        let mut go_on = |_| ControlFlow::Continue(());
+        let options = &Options::new(Method::Naive);
+        let model = scene.cost_model(&renderer.gpu, options);
+        let shared = scene.resources_for(&renderer.gpu, &used, None).await?;
+        let uniforms = renderer.uniforms(&scene, eyes, options, (&variant, &model, &targets.shape));
+        let setting = Setting { eyes, variant, targets: &targets, uniforms, shared };
+        let mut driver = Driver::new(renderer.engine(true), setting, &mut go_on);
+        driver.begin(&plan).await?;
+        let commands = driver.band(&plan, &bands.get(0)).await?;
+        renderer.gpu.queue.submit([commands.finish()]);
+        let rows = eyes.pose.size[1] as usize * layout::COUNTERS;
+        let counters: Vec<u32> = renderer.gpu.read(targets.get(Resource::Counters, 1), rows).await?;
+        let lost = counters.iter().skip(layout::LOST_CANDIDATES).step_by(layout::COUNTERS).map(|&n| u64::from(n)).sum();
+        let target: Vec<layout::Pixel> = renderer.gpu.read(targets.get(Resource::View, 1), depths.len()).await?;
+        // Missed pixels have been marked since.
+        let empty = |mark| if mark == layout::MISSED { 0 } else { mark };
+        Ok::<_, Error>((target.into_iter().map(|pixel| empty(pixel.marks)).collect(), lost))
+    };
+    pollster::block_on(run).unwrap()
+}
+
+fn eyes(size: [u32; 2], interaxial_px: f32) -> Eyes {
+    let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).screen_distance(4.0);
+    Eyes::pair(&camera.size(size[0], size[1]).interaxial_pixels(interaxial_px).pose().unwrap())
+}
+
+/// Parallel cameras with a focal length of 32 px.
+fn parallel(size: [u32; 2], interaxial: f32) -> Eyes {
+    let camera = StereoCamera::look_at(4.0 * Vec3::Z, Vec3::ZERO).size(size[0], size[1]);
+    let centre = size.map(|side| 0.5 * f64::from(side));
+    Eyes::pair(&camera.intrinsics(Intrinsics::new([32.0; 2], centre)).interaxial(interaxial).pose().unwrap())
+}
+
+#[test]
+fn the_index_buffer_equals_a_sequential_computation() {
+    let size = [131, 37];
+    let mut random = Random::new(9);
+    let through_screens = [0.5, 7.0, 40.0].map(|e_px| (e_px, eyes(size, e_px)));
+    let parallel = [0.5, 7.0, 40.0].map(|e_px| (-e_px, parallel(size, e_px / 8.0)));
+    let sides = [[-0.5, 0.5], [1.5, 0.0]];
+    for ((e_px, eyes), offsets) in
+        through_screens.iter().chain(&parallel).flat_map(|eyes| sides.map(|offsets| (eyes, offsets)))
+    {
+        let eyes = Eyes { offsets: offsets.to_vec(), ..eyes.clone() };
+        let depths: Vec<f32> = (0..size[0] * size[1])
+            .map(|index| match index % 7 {
+                0 => crate::FAR,
+                1 => eyes.pose.subject_distance,
+                2 => 0.5 * eyes.pose.subject_distance,
+                3 => 1e-6 * random.unit(),
+                _ => random.between(1.0, 10.0),
+            })
+            .collect();
+        let expected = crate::testing::cpu::reproject::reproject(&eyes.cpu_frame(1), &depths);
+        assert!(expected.contains(&0) && expected.iter().any(|&source| source > 0));
+        for method in [TRUSTING, buffer(BufferDepth::Adaptive)] {
+            assert_eq!(reproject(&eyes, &depths, method).0, expected, "{method} {e_px} {offsets:?}");
+        }
+    }
+}
+
+#[test]
+fn samples_land_where_the_closed_form_says_ties_included() {
+    // e_px = 8 and d = 4: parallax 8 (1 - 4/z).
+    let eyes = eyes([40, 1], 8.0);
+    let land = |column: usize, z: f32| {
+        let mut depths = vec![1e-9; 40]; // so near that all others leave the picture
+        depths[column] = z;
+        let source = reproject(&eyes, &depths, TRUSTING).0;
+        source.iter().position(|&source| source == column as u32 + 1)
+    };
+    assert_eq!(land(20, 4.0), Some(20), "on the screen");
+    assert_eq!(land(20, 2.0), Some(12), "at d/2: e to the left");
+    assert_eq!(land(20, crate::FAR), Some(28), "sky: e to the right");
+    assert_eq!(land(20, 8.0), Some(24), "at 2d: half of e");
+    // 8 (1 - 4/z) = 0.5 exactly at z = 64/15, which f32 rounds up: X = 21.0 or just above lands in 21.
+    assert_eq!(land(20, 64.0 / 15.0), Some(21), "a tie goes to the right");
+    // Parallax -0.5 exactly: X = 20.0 stays in 20.
+    assert_eq!(land(20, 64.0 / 17.0), Some(20));
+    assert_eq!(land(35, crate::FAR), None, "past the right edge");
+    assert_eq!(land(7, 2.0), None, "past the left edge");
+    assert_eq!(land(8, 2.0), Some(0), "X = 0.5");
+    assert_eq!(land(8, 32.0 / 16.5), Some(0), "X = 0 exactly is inside");
+}
+
+#[test]
+fn samples_of_parallel_cameras_move_left_by_f_e_over_z() {
+    // f = 32 and e = 1: parallax -32/z.
+    let eyes = parallel([40, 1], 1.0);
+    let land = |column: usize, z: f32| {
+        let mut depths = vec![1e-9; 40];
+        depths[column] = z;
+        let source = reproject(&eyes, &depths, TRUSTING).0;
+        source.iter().position(|&source| source == column as u32 + 1)
+    };
+    assert_eq!(land(20, 4.0), Some(12));
+    assert_eq!(land(20, 32.0), Some(19));
+    assert_eq!(land(20, 64.0), Some(20), "X = 20.0");
+    assert_eq!(land(20, crate::FAR), Some(20), "sky stays where it is");
+    assert_eq!(land(39, crate::FAR), Some(39));
+    assert_eq!(land(7, 4.0), None, "past the left edge");
+    assert_eq!(land(8, 4.0), Some(0));
+    // Lemma 1: columns of depths between 2 and infinity meet if they are up to 16 apart. Twice the disparity at the
+    // target, 4 away, gives 16 slots.
+    let mut depths = vec![1e-9; 40];
+    (depths[10], depths[26]) = (crate::FAR, 2.0);
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
+    assert_eq!((source[10], lost), (27, 1), "as through a screen at the target");
+    assert_eq!(crate::frame::driver::slots::lemma1(&eyes.pose, 2.0, f32::INFINITY), 16.0);
+}
+
+#[test]
+fn twice_e_is_one_slot_short_at_half_the_screen_s_distance() {
+    // Lemma 1 with equality: B = e d (1/(d/2) - 0) = 2e. Columns 2e apart meet, in the same slot i mod 2e.
+    let eyes = eyes([40, 1], 8.0);
+    let mut depths = vec![1e-9; 40];
+    (depths[10], depths[26]) = (crate::FAR, 2.0);
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::TwiceInteraxial));
+    assert_eq!((source[18], lost), (27, 1), "the nearer one stands, the other is lost");
+    // (Samples that leave the picture do not matter to Lemma 1; here they would make the buffer 40 deep.)
+    let (source, lost) = reproject(&eyes, &depths, buffer(BufferDepth::Fixed(NonZeroU32::new(18).unwrap())));
+    assert_eq!((source[18], lost), (27, 0), "floor(B) + 2 slots hold both");
+}
+
+#[test]
+fn renderer_and_scene_may_cross_threads() {
+    fn check<T: Send + Sync>() {}
+    check::<Renderer>();
+    check::<UploadedScene>();
+    check::<Gpu>();
+    check::<Error>();
+}
+
+/// Renders a frame with masks: half of the left view's pixels, all of the right view's.
+fn part_of(renderer: &mut Renderer, scene: &UploadedScene, eyes: &Eyes, method: Method) -> Vec<Rows> {
+    let [width, height] = eyes.pose.size;
+    let rows = (10, height - 3);
+    let mut masks = vec![Mask::new(width, rows.0..rows.1); 2];
+    for (row, column) in (rows.0..rows.1).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        masks[1].want(column, row);
+        if column / 16 % 2 == 0 {
+            masks[0].want(column, row);
+        }
+    }
+    let wanted = Wanted { pictures: true, part: Some(Part { rows, masks: Some(&masks) }) };
+    let mut found = Vec::new();
+    let mut keep = |rows| {
+        found.push(rows);
+        Ok(())
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let options = Options::new(method);
+    let frame = renderer.frame(scene, eyes, &options, wanted, &mut go_on, &mut keep);
+    let done = pollster::block_on(frame).unwrap();
+    assert_eq!(done.tallies[0].work.rays.primary, masks[0].count(rows.0..rows.1));
+    found
+}
+
+/// Half of a frame's samples are left over from another frame.
+#[test]
+fn what_was_not_wanted_vouches_for_nothing() {
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let eyes = Eyes::pair(&builtin.camera(130, 83).pose().unwrap());
+    let mut scene = builtin.scene();
+    let mut used = renderer(USUAL);
+    let before = used.upload(&scene).unwrap();
+    scene.lights.iter_mut().for_each(|light| light.position.x = -light.position.x);
+    let uploaded = used.upload(&scene).unwrap();
+    let naive = part_of(&mut used, &uploaded, &eyes, Method::Naive);
+    for method in [Method::BRACKET, Method::VERIFIED] {
+        let mut fresh = renderer(USUAL);
+        let same = fresh.upload(&scene).unwrap();
+        let expected = part_of(&mut fresh, &same, &eyes, method);
+        // Renders a frame of all pixels into the same buffers.
+        let all = Wanted { pictures: true, part: Some(Part { rows: (10, 80), masks: None }) };
+        let (mut go_on, mut drop_them) = (|_| ControlFlow::Continue(()), |_| Ok(()));
+        let options = Options::new(method);
+        let frame = used.frame(&before, &eyes, &options, all, &mut go_on, &mut drop_them);
+        pollster::block_on(frame).unwrap();
+        let found = part_of(&mut used, &uploaded, &eyes, method);
+        for ((found, expected), naive) in found.iter().zip(&expected).zip(&naive) {
+            let [found, expected, naive] = [found, expected, naive].map(|rows| &rows.views[1].view);
+            assert!(found == expected, "{method}");
+            assert!(found.primitive == naive.primitive && found.depth == naive.depth, "{method}");
+            let same = found.rgba8.iter().zip(&naive.rgba8).filter(|(a, b)| a == b).count();
+            println!("{method}: {same} of {} colours are naive's", naive.rgba8.len());
+            assert!(same * 1000 >= naive.rgba8.len() * 997, "{method}: {same}");
+        }
+    }
+}
