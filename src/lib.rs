@@ -23,14 +23,21 @@
 //! # Ok::<(), stereotrace::Error>(())
 //! ```
 //!
-//! # Reading order
+//! # Where to begin
 //!
-//! 1. This page gives an overview of the data flow.
-//! 2. `renderer.rs` has [`Renderer`], with its inputs and outputs.
-//! 3. `frame/plan.rs` lists the steps of each method's frame (`Plan::of`), and `frame/driver.rs` runs them.
-//! 4. `steps/` has a file for each step, with its kernels and what these read and write.
-//! 5. `shaders/` has a file for each kernel: `trace_left`, `reproject`, `resolve_right` (`trace_listed` and
-//!    `shade_listed` are its second half), `take_over`.
+//! | I want to | Use |
+//! |---|---|
+//! | render one stereo pair | [`render_stereo`] |
+//! | render many pairs or frames | [`Renderer`], [`Renderer::upload_async`], [`Renderer::render_async`] |
+//! | build a scene | [`Scene`], [`Mesh`], [`Sphere`], [`Material`], [`Light`], [`Sky`] |
+//! | read a scene from a file | [`SceneFile`] |
+//! | set up the eyes | [`StereoCamera`], or [`Rig`] for more than two views |
+//! | choose a method or more samples | [`Method`], [`Options`] |
+//! | write anaglyphs and other files | [`output`] |
+//! | get disparity, occlusion and normals | [`GroundTruth`] |
+//! | compare pictures | [`metrics`] |
+//! | trace my own rays | [`Ray`], [`Renderer::closest_hits_async`] |
+//! | draw into my own GPU program | [`Gpu::from_device`], [`Renderer::encode_async`] |
 //!
 //! ```text
 //! Scene ──obvhs──▶ Bvh ──upload──▶ UploadedScene   (once per scene)
@@ -44,7 +51,8 @@
 //! StereoPair ◀── left, right, depth and ids, re-trace map, statistics
 //! ```
 //!
-//! Geometry, methods and metrics are defined in `docs/DESIGN.md`, which comments cite by section.
+//! Contributors begin with `docs/ARCHITECTURE.md`. Geometry, methods and metrics are defined in `docs/DESIGN.md`, which
+//! comments cite by section.
 //!
 //! # Adapters
 //!
@@ -71,7 +79,7 @@
 //!   MPO), `textures` (read textures from PNG and JPEG), `sky` (read skies from PNG, JPEG and HDR) and `json` (read and
 //!   write cameras). They build on wasm32 too, but functions that take a path return [`Error::Io`] there.
 //!
-//! Off by default: `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights), and `webgpu`, the browser
+//! Off by default: `testing` (twins of the kernels and hard scenes, for tests), `exr` (write `OpenEXR`), `serde` (serialise scenes, materials and lights), and `webgpu`, the browser
 //! backend for wasm32. A build without any backend needs a device from the caller ([`Gpu::from_device`]).
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::print_stdout))]
 
@@ -93,16 +101,19 @@ pub mod gpu;
 pub mod guide;
 mod import;
 mod kernel;
+#[doc(hidden)]
 pub mod message;
 mod methods;
 pub mod output;
+#[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, dead_code, reason = "tests use all of it"))]
 mod random;
 mod render;
 mod sampling;
 pub mod scene;
 mod srgb;
 mod steps;
-mod testing;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 mod truth;
 mod view;
 
@@ -110,7 +121,6 @@ pub use ask::method;
 #[cfg(feature = "png")]
 pub use output::dataset;
 pub use render::{cast, pair};
-pub use testing::cpu;
 pub use truth::metrics;
 pub use view::{camera, rig};
 

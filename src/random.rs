@@ -1,43 +1,45 @@
 //! Random numbers for scenes and tests. They use integer arithmetic only, so they are the same on every machine.
 //!
-//! Integration tests and benches include this file by its path, so there is one generator.
+//! Integration tests and benches take the same generator from `testing`.
 
 /// Hashes one word by PCG (O'Neill 2014), as in Jarzynski and Olano 2020.
-pub(crate) fn pcg(input: u32) -> u32 {
+pub fn pcg(input: u32) -> u32 {
     let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
 
 /// A random sequence: the hashes of successive words. It repeats after 2³² numbers.
-pub(crate) struct Random(pub(crate) u32);
+#[derive(Clone, Debug)]
+pub struct Random(pub u32);
 
 impl Random {
     /// Returns a number from 0 up to 1, excluding 1, exact in f32.
-    pub(crate) fn unit(&mut self) -> f32 {
+    pub fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(1);
         (pcg(self.0) >> 8) as f32 / (1 << 24) as f32
     }
 
-    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
+    /// Returns a number from `low` up to `high`.
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 }
 
-#[cfg(test)]
+#[cfg(any(test, feature = "testing"))]
 impl Random {
     /// Starts at the seed's own hash. Otherwise neighbouring seeds would share all numbers but one.
-    pub(crate) fn new(seed: u32) -> Self {
+    pub fn new(seed: u32) -> Self {
         Self(pcg(seed))
     }
 
     /// Returns a whole number below `count`.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (self.unit() * count as f32) as usize
     }
 
     /// Returns a point in the cube from `-half` to `half` on each axis.
-    pub(crate) fn point(&mut self, half: f32) -> glam::Vec3 {
+    pub fn point(&mut self, half: f32) -> glam::Vec3 {
         glam::Vec3::from_array([(); 3].map(|()| self.between(-half, half)))
     }
 }

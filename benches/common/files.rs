@@ -8,6 +8,12 @@ use std::{
 
 use stereotrace::output::Batch;
 
+/// Returns the repository's folder, for the benches of either package.
+pub fn root() -> &'static Path {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if package.ends_with("studies") { package.parent().unwrap_or(package) } else { package }
+}
+
 /// Writes files of these names and texts. None takes its name before all are written.
 pub fn save(files: &[(String, String)], folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,15 +1,14 @@
 //! The scenes: built-in ones, those of the stability suite, OBJ files unpacked beside the build, and any scene file by
 //! its path.
 
+use super::files::root;
 use std::path::{Path, PathBuf};
 
 use stereotrace::{
     Error, Scene, SceneFile, SceneOptions, Sky, SkyMap, StereoCamera,
     glam::Vec3,
-    scene::{
-        builtin::{Builtin, spheres_turned},
-        suite::Trial,
-    },
+    scene::builtin::{Builtin, spheres_turned},
+    testing::suite::Trial,
 };
 
 /// Names the folder that holds NAME/NAME.obj and cameras.json, in place of target/scenes.
@@ -78,7 +77,7 @@ pub fn load_thesis(
     e_px: f32,
     lights: Option<usize>,
 ) -> Result<Option<BenchScene>, Error> {
-    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/thesis.json");
+    let data = &root().join("scenes/thesis.json");
     let (mut scene, entry) = match name {
         "spheres" => (Builtin::Spheres.scene(), name),
         "spheres-turned" => (spheres_turned(TURN)?, "spheres"),
@@ -115,7 +114,7 @@ pub fn title(name: &str) -> &str {
 fn folder() -> PathBuf {
     match std::env::var_os(FOLDER_VARIABLE) {
         Some(folder) => folder.into(),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("target/scenes"),
+        None => root().join("target/scenes"),
     }
 }
 

@@ -1,13 +1,11 @@
 //! The rays of each kind that a stereo pair of a scene is made of.
 
-#[path = "../../src/random.rs"]
-#[allow(dead_code, reason = "its sequence is not needed here")]
-mod random;
+use stereotrace::testing::random;
 
 use stereotrace::{
     FAR, Pose, Ray, Scene,
-    cpu::{Eye, Frame},
     glam::Vec3,
+    testing::cpu::{Eye, Frame},
 };
 
 use self::random::pcg;

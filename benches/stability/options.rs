@@ -1,9 +1,9 @@
 //! The command line, and the plan that it makes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Parser;
-use stereotrace::{Method, scene::suite::Trial};
+use stereotrace::{Method, testing::suite::Trial};
 
 use crate::common::options::size;
 
@@ -71,7 +71,7 @@ impl Options {
 
     /// Where the results go.
     pub(crate) fn folder(&self) -> PathBuf {
-        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/stability" } else { "bench/stability" });
         self.out.clone().unwrap_or(standard)
     }

@@ -3,7 +3,7 @@
 use stereotrace::{
     Method, Options, Renderer, StereoPair, UploadedScene,
     metrics::{self, Difference},
-    scene::suite::Trial,
+    testing::suite::Trial,
 };
 
 use crate::options::Plan;

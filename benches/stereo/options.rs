@@ -1,6 +1,6 @@
 //! The command line, and the plan that it makes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Parser;
 use stereotrace::Method;
@@ -75,7 +75,7 @@ impl Options {
 
     /// Where the results go.
     pub(crate) fn folder(&self) -> PathBuf {
-        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke" } else { "bench/stereo" });
         self.out.clone().unwrap_or(standard)
     }

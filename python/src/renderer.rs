@@ -152,11 +152,7 @@ impl Renderer {
         py: Python<'_>,
         scene: &Scene,
         progress: Option<Py<PyAny>>,
-        work: impl FnOnce(
-            &mut stereotrace::Renderer,
-            &UploadedScene,
-            &mut stereotrace::renderer::OnProgress<'_>,
-        ) -> Result<T, Error>
+        work: impl FnOnce(&mut stereotrace::Renderer, &UploadedScene, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>
         + Send,
     ) -> PyResult<T> {
         let mut stopped = None;

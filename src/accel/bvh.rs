@@ -6,7 +6,9 @@ mod refit;
 
 use std::sync::Arc;
 
-pub(crate) use primitive::{reach_bits, shortest_edge, shortest_edge_first};
+pub(crate) use primitive::reach_bits;
+#[cfg(any(test, feature = "testing"))]
+pub(crate) use primitive::{shortest_edge, shortest_edge_first};
 pub(crate) use refit::TreeShape;
 
 use glam::{DVec3, Vec3};

@@ -57,8 +57,8 @@ impl Scene {
     /// Reads a scene from a glTF 2.0 file (.gltf or .glb), with its lights. It reads the meshes of the default scene's
     /// nodes, with base colour, metal, roughness, emission, masks and transparency.
     ///
-    /// `docs/FORMATS.md` has the rules. Unsupported features are logged once. [`SceneFile::open`] also reads the
-    /// cameras.
+    /// `docs/FORMATS.md` has the rules. Unsupported features are logged once.
+    /// [`SceneFile::open`](crate::SceneFile::open) also reads the cameras.
     ///
     /// # Errors
     /// - [`Error::Io`] if the file or one that it names can't be read or is no regular file.

@@ -4,7 +4,9 @@ mod picture;
 
 use std::sync::Arc;
 
-use super::input::{self, Files};
+use super::input;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+use super::input::Files;
 use crate::{Error, Limits, Texture, TextureKind};
 
 impl Texture {
@@ -18,7 +20,8 @@ impl Texture {
     /// # Errors
     /// - [`Error::Io`] if the file can't be read or is no regular file.
     /// - [`Error::TooLarge`] if the file or its number of pixels exceeds its limit in [`Limits`].
-    /// - [`Error::Parse`] if it is not such a picture or has a side over [`MAX_TEXTURE_SIDE`].
+    /// - [`Error::Parse`] if it is not such a picture or has a side over
+    ///   [`MAX_TEXTURE_SIDE`](crate::scene::MAX_TEXTURE_SIDE).
     pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, Error> {
         Self::open_within(path, &Limits::default())
     }

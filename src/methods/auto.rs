@@ -21,8 +21,8 @@ pub(super) fn stages(Target { view, soft, wide, .. }: Target) -> Vec<Stage> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Choice {
-    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. Each band of rows has its
-    /// own choice.
+    /// The method that made most of the right view: [`Method::BRACKET`] or [`Method::Naive`]. Each band of rows has
+    /// its own choice.
     pub method: Method,
     /// Share of the right view's rows that `bracket` made, 0 to 1.
     pub by_bracket: f32,
@@ -65,8 +65,8 @@ pub(crate) struct CostModel {
     pub(crate) shadow: f32,
     /// A shadow ray of a pixel list, relative to [`Self::shadow`].
     pub(crate) listed: f32,
-    /// Cost of the shadow rays traced outside gaps because left samples disagree, relative to all shadow rays: the mean
-    /// of `listed` times their share.
+    /// Cost of the shadow rays traced outside gaps because left samples disagree, relative to all shadow rays: the
+    /// mean of `listed` times their share.
     pub(crate) disagreed: f32,
 }
 
@@ -122,7 +122,8 @@ impl CostModel {
         (self.listed * gaps + self.disagreed).min(self.listed)
     }
 
-    /// Returns the minimum number of shadow rays saved per pixel that makes the search pay (as in shaders/bracket/choose.wgsl).
+    /// Returns the minimum number of shadow rays saved per pixel that makes the search pay (as in
+    /// shaders/bracket/choose.wgsl).
     pub(crate) fn least_spared(self) -> f32 {
         (self.search - 1.0) / self.shadow
     }

@@ -1,6 +1,7 @@
 //! Shadow-buffers on the device. They are filled by drawing primitives if none is kept, and then kept with the uploaded
 //! scene (`docs/SHADOW-BUFFER.md`).
 
+#[cfg_attr(not(any(test, feature = "testing")), allow(unreachable_pub, reason = "the twins export it"))]
 pub(crate) mod mapping;
 #[cfg(test)]
 mod tests;

@@ -1,13 +1,13 @@
 //! Built-in scenes that need no download. Two are for viewing, four are hard for stereo methods, five consist of
 //! ellipsoids, and three show spheres on an infinite ground.
 
-mod hall;
-mod marble;
-mod random;
-pub(super) mod shapes;
-mod spheres;
-mod stacked;
-pub(super) mod stage;
+pub(crate) mod hall;
+pub(crate) mod marble;
+pub(crate) mod random;
+pub(crate) mod shapes;
+pub(crate) mod spheres;
+pub(crate) mod stacked;
+pub(crate) mod stage;
 
 use std::{fmt, str::FromStr};
 
@@ -26,7 +26,7 @@ use super::{Light, Material, MaterialId, Scene};
 use crate::{Error, StereoCamera};
 
 /// Interaxial as a share of the picture's width: the thesis's 15 pixels of 600.
-pub(super) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
+pub(crate) const INTERAXIAL_SHARE: f32 = 15.0 / 600.0;
 
 /// Seed of the random scenes.
 const SEED: u32 = 1993;
@@ -174,17 +174,17 @@ impl FromStr for Builtin {
     }
 }
 
-pub(super) fn add(scene: &mut Scene, shape: Shape) {
+pub(crate) fn add(scene: &mut Scene, shape: Shape) {
     scene.add_mesh(&shape.into_mesh()).expect("a shape's lists fit each other and its points are finite");
 }
 
 /// Adds a material with a colour in approximate sRGB, 0 to 255.
-pub(super) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
+pub(crate) fn paint(scene: &mut Scene, name: &str, srgb: [u8; 3]) -> MaterialId {
     let linear = srgb.map(|channel| (f32::from(channel) / 255.0).powf(2.2));
     scene.add_material(Material::new(Vec3::from_array(linear)).name(name))
 }
 
-pub(super) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> Light {
+pub(crate) fn lamp(position: [f32; 3], strength: f32, color: [f32; 3]) -> Light {
     Light::point(Vec3::from_array(position), Vec3::from_array(color) * strength)
 }
 

@@ -16,7 +16,6 @@ mod plane;
 mod serialised;
 pub(crate) mod sky;
 pub(crate) mod smooth;
-pub mod suite;
 pub(crate) mod texture;
 
 pub(crate) use ellipsoid::ToSphere;
@@ -126,7 +125,7 @@ pub struct Scene {
     pub(crate) materials: Vec<Material>,
     pub(crate) textures: Vec<Texture>,
     pub(crate) triangles: Vec<Triangle>,
-    spheres: Vec<Sphere>,
+    pub(crate) spheres: Vec<Sphere>,
     ellipsoids: Vec<Ellipsoid>,
     planes: Vec<Plane>,
     mesh_objects: Vec<Object>,
@@ -316,7 +315,7 @@ impl Scene {
     }
 
     /// Returns the object of a primitive. Objects count meshes as they were added, then spheres, ellipsoids and planes.
-    /// Ids out of range give [`MISS`](crate::MISS).
+    /// Ids out of range give [`MISS`].
     pub fn object_of(&self, primitive: u32) -> u32 {
         let triangles = self.triangles.len() as u32;
         if primitive as usize >= self.primitive_count() {

@@ -16,8 +16,7 @@ mod folder;
 #[path = "../it/common/gltf.rs"]
 mod gltf;
 #[allow(dead_code, reason = "the other tests use more of it")]
-#[path = "../../src/random.rs"]
-mod random;
+use stereotrace::testing::random;
 mod seeds;
 mod structure;
 

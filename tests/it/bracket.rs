@@ -8,10 +8,11 @@ use common::{
 use stereotrace::{
     Boxes, Fetch, Light, MISS, Material, Mesh, Method, Options, PixelSource, Pose, RaysPerLane, Renderer, Rig, Scene,
     ShadowReuse, ShadowSource, StereoCamera, StereoPair, Traversal,
-    cpu::{Eye, Frame, bracket, trace_left::trace_left},
     glam::Vec3,
     metrics::compare,
-    scene::{builtin::Builtin, suite::Trial},
+    scene::builtin::Builtin,
+    testing::cpu::{Eye, Frame, bracket, trace_left::trace_left},
+    testing::suite::Trial,
     wgpu,
 };
 

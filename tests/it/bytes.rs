@@ -9,7 +9,7 @@ use std::{
 
 use stereotrace::{
     Adaptive, AmbientOcclusion, GBuffer, Light, Method, Options, Scene, ShadowBuffer, StereoCamera, StereoPair,
-    Visibility, scene::builtin::Builtin, scene::suite::Trial,
+    Visibility, scene::builtin::Builtin, testing::suite::Trial,
 };
 
 use crate::common::{random_stage, renderer};

@@ -7,8 +7,8 @@ use stereotrace::{
     Adaptive, AmbientOcclusion, Builtin, Convergence, Error, FAR, Method, Occlusion, Options, PixelSource, Ray, Rig,
     ShadowBuffer, StereoCamera, StereoPair, View, Visibility,
     camera::Intrinsics,
-    cpu::{Eye, Frame, adelson_hodges::sweep, reproject::reproject},
     glam::{DMat3, DVec3, Vec3},
+    testing::cpu::{Eye, Frame, adelson_hodges::sweep, reproject::reproject},
 };
 
 /// A built-in scene's camera as parallel cameras, and as calibrated ones: off-centre with flat pixels, before a screen,

@@ -8,9 +8,9 @@ use common::{is_exact, random::Random, random_foliage, render, renderer, rendere
 use stereotrace::{
     Boxes, BvhBuild, Ellipsoid, Fetch, Finish, Light, MISS, Material, MaterialId, Mesh, Method, Options, Ray, Scene,
     Sky, Sphere, StereoCamera, StereoPair, Texture, TextureId, Traversal, Update, Wrap,
-    cpu::{Eye, Frame, intersect::closest_hit},
     glam::{Affine3A, Vec2, Vec3},
     metrics::compare,
+    testing::cpu::{Eye, Frame, intersect::closest_hit},
 };
 use truth::Truth;
 

@@ -10,8 +10,8 @@ use std::time::Instant;
 use common::{random::Random, renderer};
 use stereotrace::{
     Light, MISS, Mesh, Method, Options, Scene, StereoCamera, StereoPair, View,
-    cpu::{Eye, Frame},
     glam::Vec3,
+    testing::cpu::{Eye, Frame},
 };
 use truth::Truth;
 

@@ -6,8 +6,8 @@ use crate::common;
 use common::{nearest::nearest, renderer};
 use stereotrace::{
     Builtin, Error, GBuffer, Method, Occlusion, Options, Pose, Ray, StereoPair,
-    cpu::{Eye, Frame},
     glam::DVec3,
+    testing::cpu::{Eye, Frame},
 };
 
 const SIZE: [usize; 2] = [300, 200];

@@ -8,10 +8,8 @@ use stereotrace::{
     BvhBuild, Error, Light, MaterialId, Method, Options, Pose, RaysPerLane, Renderer, Scene, ShadowBuffer, ShadowRule,
     Sphere, StereoCamera, StereoPair, Traversal, Update, UploadedScene, Visibility, Work,
     glam::{Affine3A, DVec3, Vec3},
-    scene::{
-        builtin::{Builtin, StackedKind, StackedObjects},
-        suite::Trial,
-    },
+    scene::builtin::{Builtin, StackedKind, StackedObjects},
+    testing::suite::Trial,
 };
 
 fn stack(count: usize, kind: StackedKind, side: u32) -> (Scene, StereoCamera) {

@@ -6,8 +6,8 @@ use crate::common;
 use common::{floor::floor, renderer};
 use stereotrace::{
     Finish, Light, Material, Method, Options, Renderer, Scene, Sky, Sphere, StereoCamera, View,
-    cpu::{Eye, Frame},
     glam::{DVec3, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 
 const PI: f64 = std::f64::consts::PI;

@@ -279,11 +279,11 @@ fn a_ball_does_not_shadow_its_lit_side_however_far_the_light() {
             }
             scene.lights = vec![Light::point(position, Vec3::ONE)];
             let pair = render(&scene, &camera, Method::Ideal);
-            let frame = stereotrace::cpu::Frame::new(&pair.pose);
+            let frame = stereotrace::testing::cpu::Frame::new(&pair.pose);
             let mut lit = 0;
             for (index, (depth, color)) in pair.left.depth.iter().zip(&pair.left.linear).enumerate() {
-                let direction = frame.direction(stereotrace::cpu::Eye::Left, index % 96, index / 96);
-                let point = frame.eye(stereotrace::cpu::Eye::Left) + direction * depth.min(1e9);
+                let direction = frame.direction(stereotrace::testing::cpu::Eye::Left, index % 96, index / 96);
+                let point = frame.eye(stereotrace::testing::cpu::Eye::Left) + direction * depth.min(1e9);
                 // Facing the light by more than a triangle's normal can be off.
                 let facing = depth.is_finite() && (point - center).dot((position - point).normalize()) > 0.1 * scale;
                 lit += usize::from(facing);

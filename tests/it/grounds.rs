@@ -7,8 +7,8 @@ use common::{random::Random, renderer};
 use stereotrace::{
     Ellipsoid, Light, Material, MaterialId, Mesh, Method, Options, PixelSource, Scene, Sky, Sphere, StereoCamera,
     StereoPair, View,
-    cpu::{Eye, Frame},
     glam::{Mat3, Quat, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 use truth::{Seen, Truth};
 

@@ -9,8 +9,8 @@ use common::{gpu, random::Random};
 use stereotrace::{
     Boxes, Fetch, MISS, MaterialId, Mesh, Method, Options, RaysPerLane, Renderer, Scene, Sphere, StereoCamera,
     StereoPair, Traversal,
-    cpu::{Eye, Frame},
     glam::Vec3,
+    testing::cpu::{Eye, Frame},
 };
 use truth::Truth;
 

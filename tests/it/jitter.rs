@@ -10,7 +10,7 @@ use common::{
 };
 use stereotrace::{
     Error, Filter, GBuffer, Material, Mesh, Method, Options, Rig, Scene, Sky, StereoCamera, View, glam::Vec3,
-    scene::suite::Trial,
+    testing::suite::Trial,
 };
 
 /// How far to the right of their cells' middles the samples of a row stand, of a cell, as docs/DESIGN.md has it.

@@ -5,7 +5,7 @@ use crate::common;
 use common::renderer;
 use stereotrace::{
     Ellipsoid, Error, Light, Material, MaterialId, Mesh, Method, Options, Scene, Sky, Sphere, StereoCamera, Tone,
-    cpu::intersect::closest_hit, glam::Vec3, scene::builtin::Builtin,
+    glam::Vec3, scene::builtin::Builtin, testing::cpu::intersect::closest_hit,
 };
 
 #[test]

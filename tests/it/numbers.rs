@@ -14,8 +14,8 @@ use stereotrace::{
     scene::{
         MAX_LIGHTS,
         builtin::{Builtin, spheres_turned},
-        suite::Trial,
     },
+    testing::suite::Trial,
 };
 
 /// Numbers that someone's arithmetic may come up with.

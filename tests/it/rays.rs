@@ -5,8 +5,8 @@ use crate::common;
 use common::{RandomScene, ball, gpu, is_exact, random::Random, renderer, renderer_by};
 use stereotrace::{
     Error, FAR, MISS, Mesh, Method, Options, Ray, RayHit, Renderer, Scene, StereoCamera, Traversal,
-    cpu::{Eye, Frame, intersect::closest_hit},
     glam::{Quat, Vec3},
+    testing::cpu::{Eye, Frame, intersect::closest_hit},
 };
 
 /// A list of rays of one kind.

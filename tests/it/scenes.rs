@@ -14,9 +14,9 @@ use obvhs::{
 use stereotrace::{
     FAR, MISS, Method, ObjOptions, Options, Ray, RayHit, Renderer, Scene, StereoCamera, StereoPair, Triangle,
     UploadedScene,
-    cpu::{Eye, Frame, intersect::intersect_triangle},
     glam::Vec3,
     metrics::compare,
+    testing::cpu::{Eye, Frame, intersect::intersect_triangle},
 };
 
 /// The folder of unpacked scenes with this one in it, or a word on how to get it.

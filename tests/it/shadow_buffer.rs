@@ -8,9 +8,9 @@ use common::{gpu, renderer};
 use stereotrace::{
     Adaptive, Builtin, BvhBuild, Error, Light, Material, Mesh, Method, Options, RaysPerLane, Renderer, Rig, Scene,
     ShadowBuffer, ShadowRule, Sphere, StereoCamera, StereoPair, Traversal, Update, View,
-    cpu::{self, Eye, intersect::closest_hit, shadow_buffer::Mapping},
     glam::{DVec3, Mat3, Vec3},
-    scene::suite::Trial,
+    testing::cpu::{self, Eye, intersect::closest_hit, shadow_buffer::Mapping},
+    testing::suite::Trial,
 };
 
 #[test]

@@ -69,7 +69,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
     let mut renderer = renderer();
     let uploaded = renderer.upload(&scene).unwrap();
     let camera = StereoCamera::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO).size(40, 40).interaxial(0.0);
-    let frame = stereotrace::cpu::Frame::new(&camera.pose().unwrap());
+    let frame = stereotrace::testing::cpu::Frame::new(&camera.pose().unwrap());
     let seeds = 32;
     let mut sums = vec![DVec3::ZERO; 1600];
     let (mut first_squares, mut squares, mut count) = (0.0, 0.0, 0);
@@ -81,7 +81,7 @@ fn a_gradient_lights_a_ball_by_its_closed_form() {
             if !depth.is_finite() || seed + 1 < seeds && seed > 0 {
                 continue;
             }
-            let d = frame.direction(stereotrace::cpu::Eye::Left, index % 40, index / 40);
+            let d = frame.direction(stereotrace::testing::cpu::Eye::Left, index % 40, index / 40);
             let normal = camera.pose().unwrap().eye + d.as_dvec3() * f64::from(depth);
             // The integral of (1 + y) / 2 times the cosine, over pi: y is 2/3 of the normal's in the mean.
             let form = nadir.as_dvec3().lerp(zenith.as_dvec3(), 0.5 + normal.y / 3.0);

@@ -7,8 +7,8 @@ use crate::truth;
 use common::{random::Random, renderer};
 use stereotrace::{
     MISS, Mesh, Method, Options, Pose, Scene, StereoCamera, View,
-    cpu::{Eye, Frame},
     glam::{DVec2, DVec3, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 use truth::Truth;
 

@@ -8,9 +8,7 @@ use common::{
 };
 use stereotrace::{
     AmbientOcclusion, Error, Light, Material, Mesh, Method, Options, Penumbra, Renderer, Scene, Sphere, StereoCamera,
-    StereoPair, View,
-    glam::Vec3,
-    scene::{builtin::Builtin, suite::Trial},
+    StereoPair, View, glam::Vec3, scene::builtin::Builtin, testing::suite::Trial,
 };
 
 /// The integral of h / r over a rectangle from the origin to (a, b) at the height h.

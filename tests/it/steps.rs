@@ -6,8 +6,8 @@ use crate::common;
 use common::{ball, random::Random, renderer};
 use stereotrace::{
     FAR, Light, MISS, Mesh, Method, Options, Ray, Scene, StereoCamera,
-    cpu::{Eye, Frame, intersect::closest_hit},
     glam::Vec3,
+    testing::cpu::{Eye, Frame, intersect::closest_hit},
     wgpu,
 };
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use stereotrace::{Method, StereoPair, scene::suite::Trial};
+use stereotrace::{Method, StereoPair, testing::suite::Trial};
 
 use crate::common::render;
 

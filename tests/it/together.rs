@@ -4,7 +4,7 @@
 use crate::common;
 
 use common::renderer;
-use stereotrace::{Adaptive, Builtin, Filter, Light, Method, Options, Rig, glam::Vec3, scene::suite::Trial};
+use stereotrace::{Adaptive, Builtin, Filter, Light, Method, Options, Rig, glam::Vec3, testing::suite::Trial};
 
 #[test]
 fn bracket_rays_are_naive_to_the_last_bit() {

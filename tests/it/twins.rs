@@ -5,8 +5,8 @@ use crate::common;
 use common::{RandomScene, is_exact, random::Random, random_foliage, renderer};
 use stereotrace::{
     FAR, MISS, Mesh, Method, Options, PixelSource, Rig, Scene, Sphere, StereoCamera, StereoPair,
-    cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
     glam::Vec3,
+    testing::cpu::{Eye, Frame, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
 };
 
 fn camera(width: u32, height: u32) -> StereoCamera {

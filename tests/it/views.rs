@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::renderer;
-use stereotrace::{Builtin, Method, Options, PixelSource, Rig, RigView, StereoCamera, output, scene::suite::Trial};
+use stereotrace::{Builtin, Method, Options, PixelSource, Rig, RigView, StereoCamera, output, testing::suite::Trial};
 
 fn scenes() -> Vec<(String, stereotrace::Scene, StereoCamera)> {
     let built_in = [Builtin::Hall, Builtin::Spheres].map(|it| (it.to_string(), it.scene(), it.camera(97, 66)));

@@ -78,6 +78,6 @@ impl BufferDepth {
 /// Returns Lemma 1's bound `B = e_px d (1/Z_near - 1/Z_far)`, with `f_px e` for `e_px d` for parallel cameras. Two left
 /// samples in one right column are fewer than `B + 1` columns apart (thesis, Lemma 1, with rounding as in DESIGN,
 /// section 2). An infinite farthest depth counts as 1/Z = 0.
-pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
+pub(crate) fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
     pose.parallax().reach() * (1.0 / f64::from(nearest) - 1.0 / f64::from(farthest))
 }

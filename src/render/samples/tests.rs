@@ -6,8 +6,8 @@ use super::*;
 use crate::{
     FAR, Gpu, Material, Mesh, Method, PixelSource, Scene, ShadowReuse, Sphere, StereoCamera, ViewRows,
     random::Random,
-    scene::suite::Trial,
     testing::cpu::{self, Eye, bracket, reproject::reproject, resolve_right::resolve_right, trace_left::trace_left},
+    testing::suite::Trial,
     view::rig::Eyes,
 };
 

@@ -80,9 +80,4 @@ impl Mapping {
         let begin = |middle: f64, count: u32| (middle - 0.5 * f64::from(count) * f64::from(step)) as f32;
         Some(Self { axes, theta: [begin(0.5 * PI, rows), step], phi: [begin(0.0, columns), step], rows, columns })
     }
-
-    /// Returns whether it has all directions, so that rows continue beyond the poles and columns wrap around.
-    pub fn is_whole(&self) -> bool {
-        self.theta[0] == 0.0
-    }
 }

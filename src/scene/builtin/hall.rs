@@ -90,16 +90,16 @@ fn row_z(line: usize) -> f32 {
 }
 
 /// Returns a camera in the nave. The nearest base of a column is just beyond half the screen's distance.
-pub(super) fn camera() -> StereoCamera {
+pub(crate) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, TARGET).screen_distance(SCREEN).vertical_fov_degrees(52.0)
 }
 
-pub(super) fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     with_floor(|floor| floor)
 }
 
 /// Builds the scene with a changed floor.
-pub(super) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
+pub(crate) fn with_floor(change: impl Fn(Mesh) -> Mesh) -> Scene {
     let mut scene = Scene::new();
     let stone = Stone::new(&mut scene);
     let floor = change(floor(&stone).into_mesh());

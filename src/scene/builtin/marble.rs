@@ -13,7 +13,7 @@ const SIDE: u32 = 256;
 const GLOBE: f32 = 0.12;
 
 /// Builds the hall with finished materials. Its floor has texture coordinates.
-pub(super) fn hall() -> Scene {
+pub(crate) fn hall() -> Scene {
     let mut scene = hall::with_floor(with_uv);
     let marble = scene.add_texture(marble());
     let finished = scene.materials().iter().map(|material| finish(material.clone(), marble)).collect::<Vec<_>>();

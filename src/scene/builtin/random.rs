@@ -142,7 +142,7 @@ impl RandomObjects {
 }
 
 /// Returns the camera of these scenes. Its interaxial is that of the other built-in scenes.
-pub(super) fn camera() -> StereoCamera {
+pub(crate) fn camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(0.0, 4.2, 13.0), Vec3::new(0.0, 2.3, 0.0))
         .screen_distance(12.0)
         .vertical_fov_degrees(38.0)

@@ -12,25 +12,25 @@ const TANGENT_START: f32 = 0.02;
 const TANGENT_STEP: f32 = 0.05;
 
 /// A mesh under construction, in its own coordinates.
-pub(in crate::scene) struct Shape {
+pub(crate) struct Shape {
     origin: Vec3,
     mesh: Mesh,
 }
 
 /// Shading of a sheet's patches.
 #[derive(Clone, Copy, PartialEq)]
-pub(in crate::scene) enum Shading {
+pub(crate) enum Shading {
     Flat,
     Smooth,
 }
 
 impl Shape {
     /// Begins an object whose points are relative to `origin`.
-    pub(in crate::scene) fn new(name: impl Into<String>, origin: Vec3) -> Self {
+    pub(crate) fn new(name: impl Into<String>, origin: Vec3) -> Self {
         Self { origin, mesh: Mesh::default().name(name.into()) }
     }
 
-    pub(in crate::scene) fn into_mesh(self) -> Mesh {
+    pub(crate) fn into_mesh(self) -> Mesh {
         self.mesh
     }
 
@@ -49,13 +49,13 @@ impl Shape {
     }
 
     /// Adds two flat triangles. Corners are in order around the quad.
-    pub(in crate::scene) fn quad(&mut self, [a, b, c, d]: [Vec3; 4], material: MaterialId) {
+    pub(crate) fn quad(&mut self, [a, b, c, d]: [Vec3; 4], material: MaterialId) {
         self.triangle([a, b, c], [Vec3::ZERO; 3], material);
         self.triangle([a, c, d], [Vec3::ZERO; 3], material);
     }
 
     /// Adds a box along the axes.
-    pub(in crate::scene) fn cuboid(&mut self, low: Vec3, high: Vec3, material: MaterialId) {
+    pub(crate) fn cuboid(&mut self, low: Vec3, high: Vec3, material: MaterialId) {
         let corner = |bits: usize| {
             let pick = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
             Vec3::new(pick(0), pick(1), pick(2))
@@ -67,7 +67,7 @@ impl Shape {
 
     /// Adds a surface `point(s, t)`, with s and t from 0 to 1, divided into patches. `material(column, row)` returns a
     /// patch's material.
-    pub(in crate::scene) fn sheet(
+    pub(crate) fn sheet(
         &mut self,
         [columns, rows]: [usize; 2],
         shading: Shading,
@@ -98,7 +98,7 @@ impl Shape {
     }
 
     /// Adds a surface of revolution about the y axis; `profile(t)` is (radius, height).
-    pub(in crate::scene) fn lathe(
+    pub(crate) fn lathe(
         &mut self,
         [around, rows]: [usize; 2],
         profile: impl Fn(f32) -> Vec2,
@@ -112,7 +112,7 @@ impl Shape {
     }
 
     /// Adds a column's shaft with `flutes` hollows, each of `facets` patches and `depth` deep.
-    pub(in crate::scene) fn fluted_shaft(
+    pub(crate) fn fluted_shaft(
         &mut self,
         [flutes, facets, rows]: [usize; 3],
         depth: f32,
@@ -129,7 +129,7 @@ impl Shape {
     /// Adds the visible parts of a half-elliptic arch: its underside and two faces. `along` is half its span and
     /// `across` half its thickness (horizontal), `rise` its height above the origin. `feet` and `crown` are the lengths
     /// of its stones there.
-    pub(in crate::scene) fn arch(
+    pub(crate) fn arch(
         &mut self,
         along: Vec3,
         across: Vec3,
@@ -155,7 +155,7 @@ impl Shape {
 
     /// Adds a groin vault over a rectangle, seen from below: the higher one of two crossing half-elliptic barrels. The
     /// origin is above the rectangle's centre, at the height where the vault springs.
-    pub(in crate::scene) fn groin_vault(&mut self, half: Vec2, rise: f32, patches: [usize; 2], material: MaterialId) {
+    pub(crate) fn groin_vault(&mut self, half: Vec2, rise: f32, patches: [usize; 2], material: MaterialId) {
         for quarter in 0..4 {
             let point = |s: f32, t: f32| {
                 // One of the four lunettes between the diagonals: u along its edge of the rectangle, v towards it.
@@ -178,7 +178,7 @@ fn spin(radius: f32, turn: f32, height: f32) -> Vec3 {
 
 /// Returns the profile of a round moulding: a half circle of `radius` that bulges from `inner`, with its lower end at
 /// `bottom`.
-pub(in crate::scene) fn torus(inner: f32, bottom: f32, radius: f32) -> impl Fn(f32) -> Vec2 {
+pub(crate) fn torus(inner: f32, bottom: f32, radius: f32) -> impl Fn(f32) -> Vec2 {
     move |t| {
         let (sin, cos) = (PI * t).sin_cos();
         Vec2::new(inner + radius * sin, bottom + radius * (1.0 - cos))

@@ -5,13 +5,13 @@ use glam::Vec3;
 use super::{lamp, paint};
 use crate::{Error, Finish, Plane, Scene, Sky, Sphere, StereoCamera, Texture, random::Random};
 
-pub(super) const SPHERE_COUNT: usize = 1000;
+pub(crate) const SPHERE_COUNT: usize = 1000;
 const SPHERE_RADII: [f32; 2] = [0.12, 0.45];
 /// The cloud fills a cylinder around the y axis, so turning it about this axis does not bring it nearer to the eyes.
 const CLOUD_RADIUS: f32 = 6.0;
 const CLOUD_HALF_HEIGHT: f32 = 4.2;
 /// The screen is at the cloud's axis, so the cloud begins at half its distance.
-pub(super) const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
+pub(crate) const CLOUD_SCREEN: f32 = 2.0 * CLOUD_RADIUS;
 
 /// Returns [`Builtin::Spheres`](super::Builtin::Spheres), turned about the y axis by an angle in radians, for the
 /// frames of a film.
@@ -31,7 +31,7 @@ pub fn spheres_turned(angle: f32) -> Result<Scene, Error> {
     Ok(scene)
 }
 
-pub(super) fn spheres() -> Scene {
+pub(crate) fn spheres() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::new(0.55, 0.42, 0.34), zenith: Vec3::new(0.09, 0.22, 0.5) };
     const PALETTE: [[u8; 3]; 10] = [
@@ -81,7 +81,7 @@ pub(super) fn spheres() -> Scene {
 
 /// Builds two spheres side by side on an infinite ground and a third one on both, under one lamp. Raghuvanshi and
 /// Dhande use three configurations: with shadows alone, with reflections too, and also with textures.
-pub(super) fn three_spheres(reflecting: bool, textured: bool) -> Scene {
+pub(crate) fn three_spheres(reflecting: bool, textured: bool) -> Scene {
     const RADIUS: f32 = 1.0;
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::new(0.62, 0.68, 0.74), zenith: Vec3::new(0.16, 0.32, 0.62) };
@@ -119,7 +119,7 @@ fn squares(first: Vec3, second: Vec3, squares: u32) -> Texture {
 }
 
 /// Returns the camera of the three spheres. Its picture contains the horizon.
-pub(super) fn three_camera() -> StereoCamera {
+pub(crate) fn three_camera() -> StereoCamera {
     StereoCamera::look_at(Vec3::new(1.2, 2.4, 8.5), Vec3::new(0.0, 1.5, 0.0))
         .screen_distance(8.0)
         .vertical_fov_degrees(35.0)

@@ -14,27 +14,27 @@ use crate::{
 };
 
 /// The stage: eyes above a tiled floor, in front of a wall.
-pub(in crate::scene) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
-pub(in crate::scene) const SCREEN: f32 = 8.0;
-pub(in crate::scene) const WALL: f32 = 12.0;
+pub(crate) const EYE: Vec3 = Vec3::new(0.0, 2.13, 0.0);
+pub(crate) const SCREEN: f32 = 8.0;
+pub(crate) const WALL: f32 = 12.0;
 /// Width of the screen rectangle over its distance. It replaces a field of view, so that the interaxial in world units
 /// is the same in every picture.
-pub(in crate::scene) const WIDTH: f32 = 1.0;
+pub(crate) const WIDTH: f32 = 1.0;
 
-pub(in crate::scene) fn camera() -> StereoCamera {
+pub(crate) fn camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(SCREEN).screen_width(WIDTH * SCREEN)
 }
 
 /// Returns the same view, with the screen distance that the near sphere relates to.
-pub(super) fn near_camera() -> StereoCamera {
+pub(crate) fn near_camera() -> StereoCamera {
     StereoCamera::look_at(EYE, EYE - Vec3::Z).screen_distance(NEAR_SCREEN).screen_width(WIDTH * NEAR_SCREEN)
 }
 
 /// Interaxial on the stage, in world units.
-pub(in crate::scene) const INTERAXIAL: f32 = INTERAXIAL_SHARE * WIDTH * SCREEN;
+pub(crate) const INTERAXIAL: f32 = INTERAXIAL_SHARE * WIDTH * SCREEN;
 
 /// Builds floor, wall, lights and sky.
-pub(in crate::scene) fn stage() -> Scene {
+pub(crate) fn stage() -> Scene {
     let mut scene = Scene::new();
     scene.sky = Sky::Gradient { nadir: Vec3::splat(0.3), zenith: Vec3::new(0.25, 0.45, 0.8) };
     let tiles = [[206, 194, 172], [122, 116, 110]].map(|color| paint(&mut scene, "tile", color));
@@ -63,7 +63,7 @@ pub(in crate::scene) fn stage() -> Scene {
     scene
 }
 
-pub(super) fn fence() -> Scene {
+pub(crate) fn fence() -> Scene {
     const DISTANCE: f32 = 5.2;
     const SLATS: usize = 60;
     const SLAT_WIDTH: f32 = 0.09;
@@ -101,7 +101,7 @@ pub(super) fn fence() -> Scene {
     scene
 }
 
-pub(super) fn hidden() -> Scene {
+pub(crate) fn hidden() -> Scene {
     const BOARD: f32 = 4.4;
     const PILLAR: f32 = 11.0;
     /// x of the board's right edge.
@@ -127,9 +127,9 @@ pub(super) fn hidden() -> Scene {
 
 /// Distance of the screen in the near scene, and its ratio to the distance of the sphere's front.
 const NEAR_SCREEN: f32 = 7.0;
-pub(super) const NEAR_FACTOR: f32 = 7.0;
+pub(crate) const NEAR_FACTOR: f32 = 7.0;
 
-pub(super) fn near() -> Scene {
+pub(crate) fn near() -> Scene {
     const RADIUS: f32 = 0.09;
     let mut scene = stage();
     let ball = paint(&mut scene, "ball", [240, 180, 50]);
@@ -149,7 +149,7 @@ pub(super) fn near() -> Scene {
     scene
 }
 
-pub(super) fn grazing() -> Scene {
+pub(crate) fn grazing() -> Scene {
     const SHEETS: usize = 12;
     /// Offset of a sheet's far edge from the line through the left eye and its near edge: a third of a pixel of 600.
     const MISS: f32 = 0.004;

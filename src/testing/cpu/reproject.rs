@@ -1,7 +1,12 @@
 //! Twin of shaders/reproject/reproject.wgsl: assigns left samples to right pixels.
 
 use super::Frame;
-pub use crate::frame::driver::slots::lemma1;
+use crate::{Pose, frame::driver::slots};
+
+/// Returns Lemma 1's bound on the columns between two samples that land in one column (thesis, Lemma 1).
+pub fn lemma1(pose: &Pose, nearest: f32, farthest: f32) -> f64 {
+    slots::lemma1(pose, nearest, farthest)
+}
 
 /// Returns the columns in the order of a sweep.
 pub(super) fn in_sweep(frame: &Frame) -> impl Iterator<Item = usize> + use<> {

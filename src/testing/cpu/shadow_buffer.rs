@@ -14,6 +14,11 @@ use crate::Scene;
 pub use crate::render::shadow_buffer::mapping::Mapping;
 
 impl Mapping {
+    /// Returns whether it has all directions, so that rows continue beyond the poles and columns wrap around.
+    pub fn is_whole(&self) -> bool {
+        self.theta[0] == 0.0
+    }
+
     /// Returns the unit direction of a place. A texel's middle is at `(r + 0.5, c + 0.5)`.
     pub fn direction(&self, row: f64, column: f64) -> DVec3 {
         let angle = |[begin, step]: [f32; 2], at: f64| f64::from(begin) + at * f64::from(step);

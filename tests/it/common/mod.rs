@@ -3,8 +3,7 @@ pub(crate) mod floor;
 pub(crate) mod folder;
 pub(crate) mod gltf;
 pub(crate) mod nearest;
-#[path = "../../../src/random.rs"]
-pub(crate) mod random;
+pub(crate) use stereotrace::testing::random;
 mod random_scene;
 pub(crate) mod sampling;
 pub(crate) mod shown_sky;

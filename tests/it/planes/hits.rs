@@ -2,8 +2,8 @@
 
 use stereotrace::{
     MISS, MaterialId, Mesh, Method, Options, Plane, Ray, Scene, Sky, Sphere, StereoCamera,
-    cpu::{Eye, Frame, intersect::closest_hit, trace_left::trace_left},
     glam::{Quat, Vec3},
+    testing::cpu::{Eye, Frame, intersect::closest_hit, trace_left::trace_left},
 };
 
 use super::{

@@ -3,8 +3,8 @@
 use stereotrace::{
     Finish, Light, Material, MaterialId, Mesh, Method, Options, Plane, Scene, Sky, Sphere, StereoCamera, StereoPair,
     Texture, View,
-    cpu::{Eye, Frame},
     glam::{DVec3, Quat, Vec2, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 
 use super::{common::random::Random, common::renderer, tilt};

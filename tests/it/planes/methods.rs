@@ -3,15 +3,15 @@
 use stereotrace::{
     AmbientOcclusion, Finish, Light, Material, MaterialId, Method, Options, Plane, Rig, Scene, StereoCamera,
     StereoPair, Texture, Traversal,
-    cpu::{
+    glam::{Quat, Vec3},
+    metrics::compare,
+    testing::cpu::{
         Eye, Frame,
         bracket::{shadow_sources, sources, tile_bounds},
         reproject::reproject,
         resolve_right::resolve_right,
         trace_left::trace_left,
     },
-    glam::{Quat, Vec3},
-    metrics::compare,
 };
 
 use super::{

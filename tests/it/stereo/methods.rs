@@ -4,10 +4,10 @@ use std::num::NonZeroU32;
 
 use stereotrace::{
     BufferDepth, Check, Finish, MISS, Method, Options, PixelSource, StereoCamera, StereoPair,
-    cpu::reproject::lemma1,
     glam::Vec3,
     metrics::{Difference, compare},
     scene::builtin::Builtin,
+    testing::cpu::reproject::lemma1,
 };
 
 use super::{
@@ -83,7 +83,7 @@ fn lemma_1_bounds_the_columns_that_meet() {
         let near = random.between(0.05, 2.0);
         let far = if case % 3 == 0 { f32::INFINITY } else { near * random.between(1.0, 20.0) };
         let bound = lemma1(&pose, near, far);
-        let frame = stereotrace::cpu::Frame::new(&pose);
+        let frame = stereotrace::testing::cpu::Frame::new(&pose);
         let mut first = vec![None; 400];
         for column in 0..400 {
             let z = match random.unit() {
@@ -91,7 +91,7 @@ fn lemma_1_bounds_the_columns_that_meet() {
                 u if u > 0.8 => far.min(stereotrace::FAR),
                 _ => (near * random.between(1.0, 20.0)).min(far),
             };
-            if let Some(right) = stereotrace::cpu::reproject::right_column(&frame, column, z) {
+            if let Some(right) = stereotrace::testing::cpu::reproject::right_column(&frame, column, z) {
                 let first = *first[right].get_or_insert(column);
                 // f32 rounding of X, a few ulps of 400 px.
                 assert!(((column - first) as f64) < bound + 1.0 + 1e-4, "case {case}: {first} {column} {bound}");
@@ -195,9 +195,9 @@ fn a_thread_a_row_sweeps_as_adelson_and_hodges_do() {
         assert_eq!(es_isler.source, adelson_hodges.source, "{builtin}");
         assert_eq!(es_isler.right, adelson_hodges.right, "{builtin}");
         // And both as the sweep over the left view's depths says.
-        let frame = stereotrace::cpu::Frame::new(&es_isler.pose);
+        let frame = stereotrace::testing::cpu::Frame::new(&es_isler.pose);
         let depths: Vec<f32> = es_isler.left.depth.iter().map(|depth| depth.min(stereotrace::FAR)).collect();
-        let swept = stereotrace::cpu::adelson_hodges::sweep(&frame, &depths);
+        let swept = stereotrace::testing::cpu::adelson_hodges::sweep(&frame, &depths);
         let naive = render_builtin(builtin, Method::Naive);
         let sending = sending(builtin);
         for (index, source) in swept.iter().enumerate() {
@@ -221,11 +221,11 @@ fn edges_are_traced_and_the_rest_is_trusted() {
     for builtin in [Builtin::Hall, Builtin::Spheres, Builtin::Fence] {
         let pair = render_builtin(builtin, edges);
         let left = &pair.left;
-        let frame = stereotrace::cpu::Frame::new(&pair.pose);
+        let frame = stereotrace::testing::cpu::Frame::new(&pair.pose);
         let depths: Vec<f32> = left.depth.iter().map(|depth| depth.min(stereotrace::FAR)).collect();
         let parallax = |index: usize| pair.pose.parallax_px(left.depth[index]);
         let mut wrong = 0;
-        for (index, source) in stereotrace::cpu::reproject::reproject(&frame, &depths).iter().enumerate() {
+        for (index, source) in stereotrace::testing::cpu::reproject::reproject(&frame, &depths).iter().enumerate() {
             let (row, column) = (index / width, (*source as usize).wrapping_sub(1));
             if *source == 0 {
                 assert_eq!(pair.source[index], PixelSource::Missed);

@@ -2,9 +2,10 @@
 
 use stereotrace::{
     Method, Options, Scene, StereoCamera,
-    cpu::{Eye, Frame, trace_left::trace_left},
     glam::Vec3,
-    scene::{builtin::Builtin, suite::Trial},
+    scene::builtin::Builtin,
+    testing::cpu::{Eye, Frame, trace_left::trace_left},
+    testing::suite::Trial,
 };
 
 use super::{

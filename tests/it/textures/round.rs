@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use stereotrace::{
     Ellipsoid, Material, Scene, Sphere, StereoCamera, Texture, Wrap,
-    cpu::{Eye, Frame},
     glam::{DMat3, DVec2, DVec3, Mat3, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 
 use super::{noise, sampled_as};

@@ -2,8 +2,8 @@
 
 use stereotrace::{
     Light, Material, Mesh, Scene, Sphere, StereoCamera,
-    cpu::{Eye, Frame},
     glam::{DVec3, Vec2, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 
 use super::{before, left, square, worst};

@@ -2,8 +2,8 @@
 
 use stereotrace::{
     Method, Options, Renderer, Scene, StereoCamera, View,
-    cpu::{Eye, Frame},
     glam::DVec3,
+    testing::cpu::{Eye, Frame},
 };
 
 use super::{Seen, Truth};

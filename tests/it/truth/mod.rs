@@ -5,8 +5,8 @@ mod judged;
 use rayon::prelude::*;
 use stereotrace::{
     MISS, Scene, Sky, Texture, TextureKind, Wrap,
-    cpu::{Eye, Frame},
     glam::{DMat3, DVec2, DVec3, Vec2, Vec3},
+    testing::cpu::{Eye, Frame},
 };
 
 pub(crate) use judged::judged;

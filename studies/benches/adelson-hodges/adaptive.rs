@@ -1,8 +1,9 @@
 //! Adaptive supersampling in stereo, by the paper's way and by ours.
 
 use stereotrace::{
-    Adaptive, Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View, cpu,
+    Adaptive, Error, GBuffer, Method, Options, Renderer, Scene, StereoCamera, StereoPair, UploadedScene, View,
     scene::builtin::{Builtin, RandomObjects},
+    testing::cpu,
 };
 
 use crate::{

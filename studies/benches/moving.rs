@@ -1,10 +1,10 @@
-//! What it costs when an object moves: `cargo bench --bench moving` prints a table.
+//! What it costs when an object moves: `cargo bench -p stereotrace-studies --bench moving` prints a table.
 //!
 //! An object stands in the built-in hall and is moved aside. The scene is updated by a refit and by a rebuild of its
 //! tree, and uploaded anew; nodes and primitive tests of a naive pair say what the refitted tree is worth. `cargo bench
 //! --bench moving -- NAME…` takes other objects: built-in scenes, or folders of OBJ files.
 
-#[path = "common/mod.rs"]
+#[path = "../../benches/common/mod.rs"]
 mod common;
 
 use std::{error::Error, time::Instant};

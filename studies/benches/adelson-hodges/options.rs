@@ -1,6 +1,6 @@
 //! The command line, and the plan that it makes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 
@@ -9,7 +9,7 @@ pub(crate) const PAPER_SIDE: u32 = 512;
 
 /// Sets the figures of Adelson and Hodges 1993, "Stereoscopic ray-tracing", beside ours.
 #[derive(Parser, Debug)]
-#[command(name = "cargo bench --bench adelson-hodges --")]
+#[command(name = "cargo bench -p stereotrace-studies --bench adelson-hodges --")]
 pub(crate) struct Options {
     /// A quick look, not for figures: 64x64, one random scene, into target/bench-smoke/adelson-hodges
     #[arg(long)]
@@ -80,7 +80,7 @@ impl Options {
 
     /// Where the results go.
     pub(crate) fn folder(&self) -> PathBuf {
-        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/adelson-hodges" } else { "bench/adelson-hodges" });
         self.out.clone().unwrap_or(standard)
     }

@@ -4,15 +4,15 @@
 //! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of
 //! the rounds. Counts and colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and
 //! `finish.svg`, whole or not at all: the chart of accuracy against cost with a second axis, the first eye's cost.
-//! `cargo bench --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ files, or paths of .obj,
+//! `cargo bench -p stereotrace-studies --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ files, or paths of .obj,
 //! .gltf, .glb or .ply files.
 
 mod chart;
-#[path = "../common/mod.rs"]
+#[path = "../../../benches/common/mod.rs"]
 mod common;
 mod finishes;
 
-use std::{error::Error, path::Path};
+use std::error::Error;
 
 use serde_json::json;
 use stereotrace::{Gpu, Method, Renderer, metrics::compare};
@@ -80,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             all.push(figures);
         }
     }
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+    let target = common::files::root().join("target");
     let folder = target.join(if quick { "bench-smoke/finish" } else { "bench/finish" });
     let records: Vec<Record> = all.iter().map(|figures| record(figures, &provenance)).collect();
     let files = [

@@ -1,6 +1,6 @@
 //! The command line, and the plan that it makes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 use stereotrace::scene::builtin::StackedKind;
@@ -10,7 +10,7 @@ const SIDE: u32 = 512;
 
 /// Sets the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", beside ours.
 #[derive(Parser, Debug)]
-#[command(name = "cargo bench --bench reality --")]
+#[command(name = "cargo bench -p stereotrace-studies --bench reality --")]
 pub(crate) struct Options {
     /// A quick look, not for figures: 32x32, up to 50 objects, into target/bench-smoke/reality
     #[arg(long)]
@@ -89,7 +89,7 @@ impl Options {
 
     /// Where the results go.
     pub(crate) fn folder(&self) -> PathBuf {
-        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+        let target = crate::common::files::root().join("target");
         let standard = target.join(if self.quick() { "bench-smoke/reality" } else { "bench/reality" });
         self.out.clone().unwrap_or(standard)
     }

@@ -1,14 +1,14 @@
 //! Sets the figures of Raghuvanshi and Dhande, "Raytraced rendering using t-buffer and shadow-buffer", beside ours:
-//! `cargo bench --bench reality`, after the name of their engine.
+//! `cargo bench -p stereotrace-studies --bench reality`, after the name of their engine.
 //!
 //! Its stacks of objects by the classical ray tracer, by the T-buffer with and without a shadow-buffer, and by what the
 //! paper could not show, rays through a tree; its three spheres; and its shadow-buffers by resolution. One eye sees
 //! them all, as in the paper. Prints tables in Markdown and writes them with CSV, JSON, charts and pictures, whole or
-//! not at all. studies/REALITY.md says what comes of it. `cargo bench --bench reality -- --help` lists the options;
+//! not at all. studies/REALITY.md says what comes of it. `cargo bench -p stereotrace-studies --bench reality -- --help` lists the options;
 //! `cargo test --benches` runs it as `--smoke`.
 
 mod charts;
-#[path = "../common/mod.rs"]
+#[path = "../../../benches/common/mod.rs"]
 mod common;
 mod fits;
 mod gains;

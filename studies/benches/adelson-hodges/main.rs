@@ -9,7 +9,7 @@
 
 mod adaptive;
 mod closed;
-#[path = "../common/mod.rs"]
+#[path = "../../../benches/common/mod.rs"]
 mod common;
 mod counts;
 mod groups;

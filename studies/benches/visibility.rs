@@ -1,4 +1,4 @@
-//! What finding first hits costs, by rays and by a T-buffer: `cargo bench --bench visibility` prints a table a scene.
+//! What finding first hits costs, by rays and by a T-buffer: `cargo bench -p stereotrace-studies --bench visibility` prints a table a scene.
 //!
 //! Both ways take turns in one run, each at several sizes of one picture, since a T-buffer's price has a share that
 //! goes with primitives and one that goes with pixels. Scenes have no lights unless some are asked for, so that hardly
@@ -6,7 +6,7 @@
 //! each: nodes of the tree that rays visit or primitives that are projected, and rays' tests of primitives. `--rounds
 //! 0` prints counts alone, which are the same on every machine.
 
-#[path = "common/mod.rs"]
+#[path = "../../benches/common/mod.rs"]
 mod common;
 
 use std::{collections::BTreeMap, error::Error};
@@ -23,7 +23,7 @@ use crate::common::{
 
 /// Compares rays and a T-buffer.
 #[derive(Parser, Debug)]
-#[command(name = "cargo bench --bench visibility --")]
+#[command(name = "cargo bench -p stereotrace-studies --bench visibility --")]
 struct Arguments {
     /// Built-in scenes, or folders of OBJ files [default: hall, spheres, near, `sponza_4x`, dragon and `buddha_1m2`]
     scenes: Vec<String>,

@@ -1,10 +1,10 @@
-//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench --bench thesis`.
+//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench -p stereotrace-studies --bench thesis`.
 //!
 //! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two
 //! cores, `--full` all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes
 //! on where it stopped. Writes results.json, results.csv, an SVG a plot and report.html.
 
-#[path = "../common/mod.rs"]
+#[path = "../../../benches/common/mod.rs"]
 mod common;
 mod pictures;
 mod record;
@@ -50,7 +50,7 @@ const RESULTS: &str = "results.json";
 
 /// The thesis's benchmarks, and their report.
 #[derive(Parser, Debug)]
-#[command(name = "cargo bench --bench thesis --")]
+#[command(name = "cargo bench -p stereotrace-studies --bench thesis --")]
 struct Arguments {
     /// All of the thesis's steps: hours on a CPU
     #[arg(long, conflicts_with = "smoke")]
@@ -86,7 +86,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let smoke = arguments.smoke || !arguments.bench;
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+    let target = common::files::root().join("target");
     let standard = match (smoke, arguments.full) {
         (true, _) => "bench-smoke/thesis",
         (_, true) => "bench/thesis-full",

@@ -1,6 +1,6 @@
 //! The paper's worst cases, rendered; scenes in which its method fails; and its table 4, which is arithmetic.
 
-use stereotrace::{Error, Method, Renderer, scene::suite::Trial};
+use stereotrace::{Error, Method, Renderer, testing::suite::Trial};
 
 use crate::{
     closed::{Levels, Surfaces},

@@ -1,4 +1,4 @@
-//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench --bench samples` prints
+//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench -p stereotrace-studies --bench samples` prints
 //! tables.
 //!
 //! Naive and bracket take turns at every number of samples in one run, without depths and ids, so that all rays are
@@ -6,7 +6,7 @@
 //! are of one frame each. The error is the right view's root mean square distance from naive's of 64 samples, in linear
 //! light.
 
-#[path = "common/mod.rs"]
+#[path = "../../benches/common/mod.rs"]
 mod common;
 
 use std::error::Error;
@@ -23,7 +23,7 @@ use crate::common::{
 
 /// Compares naive and bracket at several samples a pixel.
 #[derive(Parser, Debug)]
-#[command(name = "cargo bench --bench samples --")]
+#[command(name = "cargo bench -p stereotrace-studies --bench samples --")]
 struct Arguments {
     /// Built-in scenes, or folders of OBJ files [default: hall, spheres, `sponza_4x` and dragon]
     scenes: Vec<String>,

@@ -1,4 +1,4 @@
-//! Shadow-buffers against shadow rays: `cargo bench --bench shadows` prints tables, and writes them as shadows.csv with
+//! Shadow-buffers against shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables, and writes them as shadows.csv with
 //! a chart, shadows.svg, to target/bench.
 //!
 //! Of each scene, method, rule and number of rows: how many pixels of both views are not those of the same method by
@@ -10,10 +10,10 @@
 //! times.
 
 mod chart;
-#[path = "../common/mod.rs"]
+#[path = "../../../benches/common/mod.rs"]
 mod common;
 
-use std::{error::Error, fmt::Write, path::Path, time::Instant};
+use std::{error::Error, fmt::Write, time::Instant};
 
 use stereotrace::{
     Gpu, Method, Options, Renderer, Rig, ShadowBuffer, ShadowBufferWork, ShadowRule, Statistics, StereoCamera,
@@ -120,7 +120,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             name_of(*rule),
         )?;
     }
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("target");
+    let target = common::files::root().join("target");
     let folder = target.join(if is_quick() { "bench-smoke/shadows" } else { "bench" });
     let files = [("shadows.csv", csv), ("shadows.svg", chart::svg(&all, asked.size, &provenance)?)];
     for path in save(&files.map(|(name, text)| (name.to_owned(), text)), &folder)? {

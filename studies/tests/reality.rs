@@ -3,8 +3,7 @@
 
 #[path = "../benches/reality/fits.rs"]
 mod fits;
-#[path = "../src/random.rs"]
-mod random;
+use stereotrace::testing::random;
 
 use crate::{
     fits::{Line, Parabola, Point},

@@ -9,16 +9,15 @@ use std::{f32::consts::TAU, fmt, str::FromStr};
 
 use glam::Vec3;
 
-use super::{
-    Finish, Light, MaterialId, Scene,
-    builtin::{Builtin, INTERAXIAL_SHARE, stage},
+use crate::{
+    Error, Finish, Light, MaterialId, Scene, StereoCamera,
+    scene::builtin::{Builtin, INTERAXIAL_SHARE, stage},
 };
-use crate::{Error, StereoCamera};
 
 /// A scene that is hard for methods which reuse one eye's samples for the other.
 ///
 /// ```
-/// use stereotrace::scene::suite::Trial;
+/// use stereotrace::testing::suite::Trial;
 ///
 /// let wires: Trial = "wires".parse()?;
 /// println!("{wires}: {}", wires.reason());

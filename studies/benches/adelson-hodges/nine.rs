@@ -4,7 +4,7 @@
 
 use std::{error::Error, path::Path};
 
-use stereotrace::{GBuffer, Method, Options, Renderer, StereoCamera, View, cpu};
+use stereotrace::{GBuffer, Method, Options, Renderer, StereoCamera, View, testing::cpu};
 
 use crate::{
     groups::lit,

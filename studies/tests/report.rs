@@ -1,9 +1,9 @@
 //! The thesis benchmark's report, which is a program without a test harness of its own.
 #![allow(dead_code, unreachable_pub, reason = "it is tested by parts")]
 
-#[path = "../benches/common/mod.rs"]
+#[path = "../../benches/common/mod.rs"]
 mod common;
-#[path = "it/common/folder.rs"]
+#[path = "../../tests/it/common/folder.rs"]
 mod folder;
 #[path = "../benches/thesis/record.rs"]
 mod record;
