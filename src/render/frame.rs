@@ -126,7 +126,7 @@ impl Renderer {
         let (tables, shadow_buffer) = tables.unzip();
         let shared = scene.resources_for(&self.gpu, &used, tables.as_deref()).await?;
         let model = scene.cost_model(&self.gpu, options);
-        let uniforms = self.uniforms(scene, eyes, options, (&variant, &model, &targets.shape));
+        let uniforms = self.uniforms(scene, eyes, options, (&model, &targets.shape));
         let setting = Setting { eyes, variant, targets: &targets, uniforms, shared };
         let mut frame = Frame {
             ids: Ids { of_slots: &scene.ids, objects: &scene.objects },
@@ -168,7 +168,7 @@ impl Renderer {
         scene: &UploadedScene,
         eyes: &Eyes,
         options: &Options,
-        (variant, model, shape): (&Variant, &CostModel, &Shape),
+        (model, shape): (&CostModel, &Shape),
     ) -> Uniforms {
         let jitter = Jitter::of(options);
         let view = |view| layout::Frame {
@@ -201,7 +201,8 @@ impl Renderer {
                 _pad: 0,
             },
         };
-        let parts: Vec<Part> = if variant.is_soft() { scene.soft.parts(options) } else { Vec::new() };
+        // As many as `Shape::parts` says, whether or not a step asks for them.
+        let parts: Vec<Part> = scene.soft.parts(options);
         Uniforms::new((0..eyes.sources.len()).map(view).collect(), parts)
     }
 

@@ -4,8 +4,8 @@ use crate::common;
 
 use common::{gpu, random_stage, renderer};
 use stereotrace::{
-    EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, StereoCamera, View, Visibility,
-    glam::Vec3, wgpu,
+    AmbientOcclusion, EncodedView, Error, GBuffer, Gpu, Light, Method, Options, Renderer, Rig, Rows, Scene, Sky,
+    StereoCamera, View, Visibility, glam::Vec3, wgpu,
 };
 
 /// Two bands of 64 rows, and 30 rows more.
@@ -141,6 +141,25 @@ fn encoded_views_are_those_that_are_read_back() {
             }
         }
     }
+}
+
+/// Nothing to hit, but light of several parts, whose uniforms each band has.
+#[test]
+fn a_sky_alone_is_encoded_whole_in_every_band() {
+    let gpu = gpu();
+    let mut renderer = Renderer::new(gpu.clone());
+    let mut scene = Scene::new();
+    scene.sky = Sky::Constant(Vec3::new(0.2, 0.5, 0.9));
+    let uploaded = renderer.upload(&scene).unwrap();
+    let camera = camera().size(300, 260);
+    let options = Options::new(Method::Naive).g_buffer(GBuffer::Depth).occlusion(AmbientOcclusion::new(32, 1.0));
+    let (encoded, commands) = renderer.encode_bands(&uploaded, &Rig::pair(camera), &options).unwrap();
+    assert!(commands.len() > 1, "{}", commands.len());
+    gpu.queue().submit(commands);
+    let pair = renderer.render(&uploaded, &camera, &options).unwrap();
+    assert!(pair.left.rgba8.iter().all(|pixel| *pixel == pair.left.rgba8[0]));
+    assert_shows(&gpu, &encoded.views[0], &pair.left, "left");
+    assert_shows(&gpu, &encoded.views[1], &pair.right, "right");
 }
 
 #[test]
