@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::{
     gpu::{Gpu, Texels, Timestamps, bind_group},
     kernel::variant::Variant,
-    kernel::{Kernel, Kernels, Resource},
+    kernel::{Kernel, Kernels, Ready, Resource},
 };
 
 /// A resource on the device.
@@ -128,8 +128,7 @@ impl<'a> Executor<'a> {
         resources: &Resources,
         workgroups: Workgroups<'_>,
     ) {
-        let pipeline = self.kernels.get(self.gpu, kernel, with);
-        let bound = self.kernels.bound(kernel, with);
+        let Ready { pipeline, bound } = self.kernels.get(self.gpu, kernel, with);
         let held = bound.iter().map(|resource| match resources.0.get(resource) {
             Some(held) => held.binding(),
             None => panic!("{name} binds {resource:?}, which nothing made"),

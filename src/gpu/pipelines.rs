@@ -74,20 +74,10 @@ impl Program {
     }
 }
 
-/// The pipelines that a renderer has used, by key.
-#[derive(Debug)]
-pub(crate) struct Pipelines<Key>(Mutex<HashMap<Key, Built>>);
-
-impl<Key> Default for Pipelines<Key> {
-    fn default() -> Self {
-        Self(Mutex::default())
-    }
-}
-
-impl<Key: Eq + Hash> Pipelines<Key> {
-    /// Returns the pipeline of a key, built at its first use.
-    pub(crate) fn get(&self, gpu: &Gpu, key: Key, program: impl FnOnce() -> Program) -> Built {
-        lock(&self.0).entry(key).or_insert_with(|| gpu.pipelines.get(gpu, program())).clone()
+impl Gpu {
+    /// Returns a pipeline, which is built unless one of the same description is in use.
+    pub(crate) fn pipeline(&self, program: Program) -> Built {
+        self.pipelines.get(self, program)
     }
 }
 

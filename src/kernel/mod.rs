@@ -16,7 +16,7 @@ pub(crate) use resource::Resource;
 pub(crate) use role::{Canvas, Dispatches, Does, Hits, Role, SampleUse, Shading, Visible};
 
 use crate::{
-    gpu::{Built, Gpu, Pipelines, Program, lock},
+    gpu::{Built, Gpu, Program, lock},
     kernel::variant::Variant,
     kernel::wgsl::{Linked, Part},
 };
@@ -55,43 +55,62 @@ impl Kernel {
 /// A kernel's identity in a variant: kernels that differ in their names alone are the same.
 type Key = (&'static str, Role, Variant);
 
-/// The kernels used so far: what they bind, and their pipelines.
+/// The kernels used so far.
 #[derive(Debug, Default)]
-pub(crate) struct Kernels {
-    linked: Mutex<HashMap<Key, Arc<Linked>>>,
-    built: Pipelines<Key>,
+pub(crate) struct Kernels(Mutex<HashMap<Key, Known>>);
+
+/// A kernel in a variant.
+#[derive(Debug)]
+struct Known {
+    /// The resources that it binds, in the order of their bindings.
+    bound: Arc<[Resource]>,
+    /// Its text, until it is built.
+    linked: Option<Linked>,
+    built: Option<Built>,
+}
+
+/// A kernel that is ready to run: its pipeline, and the resources that it binds, in the order of their bindings.
+pub(crate) struct Ready {
+    pub(crate) pipeline: Built,
+    pub(crate) bound: Arc<[Resource]>,
 }
 
 impl Kernels {
     /// Returns the resources that a kernel binds, in the order of their bindings.
-    pub(crate) fn bound(&self, kernel: &Kernel, with: Variant) -> Vec<Resource> {
-        self.linked(kernel, with).bindings.iter().map(|binding| binding.resource).collect()
+    pub(crate) fn bound(&self, kernel: &Kernel, with: Variant) -> Arc<[Resource]> {
+        self.known(kernel, with, |known, _| known.bound.clone())
     }
 
-    /// Returns the pipeline of a kernel, built at its first use.
-    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Built {
-        let with = with.of_role(kernel.role);
-        self.built.get(gpu, key(kernel, with), || program(kernel, &with, &self.linked(kernel, with)))
+    /// Returns a kernel with its pipeline, which is built at its first use.
+    pub(crate) fn get(&self, gpu: &Gpu, kernel: &Kernel, with: Variant) -> Ready {
+        self.known(kernel, with, |known, with| {
+            let linked = known.linked.take();
+            let build = || gpu.pipeline(program(kernel, with, linked.expect("kept until it is built")));
+            let pipeline = known.built.get_or_insert_with(build).clone();
+            Ready { pipeline, bound: known.bound.clone() }
+        })
     }
 
-    fn linked(&self, kernel: &Kernel, with: Variant) -> Arc<Linked> {
+    /// Applies a function to a kernel and its reduced variant. The kernel is linked at its first use.
+    fn known<T>(&self, kernel: &Kernel, with: Variant, apply: impl FnOnce(&mut Known, &Variant) -> T) -> T {
         let with = with.of_role(kernel.role);
-        lock(&self.linked).entry(key(kernel, with)).or_insert_with(|| Arc::new(kernel.linked(&with))).clone()
+        let link = || {
+            let linked = kernel.linked(&with);
+            let bound = linked.bindings.iter().map(|binding| binding.resource).collect();
+            Known { bound, linked: Some(linked), built: None }
+        };
+        apply(lock(&self.0).entry((kernel.main.file, kernel.role, with)).or_insert_with(link), &with)
     }
 }
 
-fn key(kernel: &Kernel, with: Variant) -> Key {
-    (kernel.main.file, kernel.role, with)
-}
-
-fn program(kernel: &Kernel, with: &Variant, linked: &Linked) -> Program {
+fn program(kernel: &Kernel, with: &Variant, Linked { text, bindings }: Linked) -> Program {
     let counting = [("COUNT", with.count), ("COST_MAP", with.cost_map)];
-    let counting = counting.into_iter().filter(|(name, _)| linked.text.contains(&format!("override {name}:")));
+    let counting = counting.into_iter().filter(|(name, _)| text.contains(&format!("override {name}:")));
     Program {
         label: kernel.name,
         constants: counting.map(|(name, on)| (name, f64::from(u8::from(on)))).collect(),
-        bindings: linked.bindings.iter().map(|binding| binding.ty).collect(),
-        text: linked.text.clone(),
+        bindings: bindings.iter().map(|binding| binding.ty).collect(),
+        text,
     }
 }
 
