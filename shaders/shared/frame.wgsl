@@ -74,7 +74,7 @@ struct Frame {
 
 //! if canvas is middles or texels
 // A light takes the place of the eyes, and the directions of its shadow-buffer's texels that of the pixels.
-// src/testing/cpu/shadow_buffer.rs has the same.
+// src/render/shadow_buffer/mapping.rs makes it.
 struct Mapping {
     light: vec3f,        // scene coordinates
     theta_begin: f32,    // of the first row, radians

@@ -1,4 +1,4 @@
-//! What a caller asks for: method, options and outputs.
+//! Settings of a caller: methods, options and progress callbacks.
 
 pub mod method;
 pub(crate) mod options;

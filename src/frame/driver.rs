@@ -104,6 +104,10 @@ impl<'a> Driver<'a> {
 }
 
 impl<'a> Driver<'a> {
+    pub(crate) fn gpu(&self) -> &'a Gpu {
+        self.gpu
+    }
+
     /// Returns the workgroups of a step.
     fn launched(&self, kernel: &Kernel, view: usize, launch: Launch) -> Workgroups<'a> {
         let targets = self.targets;
@@ -123,10 +127,6 @@ impl<'a> Driver<'a> {
 }
 
 impl Driver<'_> {
-    pub(crate) fn gpu(&self) -> &Gpu {
-        self.gpu
-    }
-
     pub(crate) fn timestamps(&mut self) -> Option<&mut Timestamps> {
         self.executor.timestamps()
     }
@@ -211,7 +211,7 @@ impl Driver<'_> {
         Ok(encoder)
     }
 
-    /// Encodes a band of a plan without stages on the host, with the rows that `set_rows` was told.
+    /// Encodes a band of a plan without stages on the host, with the rows that `uniforms_of` was told.
     pub(crate) fn encode_band(&mut self, encoder: &mut wgpu::CommandEncoder, plan: &Plan) {
         self.clear(encoder, plan.clears_marks());
         for stage in &plan.stages {

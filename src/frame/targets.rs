@@ -160,7 +160,7 @@ pub(crate) struct Targets {
     buffers: BTreeMap<Place, wgpu::Buffer>,
 }
 
-/// What a plan's steps use of targets.
+/// The buffers and textures that a plan's steps use.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Used {
     pub(crate) places: BTreeSet<Place>,

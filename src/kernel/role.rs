@@ -2,7 +2,7 @@
 
 use crate::kernel::variant::SoftRole;
 
-/// What a kernel does.
+/// The part of a kernel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Role {
     /// Works on pixels and lists, without the scene.
@@ -103,7 +103,7 @@ pub(crate) enum Visible {
     TakenOrTraced,
 }
 
-/// What a role decides of a kernel's text.
+/// Properties of a kernel's text that follow from its role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Does {
     pub(crate) samples: SampleUse,
@@ -118,7 +118,7 @@ pub(crate) struct Does {
     pub(crate) canvas: Canvas,
     /// Whether reused pixels are checked by rays.
     pub(crate) checks: bool,
-    /// Whether it works on wanted pixels only. Other kernels work on lists of these.
+    /// Whether it depends on the mask of wanted pixels.
     pub(crate) minds_mask: bool,
 }
 
@@ -177,9 +177,7 @@ impl Shading {
                 let (samples, soft) = (SampleUse::Written, SoftRole::Skipped);
                 Does { samples, soft, queries_shadow_buffers: true, minds_mask: true, ..plain }
             }
-            Self::Traced(Dispatches::Many) => {
-                Does { soft: SoftRole::Skipped, dispatches: Dispatches::Many, minds_mask: true, ..plain }
-            }
+            Self::Traced(Dispatches::Many) => Does { soft: SoftRole::Skipped, dispatches: Dispatches::Many, ..plain },
             Self::Source => {
                 let (samples, soft) = (SampleUse::Written, SoftRole::Masked);
                 Does { samples, soft, queries_shadow_buffers: true, minds_mask: true, ..plain }

@@ -39,13 +39,13 @@ struct Target {
     drawn: bool,
 }
 
-/// What a method promises of the views that it makes, and what it needs.
+/// How a method makes views, and the data that it needs.
 #[derive(Clone, Copy, Debug)]
 struct Promise {
     made: Made,
     /// Which visibility bits it reuses.
     bits: ShadowReuse,
-    /// Whether samples of sources are kept.
+    /// Whether source views keep their samples for reuse.
     samples: bool,
     /// Whether it reads the rows above and below a band.
     reaches: bool,

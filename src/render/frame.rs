@@ -357,13 +357,13 @@ impl Frame<'_> {
     ) -> Result<Flight, Error> {
         let (driver, targets, read_back) = (&mut self.driver, self.targets, self.read_back);
         let staging = self.stagings.pop().expect("as many as are in flight");
-        let gpu = driver.gpu().clone();
+        let gpu = driver.gpu();
         let submit = || {
             read_back.encode(driver, targets, &mut commands, &band, staging.buffer());
             let offset = read_back.times_offset();
             let timestamps = driver.timestamps();
             let names = timestamps.map(|times| times.resolve(&mut commands, staging.buffer(), offset));
-            let filling = staging.fill(&gpu, commands.finish());
+            let filling = staging.fill(gpu, commands.finish());
             Ok(Flight { band, filling, names: names.unwrap_or_default(), in_steps })
         };
         gpu.checked(submit).await
@@ -374,8 +374,8 @@ impl Frame<'_> {
         let mut flight = flight;
         loop {
             let Flight { band, filling, names, in_steps } = flight;
-            let gpu = self.driver.gpu().clone();
-            let (landed, staging) = filling.read(&gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
+            let gpu = self.driver.gpu();
+            let (landed, staging) = filling.read(gpu, |bytes| self.landed(bytes, &band, &names, in_steps)).await?;
             self.stagings.push(staging);
             match landed {
                 Landed::Rows(rows) => {

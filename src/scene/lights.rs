@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{DEFAULT_AMBIENT, Light, Material, Scene, checks::check_light_count};
+use super::{DEFAULT_AMBIENT, Light, Scene, checks::check_light_count};
 use crate::{Error, StereoCamera};
 
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -69,7 +69,7 @@ impl Scene {
         of_spheres() || of_ellipsoids() || of_planes()
     }
 
-    /// Returns the share of a way up to the first surface on it, or infinity.
+    /// Returns the share of a way up to the first surface on it, or infinity. Holes of cut-outs count as surface.
     fn way_to_obstacle(&self, eye: DVec3, way: DVec3) -> f64 {
         let triangles = self.triangles.iter().filter(|triangle| !triangle.is_degenerate());
         let triangles = triangles.filter_map(|triangle| {
@@ -107,8 +107,6 @@ impl Scene {
         let (low, high) = (eye - distance, eye + distance);
         let meets = |from: Vec3, to: Vec3| from.cmple(high).all() && to.cmpge(low).all();
         let mut near = Self::new();
-        // Cut-outs are ignored: their holes count as surface.
-        near.materials = self.materials.iter().map(|material| Material { cutout: None, ..material.clone() }).collect();
         near.triangles.extend(self.triangles.iter().filter(|triangle| {
             let [a, b, c] = triangle.corners;
             meets(a.min(b).min(c), a.max(b).max(c))

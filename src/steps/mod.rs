@@ -1,5 +1,4 @@
-//! The steps that plans are made of: their kernels, the kernels' resources, and the host's part. Each file corresponds
-//! to files of `shaders/`.
+//! The steps that plans are made of, and their kernels. Most files correspond to a folder of `shaders/`.
 
 pub(crate) mod bracket;
 pub(crate) mod edges;
