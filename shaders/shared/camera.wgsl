@@ -7,11 +7,6 @@
 // Returns the point where the target's rays start.
 fn eye_point() -> vec3f { return frame.eyes.target_eye; }
 
-// Returns the target's rays through pixels.
-fn rays_of(pixels: Pixels) -> Rays {
-    return Rays(frame.eyes.target_eye, pixel_directions(frame.eyes.target_corner, pixels));
-}
-
 // Returns the directions from the target to points at these depths in source pixels. Directions to the sky are those of
 // the source.
 fn to_source_points(pixels: Pixels, depth: F, sky: B) -> F3 {
@@ -25,6 +20,26 @@ fn footprint(distance: f32) -> f32 { return distance * length(frame.eyes.step_x)
 
 // Returns the width of a pixel at distance 1.
 fn column_step() -> f32 { return length(frame.eyes.step_x); }
+
+//! if camera is planar and canvas is picture
+// Returns the target's rays through pixels.
+fn rays_of(pixels: Pixels) -> Rays {
+    return Rays(frame.eyes.target_eye, pixel_directions(frame.eyes.target_corner, pixels));
+}
+
+//! if camera is around and canvas is picture
+const HALF_TURN: f32 = 3.14159265;
+
+// Returns the target's ray through a pixel, one a lane: a tangent of a circle around target_eye. Its t is the distance
+// along the ground (src/frame/eyes/around.rs).
+fn rays_of(pixels: Pixels) -> Rays {
+    let pixel = pixel_of_ray(pixels, 0u);
+    let azimuth = (f32(pixel.x) + 0.5) * frame.eyes.step_x.x - HALF_TURN;
+    let elevation = 0.5 * HALF_TURN - (f32(pixel.y + frame.band.first_row) + 0.5) * frame.eyes.step_y.y;
+    let right = vec3f(cos(azimuth), 0.0, sin(azimuth));
+    let ahead = vec3f(sin(azimuth), 0.0, -cos(azimuth));
+    return Rays(frame.eyes.target_eye + right * frame.eyes.shift, all3(ahead + vec3f(0.0, tan(elevation), 0.0)));
+}
 
 //! if canvas is middles or texels
 fn eye_point() -> vec3f { return frame.mapping.light; }

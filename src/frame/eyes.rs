@@ -1,9 +1,15 @@
 //! The uniform of two eyes.
 
+#[cfg(test)]
+mod around;
+
 use crate::{
     Pose,
     kernel::layout,
-    view::{camera::least_pixel_angle, rig::Eyes},
+    view::{
+        camera::least_pixel_angle,
+        rig::{Eyes, Projection},
+    },
 };
 
 /// Guard band of an ordinary picture, in pixels. Its pixels span at least 2e-5 radians, so this far exceeds the
@@ -70,6 +76,14 @@ fn wider(pose: &Pose, far: f64) -> f32 {
 impl Eyes {
     /// Returns the uniform that describes a view and its source to kernels.
     pub(crate) fn uniform(&self, view: usize) -> layout::Eyes {
+        match self.projection {
+            Projection::Planar => self.planar(view),
+            #[cfg(test)]
+            Projection::Around => around::uniform(self, view),
+        }
+    }
+
+    fn planar(&self, view: usize) -> layout::Eyes {
         let apart = self.offsets[view] - self.offsets[self.seconds[view]];
         layout::Eyes {
             second_parallax_px: self.pose.parallax().times(apart).scale_px,

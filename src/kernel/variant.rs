@@ -1,8 +1,9 @@
 //! Pipeline variants: what kernels are specialised to, and the resulting choices for their WGSL. Only this module
 //! chooses.
 //!
-//! `src/kernel/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the kernel
-//! (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to hit.
+//! `src/kernel/wgsl.rs` composes a kernel's text. A feature that a scene lacks is not chosen, so its code is not in the
+//! kernel (DESIGN, section 6). Examples are spheres, ellipsoids, vertex normals, lights, a sky gradient, or anything to
+//! hit.
 
 mod choices;
 
@@ -11,6 +12,7 @@ use crate::{
     ask::shadow_buffer::Reading,
     kernel::traversal::{Boxes, Fetch, RaysPerLane, Traversal},
     kernel::{Canvas, Role, SampleUse, Shading},
+    view::rig::Projection,
 };
 
 /// The direction of shadow rays, if there are any.
@@ -110,6 +112,7 @@ pub(crate) enum SoftRole {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
     pub(crate) traversal: Traversal,
+    pub(crate) projection: Projection,
     pub(crate) triangles: bool,
     /// Spheres or ellipsoids.
     pub(crate) spheres: bool,
@@ -175,6 +178,7 @@ impl Variant {
     /// The variant of a kernel that does not touch the scene.
     pub(crate) const PIXELS: Self = Self {
         traversal: Traversal { fetch: Fetch::Texture, boxes: Boxes::Grid16, rays: RaysPerLane::One },
+        projection: Projection::Planar,
         triangles: false,
         spheres: false,
         ellipsoids: false,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::tally::Tally;
 use crate::{
-    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, Renderer, Rows, ShadowBufferWork,
-    ShadowReuse, Tone, UploadedScene, Visibility,
+    Choice, Error, Method, OnProgress, OnRows, Options, PassTimes, Penumbra, RaysPerLane, Renderer, Rows,
+    ShadowBufferWork, ShadowReuse, Tone, UploadedScene, Visibility,
     frame::{
         Band, Bands,
         driver::{Driver, Engine, Setting},
@@ -236,6 +236,7 @@ impl Renderer {
     fn effective(&self, options: &Options, eyes: &Eyes, scene: &UploadedScene) -> Method {
         let width = eyes.pose.size[0];
         match options.method {
+            _ if !eyes.projection.has_one_origin() => Method::Naive,
             Method::Naive => Method::Naive,
             _ if eyes.pose.interaxial == 0.0 && options.noise_by_view => Method::Naive,
             _ if eyes.pose.interaxial == 0.0 => Method::Ideal,
@@ -283,7 +284,10 @@ impl Renderer {
         let shadow_rays = if counting.soft_lights { options.shadow_rays } else { 0 };
         let occlusion_rays = options.surroundings().map_or(0, |occlusion| occlusion.rays);
         let soft = shadow_rays + occlusion_rays > 0;
+        let rays = if eyes.projection.has_one_origin() { counting.traversal.rays } else { RaysPerLane::One };
         Variant {
+            traversal: counting.traversal.rays(rays),
+            projection: eyes.projection,
             linear: options.linear,
             jitter: Jitter::of(options).side(),
             close: scene.close_to(&eyes.positions()),
@@ -386,7 +390,8 @@ impl Frame<'_> {
                 Landed::CutShort(threads) => {
                     let threads = counted(threads, "thread", "threads");
                     log::warn!(
-                        "rows {} to {}: the adapter ended the loops of {threads} before their work was done; naive goes on in steps",
+                        "rows {} to {}: the adapter ended the loops of {threads} before their work was done; \
+                         continuing with naive in steps",
                         band.rows.start,
                         band.rows.end
                     );

@@ -1,6 +1,6 @@
 use std::{num::NonZeroU32, ops::ControlFlow};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::{
     BufferDepth, Check, Error, GBuffer, Gpu, Method, Options, Renderer, Rows, Scene, Statistics, StereoCamera,
@@ -17,7 +17,7 @@ use crate::{
     methods,
     random::Random,
     view::camera::Intrinsics,
-    view::rig::Eyes,
+    view::rig::{Eyes, Projection},
 };
 
 #[test]
@@ -321,4 +321,47 @@ fn what_was_not_wanted_vouches_for_nothing() {
             assert!(same * 1000 >= naive.rgba8.len() * 997, "{method}: {same}");
         }
     }
+}
+
+/// Tangents of a circle all around, from the geometry in f64: for a left and a right eye, what each pixel's ray hits.
+#[test]
+fn another_camera_is_a_section_of_wgsl_and_a_file() {
+    use crate::testing::cpu::intersect::closest_hit;
+    use std::f64::consts::{PI, TAU};
+
+    let builtin = crate::scene::builtin::Builtin::Hall;
+    let scene = builtin.scene();
+    let mut renderer = renderer(USUAL);
+    let uploaded = renderer.upload(&scene).unwrap();
+    let [width, height] = [48, 24];
+    let pose = builtin.camera(width, height).pose().unwrap();
+    let eyes = Eyes { projection: Projection::Around, ..Eyes::pair(&pose) };
+    let mut views = Vec::new();
+    let mut keep = |rows: Rows| {
+        views.extend(rows.views);
+        Ok(())
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let options = Options::new(Method::BRACKET);
+    let frame = renderer.frame(&uploaded, &eyes, &options, Wanted::all(true), &mut go_on, &mut keep);
+    let done = pollster::block_on(frame).unwrap();
+    assert_eq!(done.method_of(1), Method::Naive);
+    for (rows, side) in views.iter().zip([-0.5, 0.5]) {
+        let (mut seen, mut wrong) = (0, 0);
+        // The twin tries every triangle of the closed hall: every eleventh pixel is enough.
+        for (index, (&depth, &primitive)) in rows.view.depth.iter().zip(&rows.view.primitive).enumerate().step_by(11) {
+            let [column, row] = [index as u32 % width, index as u32 / width].map(|place| f64::from(place) + 0.5);
+            let (azimuth, elevation) = (column / f64::from(width) * TAU - PI, (0.5 - row / f64::from(height)) * PI);
+            let right = DVec3::new(azimuth.cos(), 0.0, azimuth.sin());
+            let origin = pose.eye_in_scene(0.0).as_dvec3() + right * side * f64::from(pose.interaxial);
+            let direction = DVec3::new(azimuth.sin(), elevation.tan(), -azimuth.cos());
+            let (t, id) = closest_hit(&scene, origin.as_vec3(), direction.as_vec3(), 0.0, f32::INFINITY);
+            seen += usize::from(id != crate::MISS);
+            wrong += usize::from(id != primitive || (t - depth).abs() > 1e-3 * t);
+        }
+        assert_eq!((seen, wrong), (105, 0));
+    }
+    let apart = views[0].view.depth.iter().zip(&views[1].view.depth).filter(|(a, b)| a != b).count();
+    // Measured: 891 of 1152.
+    assert!(apart > 800, "{apart}");
 }

@@ -90,7 +90,7 @@ impl Rig {
             return fault(format!("it has {count}; 1 to {MAX_VIEWS} can be rendered"));
         }
         if let Some(offset) = self.offsets.iter().find(|offset| !offset.is_finite()) {
-            return fault(format!("an eye's offset is {offset}"));
+            return fault(format!("an eye's offset is {offset}; it must be finite"));
         }
         let mut sorted = self.offsets.clone();
         sorted.sort_by(f32::total_cmp);
@@ -102,7 +102,8 @@ impl Rig {
             return match self.offsets[..] {
                 [offset] => Ok(Eyes::mono(pose.of_eye(2.0 * offset))),
                 _ => fault(format!(
-                    "its {count} eyes are toed in, so that rows are no epipolar lines; render them as a pair, or one at a time"
+                    "its {count} eyes are toed in, so rows are not epipolar lines; render them as a pair, or one at a \
+                     time"
                 )),
             };
         }
@@ -119,17 +120,19 @@ impl Rig {
             None => self.sources_by_rule(&pose),
         };
         let seconds = seconds(&self.offsets, &sources);
-        Ok(Eyes { pose, offsets: self.offsets.clone(), sources, seconds })
+        Ok(Eyes { pose, offsets: self.offsets.clone(), sources, seconds, projection: Projection::Planar })
     }
 
     /// Returns the nearest of the given views for each view.
     fn sources_asked_for(&self, traced: &[usize]) -> Result<Vec<usize>, Error> {
         if traced.is_empty() {
-            return Err(Error::Rig { reason: "no view is to be traced; at least one must be".into() });
+            return Err(Error::Rig { reason: "no view is traced; at least one must be".into() });
         }
         if let Some(view) = traced.iter().find(|&&view| view >= self.offsets.len()) {
             let views = crate::message::counted(self.offsets.len(), "view", "views");
-            return Err(Error::Rig { reason: format!("view {view} is to be traced, but there are {views}, from 0") });
+            return Err(Error::Rig {
+                reason: format!("view {view} is to be traced, but there are {views}, counted from 0"),
+            });
         }
         Ok(self.sources(traced))
     }
@@ -177,6 +180,28 @@ fn seconds(offsets: &[f32], sources: &[usize]) -> Vec<usize> {
     sources.iter().enumerate().map(second).collect()
 }
 
+/// How rays of a picture leave the eyes. Kernels ask the camera (`shaders/shared/camera.wgsl`); the host asks here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) enum Projection {
+    /// Through a screen's rectangle.
+    #[default]
+    Planar,
+    /// All around, as tangents of a circle: a test of what another camera touches.
+    #[cfg(test)]
+    Around,
+}
+
+impl Projection {
+    /// Returns whether the rays of one view start at one point.
+    pub(crate) fn has_one_origin(self) -> bool {
+        match self {
+            Self::Planar => true,
+            #[cfg(test)]
+            Self::Around => false,
+        }
+    }
+}
+
 /// The checked eyes of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Eyes {
@@ -188,17 +213,19 @@ pub(crate) struct Eyes {
     pub(crate) sources: Vec<usize>,
     /// Second source of each view: the nearest traced view on the opposite side from its source, or else its source.
     pub(crate) seconds: Vec<usize>,
+    pub(crate) projection: Projection,
 }
 
 impl Eyes {
     /// Returns the eyes of a pair; the right view is made from the left one.
     pub(crate) fn pair(pose: &Pose) -> Self {
-        Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0] }
+        let projection = Projection::Planar;
+        Self { pose: *pose, offsets: vec![-0.5, 0.5], sources: vec![0, 0], seconds: vec![0, 0], projection }
     }
 
     /// Returns a single, traced eye.
     pub(crate) fn mono(pose: Pose) -> Self {
-        Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0] }
+        Self { pose, offsets: vec![0.0], sources: vec![0], seconds: vec![0], projection: Projection::Planar }
     }
 
     /// Returns the eyes' positions relative to the scene's origin.

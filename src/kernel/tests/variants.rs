@@ -27,6 +27,7 @@ use crate::{
         t_buffer::{BEGIN_PASS, DRAW_FEW, DRAW_MORE, DRAW_PARTS, PROJECT_PRIMITIVES, READ_T_BUFFER, TRACE_NAMELESS},
         trace::{TRACE_IN_STEPS, TRACE_LEFT},
     },
+    view::rig::Projection,
 };
 
 pub(super) const ALL: [&Kernel; 54] = [
@@ -126,8 +127,8 @@ pub(super) fn variants() -> Vec<Variant> {
         [true; 4],
     ];
     let shadows = [Shadows::None, Shadows::FromLight, Shadows::FromSurface];
-    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4]);
-    let with = |row: &[usize; 15]| {
+    let rows = all_pairs([traversals.len(), kinds.len(), 4, 4, 3, 3, 3, 2, 8, 6, 2, 2, 3, 2, 4, 2]);
+    let with = |row: &[usize; 16]| {
         let &[
             traversal,
             kind,
@@ -144,11 +145,13 @@ pub(super) fn variants() -> Vec<Variant> {
             planes,
             jitter,
             buffer,
+            camera,
         ] = row;
         let ((traversal, world_boxes), [spheres, triangles, normals, ellipsoids]) =
             (traversals[traversal], kinds[kind]);
         Variant {
             traversal,
+            projection: [Projection::Planar, Projection::Around][camera],
             triangles,
             spheres,
             ellipsoids,

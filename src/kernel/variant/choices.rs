@@ -7,11 +7,12 @@ use crate::{
     kernel::traversal::{Boxes, Fetch, RaysPerLane},
     kernel::wgsl::{self, Choice, Linked},
     kernel::{Canvas, Dispatches, Does, Kernel, SampleUse, Visible},
+    view::rig::Projection,
 };
 
 impl Kernel {
     /// Returns a value for each choice of shared WGSL.
-    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 29] {
+    pub(crate) fn choices(&self, with: &Variant) -> [Choice; 30] {
         let Does { visibility, follows, dispatches, canvas, checks, .. } = self.role.does();
         let primitives = match (with.triangles, with.spheres) {
             (true, true) => "mixed",
@@ -84,7 +85,13 @@ impl Kernel {
             SampleUse::Written => "written",
             SampleUse::Read => "read",
         };
+        let camera = match with.projection {
+            Projection::Planar => "planar",
+            #[cfg(test)]
+            Projection::Around => "around",
+        };
         [
+            ("camera", camera),
             ("primitives", primitives),
             ("planes", if with.planes > 0 { "some" } else { "none" }),
             ("cutouts", if with.cutouts { "some" } else { "none" }),
