@@ -67,7 +67,8 @@ fn measure(renderer: &mut Renderer, bench: &BenchScene, eyes: usize, rounds: usi
     let cost = |views: &stereotrace::Views| views.views.iter().map(|view| view.work.cost() as f64).sum::<f64>();
     println!("{}, {eyes} views, {NEIGHBOURS} px between neighbours\n", scenes::title(name));
     println!(
-        "| method | ms | of naive, by time | of naive, by counters | identical % | in the worst view | wrong surface % |"
+        "| method | ms | of naive, by time | of naive, by counters | identical % | in the worst view | wrong surface % \
+        |"
     );
     println!("|---|---|---|---|---|---|---|");
     for (index, &method) in METHODS.iter().enumerate() {

@@ -26,7 +26,19 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def render(scene, method, folder, *more):
     """The example's output."""
-    command = ["cargo", "run", "--release", "--quiet", "--package", "stereotrace-cli", "--", "render", scene, "--method", method]
+    command = [
+        "cargo",
+        "run",
+        "--release",
+        "--quiet",
+        "--package",
+        "stereotrace-cli",
+        "--",
+        "render",
+        scene,
+        "--method",
+        method,
+    ]
     command += ["--size", "320x180", "--out", str(folder), *more]
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 

@@ -116,7 +116,9 @@ def world_points(eye, depth):
     x, y = middles(width, height)
     # camera.json counts pixels from the corner.
     z = depth
-    points = np.stack([(x + 0.5 - eye["cx"]) / eye["fx"] * z, (y + 0.5 - eye["cy"]) / eye["fy"] * z, z, np.ones_like(z)], -1)
+    points = np.stack(
+        [(x + 0.5 - eye["cx"]) / eye["fx"] * z, (y + 0.5 - eye["cy"]) / eye["fy"] * z, z, np.ones_like(z)], -1
+    )
     return points @ np.array(eye["camera_to_world"]).T
 
 

@@ -83,7 +83,9 @@ def loaded(layout: str, root: Path, folders: list[Path], keep: Keep) -> object:
 
 def check_sample(name: str, layout: str, sample: tuple, read: tuple, pair: stereotrace.StereoPair) -> None:
     (left, right), disparities, masks = read
-    check(f"{name}: the sample is what was read", sample[0] is left and sample[1] is right and sample[2] is disparities[0])
+    check(
+        f"{name}: the sample is what was read", sample[0] is left and sample[1] is right and sample[2] is disparities[0]
+    )
     for eye, picture in (("left", left), ("right", right)):
         check(f"{name}: {eye} picture", np.array_equal(np.asarray(picture)[..., :3], getattr(pair, eye).color))
     eyes = ("left",) if layout == "kitti" else ("left", "right")
@@ -106,7 +108,11 @@ def check_sample(name: str, layout: str, sample: tuple, read: tuple, pair: stere
     seen = (pair.left.occlusion == 0) & (columns >= 0)
     carried = np.asarray(right)[rows, np.clip(columns, 0, SIZE[0] - 1), :3]
     median = np.median(np.abs(carried.astype(int) - np.asarray(left)[..., :3]).mean(axis=-1)[seen])
-    check(f"{name}: the right picture is carried to the left one", seen.mean() > 0.3 and median <= 4, (seen.mean(), median))
+    check(
+        f"{name}: the right picture is carried to the left one",
+        seen.mean() > 0.3 and median <= 4,
+        (seen.mean(), median),
+    )
 
 
 def check_layout(name: str, layout: str, folders: list[Path], pairs: list[stereotrace.StereoPair]) -> None:
@@ -123,7 +129,9 @@ def check_layout(name: str, layout: str, folders: list[Path], pairs: list[stereo
         most = max(expected[surface].max() for expected, surface in surfaces)
         sky = np.mean([~surface for _, surface in surfaces])
     kind = type(data).__name__
-    print(f"{name}: {kind}: {len(data)} pairs, disparities {least:.3f} to {most:.3f} px, sky {sky:.1%}: {COUNT - before} checks, {len(FAULTS) - faults} failed")
+    print(
+        f"{name}: {kind}: {len(data)} pairs, disparities {least:.3f} to {most:.3f} px, sky {sky:.1%}: {COUNT - before} checks, {len(FAULTS) - faults} failed"
+    )
 
 
 def main() -> None:
@@ -136,22 +144,43 @@ def main() -> None:
     for layout in stereotrace.LAYOUTS:
         for scene, poses in scenes:
             with tempfile.TemporaryDirectory() as out:
-                values = {"pairs": PAIRS, "shard_pairs": 2 if layout != "sceneflow" else PAIRS, "size": SIZE, "format": layout, "poses": poses}
+                values = {
+                    "pairs": PAIRS,
+                    "shard_pairs": 2 if layout != "sceneflow" else PAIRS,
+                    "size": SIZE,
+                    "format": layout,
+                    "poses": poses,
+                }
                 spec = dataset.Spec.load({**values, "scenes": [{"builtin": scene}]})
                 report = dataset.make(spec, out)
                 check(f"{layout} of {scene} is made", report.pairs == PAIRS, report.summary())
                 worker = dataset.Worker(spec)
                 worker.outputs = lambda: ["color", "depth", "disparity", "occlusion"]  # with depths, for the truth
                 pairs = [worker.pair(number)[0] for number in range(PAIRS)]
-                folders = [Path(out)] if layout == "kitti" else sorted(path for path in Path(out).iterdir() if path.is_dir())
+                folders = (
+                    [Path(out)] if layout == "kitti" else sorted(path for path in Path(out).iterdir() if path.is_dir())
+                )
                 check_layout(f"Python, {layout}, {scene}", layout, folders, pairs)
         if command:
             renderer, hall = stereotrace.Renderer(), stereotrace.Scene.builtin("hall-finished")
             camera = hall.camera(size=SIZE).replace(screen_distance=float("inf"))
             with tempfile.TemporaryDirectory() as out:
-                arguments = ["dataset", "builtin:hall-finished", "--size", f"{SIZE[0]}x{SIZE[1]}", "--pairs", PAIRS, "--layout", layout, "--out", out]
+                arguments = [
+                    "dataset",
+                    "builtin:hall-finished",
+                    "--size",
+                    f"{SIZE[0]}x{SIZE[1]}",
+                    "--pairs",
+                    PAIRS,
+                    "--layout",
+                    layout,
+                    "--out",
+                    out,
+                ]
                 subprocess.run([command, *map(str, arguments)], check=True, capture_output=True)
-                places = [renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * SIZE[0])[0] for item in range(PAIRS)]
+                places = [
+                    renderer.free_camera(hall, camera, 0, item, max_disparity=0.2 * SIZE[0])[0] for item in range(PAIRS)
+                ]
                 pairs = [renderer.render(hall, place, outputs=["color", "depth", "occlusion"]) for place in places]
                 check_layout(f"command, {layout}, hall-finished", layout, [Path(out)], pairs)
     for fault in FAULTS:

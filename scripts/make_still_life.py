@@ -100,9 +100,7 @@ class Obj:
             tilts = (normal(segment, segment - 1), normal(segment, segment + 1))
             for k in range(around):
                 turns = ((0, k), (0, k + 1), (1, k + 1), (1, k))
-                corners = [
-                    tuple(a + b for a, b in zip(center, spin(*ends[end], turn))) for end, turn in turns
-                ]
+                corners = [tuple(a + b for a, b in zip(center, spin(*ends[end], turn))) for end, turn in turns]
                 normals = [spin(*tilts[end], turn) for end, turn in turns] if smooth else None
                 self.polygon(corners, material(segment) if callable(material) else material, normals)
 
@@ -127,20 +125,52 @@ def still_life():
     obj.polygon([(-1.7, 0.03, 3.18), (-1.7, -1.0, 3.26), (2.1, -1.0, 3.26), (2.1, 0.03, 3.18)], "cloth")
 
     obj.begin("vase")
-    outside = [(0.0, 0.06), (0.75, 0.06), (0.75, 0.06), (0.8, 0.2), (1.05, 0.6), (1.35, 1.1), (1.5, 1.65), (1.45, 2.2),
-               (1.2, 2.75), (0.85, 3.2), (0.62, 3.6), (0.58, 3.95), (0.72, 4.3), (0.95, 4.5)]
+    outside = [
+        (0.0, 0.06),
+        (0.75, 0.06),
+        (0.75, 0.06),
+        (0.8, 0.2),
+        (1.05, 0.6),
+        (1.35, 1.1),
+        (1.5, 1.65),
+        (1.45, 2.2),
+        (1.2, 2.75),
+        (0.85, 3.2),
+        (0.62, 3.6),
+        (0.58, 3.95),
+        (0.72, 4.3),
+        (0.95, 4.5),
+    ]
     inside = [(0.95, 4.5), (0.88, 4.5), (0.88, 4.5), (0.64, 4.25), (0.5, 3.9), (0.55, 3.5), (0.0, 2.9)]
     obj.revolve((-2.5, 0, -1.3), outside + inside, 18, lambda k: "glaze_band" if k in (5, 6, 11) else "glaze")
 
     obj.begin("bowl")
-    bowl = [(0.0, 0.08), (0.8, 0.08), (0.8, 0.08), (0.8, 0.25), (1.4, 0.5), (1.9, 0.95), (2.15, 1.5), (2.15, 1.5),
-            (2.05, 1.5), (2.05, 1.5), (1.78, 1.0), (1.3, 0.65), (0.0, 0.45)]
+    bowl = [
+        (0.0, 0.08),
+        (0.8, 0.08),
+        (0.8, 0.08),
+        (0.8, 0.25),
+        (1.4, 0.5),
+        (1.9, 0.95),
+        (2.15, 1.5),
+        (2.15, 1.5),
+        (2.05, 1.5),
+        (2.05, 1.5),
+        (1.78, 1.0),
+        (1.3, 0.65),
+        (0.0, 0.45),
+    ]
     obj.revolve((0.2, 0, 0.7), bowl, 16, "clay")
 
-    fruit = [("apple_1", (-0.6, 1.35, 1.0), 0.68, 0.92, "apple"), ("apple_2", (0.75, 1.4, 1.25), 0.66, 0.92, "apple"),
-             ("lemon_1", (0.25, 1.42, -0.15), 0.6, 1.2, "lemon"), ("apple_3", (0.1, 2.25, 0.75), 0.6, 0.92, "apple"),
-             ("plum_1", (2.85, 0.48, 2.3), 0.45, 1.02, "plum"), ("plum_2", (2.6, 0.46, 1.35), 0.43, 1.02, "plum"),
-             ("lemon_2", (-2.5, 0.63, 1.7), 0.52, 1.15, "lemon")]
+    fruit = [
+        ("apple_1", (-0.6, 1.35, 1.0), 0.68, 0.92, "apple"),
+        ("apple_2", (0.75, 1.4, 1.25), 0.66, 0.92, "apple"),
+        ("lemon_1", (0.25, 1.42, -0.15), 0.6, 1.2, "lemon"),
+        ("apple_3", (0.1, 2.25, 0.75), 0.6, 0.92, "apple"),
+        ("plum_1", (2.85, 0.48, 2.3), 0.45, 1.02, "plum"),
+        ("plum_2", (2.6, 0.46, 1.35), 0.43, 1.02, "plum"),
+        ("lemon_2", (-2.5, 0.63, 1.7), 0.52, 1.15, "lemon"),
+    ]
     for name, center, radius, squash, material in fruit:
         obj.begin(name)
         obj.ball(center, radius, squash, 12, 7, material)

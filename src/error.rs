@@ -82,7 +82,7 @@ pub enum Error {
     },
     /// An unsupported number of samples per pixel, or samples too close together for directions in f32.
     #[non_exhaustive]
-    #[error("invalid samples: {samples} a pixel; {reason}")]
+    #[error("invalid samples: {samples} per pixel; {reason}")]
     Samples {
         /// The requested number.
         samples: u32,
@@ -98,7 +98,7 @@ pub enum Error {
     },
     /// Views, or a view and its camera, differ in size.
     #[non_exhaustive]
-    #[error("sizes that don't fit: {sizes}; {reason}")]
+    #[error("sizes do not match: {sizes}; {reason}")]
     Sizes {
         /// The sizes.
         sizes: String,
@@ -107,7 +107,7 @@ pub enum Error {
     },
     /// A method or option that can't be encoded ahead of its execution.
     #[non_exhaustive]
-    #[error("{what} can't be encoded ahead: {reason}; render it instead")]
+    #[error("{what} can't be encoded in advance: {reason}; render it instead")]
     Encoding {
         /// The method or option.
         what: String,
@@ -237,9 +237,9 @@ impl Error {
     /// The error if a driver ended a kernel's loops before their work was done.
     pub(crate) fn cut_short(threads: u64) -> Self {
         Self::Limit {
-            what: format!("the tracing of {}", counted(threads, "thread", "threads")),
-            needed: "more rounds of its loops".into(),
-            limit: "bound on the loops of a thread",
+            what: format!("tracing by {}", counted(threads, "thread", "threads")),
+            needed: "more loop iterations".into(),
+            limit: "limit on loop iterations per thread",
             allowed: "reached (llvmpipe's is 65535)".into(),
             remedy: "use fewer lights or a simpler scene",
         }

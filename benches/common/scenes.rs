@@ -121,6 +121,7 @@ fn folder() -> PathBuf {
 /// What to say of a scene that is not there.
 pub fn skipped(name: &str) -> String {
     format!(
-        "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set {FOLDER_VARIABLE}, or give a file's path"
+        "{name}: skipped: scene not found; put {name}/{name}.obj and cameras.json under target/scenes or set \
+        {FOLDER_VARIABLE}, or give a file's path"
     )
 }

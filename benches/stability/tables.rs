@@ -13,7 +13,8 @@ pub(crate) fn of_trials(rows: &[Row], plan: &Plan, provenance: &Provenance) -> S
          all pixels and of those in which either view shows a surface\n\n",
         if plan.rich { ", 4 samples, mirrors, lights that are balls" } else { "" },
     );
-    text += "| trial | method | second eye | pair | identical % | of surfaces % | wrong surface % | of surfaces % | PSNR dB | why it \
+    text += "| trial | method | second eye | pair | identical % | of surfaces % | wrong surface % | of surfaces % | \
+        PSNR dB | why it \
              is hard |\n|---|---|---|---|---|---|---|---|---|---|\n";
     let mut last = None;
     for row in rows {

@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         // Help keeps its line breaks, whether requested or printed for a missing command.
         Err(error) if !error.use_stderr() || error.kind() == DisplayHelpOnMissingArgumentOrSubcommand => error.exit(),
         Err(error) => {
-            complain(&format!("{}; --help lists what there is", usage_fault(&error)));
+            complain(&format!("{}; see --help", usage_fault(&error)));
             return ExitCode::from(USAGE);
         }
     };

@@ -48,7 +48,7 @@ pub(crate) struct Interrupted {
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let advice = if self.can_go_on { "; the same command makes the rest" } else { "" };
+        let advice = if self.can_go_on { "; run the same command again to make the rest" } else { "" };
         write!(f, "interrupted after {} of {} pairs{advice}", self.done, self.of)
     }
 }

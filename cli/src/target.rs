@@ -81,7 +81,7 @@ impl Target {
         }
         if !path.is_dir() && NOT_WRITTEN.contains(&&*ending) {
             let endings = WRITTEN.join(", .");
-            return Err(format!("{}: pictures are written as .{endings}", shown(path)).into());
+            return Err(format!("{}: pictures can be written as .{endings}", shown(path)).into());
         }
         make_folder(path)?;
         check_writable(path, path)?;
@@ -93,14 +93,14 @@ impl Target {
 fn check_writable(folder: &Path, target: &Path) -> Result<(), String> {
     let probe = folder.join(format!(".stereotrace-{}", std::process::id()));
     let written = fs::File::create(&probe).and_then(|_| fs::remove_file(&probe));
-    written.map_err(|error| format!("{}: nothing can be written there: {error}", shown(target)))
+    written.map_err(|error| format!("{}: can't write there: {error}", shown(target)))
 }
 
 /// Makes the output folder.
 fn make_folder(path: &Path) -> Result<(), String> {
     let fault = |error: io::Error| match path.exists() {
-        true => format!("{}: it is no folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
-        false => format!("{}: the folder can't be made: {error}", shown(path)),
+        true => format!("{}: it is not a folder; --out takes a folder, or a picture's name like pair.png", shown(path)),
+        false => format!("{}: the folder can't be created: {error}", shown(path)),
     };
     fs::create_dir_all(path).map_err(fault)
 }
@@ -139,7 +139,7 @@ pub(crate) fn add_pair(
 ) -> Result<(), Box<dyn Error>> {
     let kind = ending(path);
     if kind == "exr" && eyes.swap {
-        return Err(format!("{}: its parts are named left and right; --swap is for pictures", shown(path)).into());
+        return Err(format!("{}: its parts are named left and right, so --swap does not apply", shown(path)).into());
     }
     let swapped = || {
         let mut swapped = pair.clone();

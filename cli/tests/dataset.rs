@@ -47,7 +47,7 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     text.extend(b"{\"item\":1,\"fil");
     fs::write(&manifest, text).unwrap();
     fs::remove_file(folder.file("parts/000000/disp1.pfm")).unwrap();
-    assert!(make(&["--out", &parts]).contains("; 1 were there already"));
+    assert!(make(&["--out", &parts]).contains("; 1 already existed"));
     assert!(make(&["--out", &parts]).starts_with("0 pairs in "));
     let mut found = files(folder.file("parts").as_ref());
     for line in String::from_utf8(found.remove(Path::new("manifest.jsonl")).unwrap()).unwrap().lines() {
@@ -59,7 +59,7 @@ fn a_data_set_goes_on_where_it_stopped_and_each_pair_can_be_made_alone() {
     assert_eq!(found.len() + 1, expected.len());
 
     let other = [&SMALL[..], &["--pairs", "3", "--seed", "1", "--out", &parts]].concat();
-    assert!(error_of(&other).contains("was made with other files, settings"));
+    assert!(error_of(&other).contains("was made with different files, settings"));
     assert!(error_of(&[&SMALL[..], &["--pairs", "3", "--items", "1..4", "--out", &parts]].concat()).contains("has 3"));
 }
 
@@ -167,7 +167,7 @@ fn kitti_and_scene_flow_have_parallel_cameras() {
     let out = folder.file("converged").to_str().unwrap().to_owned();
     let converged = run(&[&SMALL[..], &["--pairs", "1", "--layout", "kitti", "--screen", "5", "--out", &out]].concat());
     let said = String::from_utf8(converged.stderr).unwrap();
-    assert!(!converged.status.success() && said.contains("its cameras are parallel"), "{said}");
+    assert!(!converged.status.success() && said.contains("its cameras must be parallel"), "{said}");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn interrupted(output: &Output, of: u32) -> usize {
     let said = said.lines().last().unwrap_or_default();
     let count = said.strip_prefix("error: interrupted after ").and_then(|said| said.split_once(" of "));
     let (count, rest) = count.unwrap_or_else(|| panic!("{said}"));
-    assert_eq!(rest, format!("{of} pairs; the same command makes the rest"));
+    assert_eq!(rest, format!("{of} pairs; run the same command again to make the rest"));
     count.parse().unwrap()
 }
 
@@ -89,7 +89,7 @@ fn a_sequence_ends_after_the_picture_at_hand_and_goes_on_later() {
     assert_eq!(found.len(), 3 * done + 1, "{found:?}");
     let rest = format!("0..{}", done + 1);
     let said = printed(&[&command[..], &["--frames", &rest]].concat());
-    assert!(said.starts_with("1 pair in ") && said.contains(&format!("; {done} were there already")), "{said}");
+    assert!(said.starts_with("1 pair in ") && said.contains(&format!("; {done} already existed")), "{said}");
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn a_data_set_ends_after_the_pair_at_hand_and_goes_on_later() {
     assert_eq!(found.len(), expected, "{found:?}");
     let rest = format!("0..{}", done + 1);
     let said = printed(&[&command[..], &["--items", &rest]].concat());
-    assert!(said.starts_with("1 pair in ") && said.contains(&format!("; {done} were there already")), "{said}");
+    assert!(said.starts_with("1 pair in ") && said.contains(&format!("; {done} already existed")), "{said}");
 }
 
 #[test]

@@ -44,11 +44,11 @@ fn out_is_a_picture_or_a_folder() {
     folder.write("file", "old");
     let message = error_of(&render(&text("file")));
     assert!(
-        message.ends_with("file: it is no folder; --out takes a folder, or a picture's name like pair.png"),
+        message.ends_with("file: it is not a folder; --out takes a folder, or a picture's name like pair.png"),
         "{message}"
     );
-    assert!(error_of(&render(&text("file/pictures"))).contains("pictures: the folder can't be made: "));
-    assert!(error_of(&render(&text("a.gif"))).contains("a.gif: pictures are written as .png, .jpg"));
+    assert!(error_of(&render(&text("file/pictures"))).contains("pictures: the folder can't be created: "));
+    assert!(error_of(&render(&text("a.gif"))).contains("a.gif: pictures can be written as .png, .jpg"));
     let one_file = error_of(&[&render(&text("a.png"))[..], &["--dump"]].concat());
     assert!(one_file.contains("--dump writes many files"), "{one_file}");
     assert_eq!(fs::read(folder.file("file")).unwrap(), b"old");
@@ -94,7 +94,7 @@ fn what_stands_in_glass_is_seen() {
 fn what_can_not_be_written_is_not_rendered() {
     // Of a scene that is not there: that is found out later.
     let message = error_of(&["render", "nothing.obj", "--out", "/proc/pair.png"]);
-    assert!(message.starts_with("/proc/pair.png: nothing can be written there: "), "{message}");
+    assert!(message.starts_with("/proc/pair.png: can't write there: "), "{message}");
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn one_of_anything_is_singular() {
     let [scene, out] = one_triangle(&folder);
     let cases: [(&[&str], &str); 2] = [
         (&["--lights", "1"], "\nscene      one: 1 triangle, 0 spheres, 1 light\n"),
-        (&["--method", "buffer-1"], "\nmethod     buffer-1: 1 slot a pixel, "),
+        (&["--method", "buffer-1"], "\nmethod     buffer-1: 1 slot per pixel, "),
     ];
     for (arguments, expected) in cases {
         let text = printed(&[&SMALL[..], &[&scene, "--out", &out], arguments].concat());
@@ -123,8 +123,8 @@ fn samples_are_those_that_are_asked_for() {
     assert!(text.contains("left          1920 ") && text.contains("100.00% of the right eye identical"), "{text}");
     let text = said(&["--adaptive", "8:3", "--method", "bracket-rays", "--compare"]);
     assert!(text.contains("100.00% of the right eye identical"), "{text}");
-    assert!(fault(&["--adaptive", "8:6"]).contains("adaptive: 6 levels; there can be 2 to 5"));
-    assert_eq!(fault(&["--samples", "5"]), "invalid samples: 5 a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+    assert!(fault(&["--adaptive", "8:6"]).contains("adaptive: 6 levels; it must be 2 to 5"));
+    assert_eq!(fault(&["--samples", "5"]), "invalid samples: 5 per pixel; use 1, 4, 9, 16, 25, 36, 49 or 64");
 }
 
 #[test]
@@ -204,8 +204,8 @@ fn a_file_is_flattered_unless_it_is_to_be_plain() {
     assert!(primary(&asked) == 16 * 12 && asked.contains(", 2 lights\n") && !asked.contains("trace_soft"), "{asked}");
     let by_sky = said(&["--method", "naive", "--samples", "1", "--sky-light", "4", "--plain"]);
     assert!(primary(&by_sky) == 16 * 12 && by_sky.contains("trace_soft"), "{by_sky}");
-    assert!(error_of(&[&command[..], &["--sky-light", "33"]].concat()).contains("sky_rays: 33; there can be 1 to 32"));
-    assert!(error_of(&[&command[..], &["--occlusion", "0"]].concat()).contains("occlusion: 0; there can be 1 to 32"));
+    assert!(error_of(&[&command[..], &["--sky-light", "33"]].concat()).contains("sky_rays: 33; it must be 1 to 32"));
+    assert!(error_of(&[&command[..], &["--occlusion", "0"]].concat()).contains("occlusion: 0; it must be 1 to 32"));
 }
 
 #[test]
@@ -238,7 +238,7 @@ fn a_command_line_that_says_nothing_possible_ends_with_two_and_one_line() {
         (&["--tone", "soft"], "it must be clamp or filmic"),
         (&["--sky-light", "4", "--occlusion", "4"], "cannot be used with"),
         (&["--light", "1,2"], "it must be three numbers"),
-        (&["--light", "1,2,3:1,1,1:1:1"], "then :RADIUS"),
+        (&["--light", "1,2,3:1,1,1:1:1"], "followed by :R,G,B and :RADIUS"),
         (&["--light", "1,2,3:-1,1,1"], "of at least 0"),
         (&["--light", "1,2,3:1,1,1:0"], "above 0"),
         (&["--light", "1,2,inf"], "must be finite"),
@@ -346,5 +346,5 @@ fn what_is_watched_is_rendered_again_when_it_changes() {
     watcher.wait().unwrap();
     assert!(first && again, "rendered at first: {first}, and again: {again}");
     let nothing = error_of(&["render", "builtin:hall", "--watch", "--out", out.to_str().unwrap()]);
-    assert!(nothing.starts_with("--watch: no file is read"), "{nothing}");
+    assert!(nothing.starts_with("--watch: no input file is read"), "{nothing}");
 }

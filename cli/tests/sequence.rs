@@ -26,21 +26,21 @@ fn a_sequence_that_was_interrupted_goes_on_where_it_stopped() {
     assert!(names().contains(&"anaglyph_0002.png".into()) && names().contains(&"sequence.json".into()));
     let second = fs::read(folder.file("film/left_0002.png")).unwrap();
     fs::remove_file(folder.file("film/right_0001.png")).unwrap();
-    assert!(said(&[]).contains("; 1 were there already"), "one of the two is not whole");
+    assert!(said(&[]).contains("; 1 already existed"), "one of the two is not whole");
     assert_eq!(names().len(), 16);
     assert!(said(&[]).starts_with("0 pairs in "));
     // What other settings made does not pass for these.
     let message = fault(&["--interaxial", "0.3"]);
-    assert!(message.contains("left_0000.png: it was made with other files, settings"), "{message}");
+    assert!(message.contains("left_0000.png: it was made with different files, settings"), "{message}");
     assert!(fault(&["--frames", "3..6"]).contains("the sequence has 5"));
-    assert!(fault(&["--packing", "side-by-side"]).contains("was made with other"));
+    assert!(fault(&["--packing", "side-by-side"]).contains("was made with different"));
     assert_eq!(fs::read(folder.file("film/left_0002.png")).unwrap(), second);
     assert!(said(&["--interaxial", "0.3", "--overwrite", "--frames", "0..1"]).starts_with("1 pair in "));
     assert!(said(&["--interaxial", "0.3"]).starts_with("4 pairs in "));
     assert_ne!(fs::read(folder.file("film/right_0002.png")).unwrap(), second);
     // Nor do pictures of which nothing is known.
     fs::remove_file(folder.file("film/sequence.json")).unwrap();
-    assert!(fault(&[]).contains("it was made with other"));
+    assert!(fault(&[]).contains("it was made with different"));
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn a_sequence_of_another_material_or_texture_is_another_one() {
     assert!(printed(&command).starts_with("0 pairs in "));
     folder.write("m.mtl", "newmtl m\nKd 1 0 0.01\n");
     let message = error_of(&command);
-    assert!(message.contains("it was made with other files, settings"), "{message}");
+    assert!(message.contains("it was made with different files, settings"), "{message}");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn pictures_are_numbered_as_the_name_says_or_go_to_standard_output() {
     let size = |name: &str| image::image_dimensions(folder.file(name)).unwrap();
     assert_eq!([size("film/frame_000.png"), size("film/frame_001.png")], [(32, 12); 2]);
     let message = error_of(&[&SMALL[..], &["2", "--out", &pattern.replace("_%03d", "")]].concat());
-    assert!(message.contains("many pictures can't have one name"), "{message}");
+    assert!(message.contains("several pictures can't share one name"), "{message}");
 
     let output = run(&[&SMALL[..], &["3", "--out", "-", "--packing", "side-by-side"]].concat());
     assert!(output.status.success() && output.stdout.len() == 3 * 32 * 12 * 3);
@@ -80,7 +80,8 @@ fn a_path_leads_through_its_key_frames() {
     let folder = Folder::new("path");
     let camera = |x: u32, frame: &str| {
         format!(
-            r#"{{ {frame} "eye": [{x}, 1, 6], "target": [{x}, 0, 0], "up": [0, 1, 0], "vfov_deg": 45, "screen_distance": 6, "eye_separation": 0.2 }}"#
+            r#"{{ {frame} "eye": [{x}, 1, 6], "target": [{x}, 0, 0], "up": [0, 1, 0], "vfov_deg": 45,
+                "screen_distance": 6, "eye_separation": 0.2 }}"#
         )
     };
     let file = |name: &str, text: String| folder.write(name, text).to_str().unwrap().to_owned();
@@ -100,8 +101,8 @@ fn a_path_leads_through_its_key_frames() {
         (format!("[{}, {}]", camera(0, r#""frame": 3,"#), camera(2, "")), "1 of 2 cameras have a frame"),
         (format!("[{}, 7]", camera(0, "")), "camera 1: 7 is not an object"),
         (format!("[{}]", camera(0, r#""frame": 1e9,"#)), "at most 2^24"),
-        ("[]".into(), "one camera at least"),
-        ("{}".into(), "no JSON list of cameras"),
+        ("[]".into(), "at least one camera"),
+        ("{}".into(), "not a JSON list of cameras"),
         (format!("[{}]", camera(0, "").replace("45", "\"wide\"")), "camera 0: vfov_deg is \"wide\""),
     ];
     for (text, expected) in bad {
@@ -132,7 +133,7 @@ fn views_become_pictures_or_a_quilt_that_they_fill() {
     printed(&[&command(&["--views", "1", "--out"])[..], &[mono.to_str().unwrap()]].concat());
     assert_eq!(image::image_dimensions(&mono).unwrap(), (16, 12));
     let two = error_of(&[&command(&["--views", "2", "--out"])[..], &[mono.to_str().unwrap()]].concat());
-    assert!(two.ends_with("one file holds one view, or --quilt CxR"), "{two}");
+    assert!(two.ends_with("a file holds only one view; use a folder, or --quilt CxR"), "{two}");
 }
 
 #[test]

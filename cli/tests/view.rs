@@ -30,10 +30,12 @@ mod with_windows {
         let replay = replay.to_str().unwrap();
         assert!(
             error_of(&["view", "--replay", replay])
-                .ends_with("steps:3: no such step; there are wait, drag, wheel, fly, key, size, shot and lose")
+                .ends_with("steps:3: unknown step; use wait, drag, wheel, fly, key, size, shot or lose")
         );
         assert!(error_of(&["view", "--replay", folder.path().to_str().unwrap()]).contains("a file of at most 1 MiB"));
-        assert!(error_of(&["view", "--size", "100000x2"]).starts_with("--size 100000x2: a window has at most 16384"));
+        assert!(
+            error_of(&["view", "--size", "100000x2"]).starts_with("--size 100000x2: a window can have at most 16384")
+        );
         for arguments in [&["--frames", "0"][..], &["--screenshot", "a.png"], &["--display-width", "0"]] {
             let output = run(&[&["view"], arguments].concat());
             assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -1,8 +1,10 @@
-"""Reads the shards of a data set by torch's DataLoader, with two workers, in batches, and trains nothing: pip install torch webdataset pillow
+"""Reads the shards of a data set by torch's DataLoader, with two workers, in batches. It trains nothing.
 
+    pip install torch webdataset pillow
     python examples/read_torch.py 'out/pairs-{000000..000007}.tar'
 
-Each batch is checked: where both eyes see a point, the right picture is carried to the left one by its disparity.
+Each batch is checked: the right picture is warped to the left eye by the disparity. Where both eyes see a point, the
+warped picture must resemble the left one.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ import webdataset
 
 
 def tensors(pair: dict[str, Any]) -> dict[str, Any]:
-    """What training takes: pictures of 0 to 1 as (3, height, width), disparities and masks as (height, width)."""
+    """Returns the tensors for training.
+
+    Pictures are float, 0 to 1, (3, height, width). Disparities in pixels and masks are (height, width)."""
     occlusion = np.asarray(pair["left.occlusion.png"])[..., 0]
     disparity = pair["left.disparity.npy"] if "left.disparity.npy" in pair else pair["left.disparity.npy.gz"]
     return {
@@ -30,7 +34,7 @@ def tensors(pair: dict[str, Any]) -> dict[str, Any]:
 
 
 def carried(right: torch.Tensor, disparity: torch.Tensor) -> torch.Tensor:
-    """The right pictures as the left eyes see them: pixel i shows what stands at i - disparity."""
+    """Warps the right pictures to the left eyes: column i shows the right picture at column i - disparity."""
     _, _, height, width = right.shape
     columns = torch.arange(width).float() + 0.5 - disparity
     rows = (torch.arange(height).float() + 0.5)[:, None].expand(height, width)
@@ -42,12 +46,15 @@ def main(urls: str) -> None:
     pairs = webdataset.WebDataset(urls, shardshuffle=False, empty_check=False)
     loader = torch.utils.data.DataLoader(pairs.decode("rgb8").map(tensors), batch_size=4, num_workers=2)
     began, items = time.monotonic(), []
-    # A worker without a shard has no pairs (empty_check): there may be more workers than shards.
+    # There may be more workers than shards. A worker without a shard has no pairs, which empty_check would refuse.
     for batch in loader:
         items += batch["item"].tolist()
         difference = (carried(batch["right"], batch["disparity"]) - batch["left"]).abs().mean(dim=1)
         seen = difference[batch["visible"]]
-        print(f"items {batch['item'].tolist()}: left {tuple(batch['left'].shape)}; where both see, it differs by {seen.mean():.4f} of 1 from the right one, carried")
+        print(
+            f"items {batch['item'].tolist()}: left {tuple(batch['left'].shape)}; "
+            f"where both eyes see a point, the mean difference from the warped right picture is {seen.mean():.4f}"
+        )
         assert seen.mean() < 0.02
     assert len(set(items)) == len(items)
     print(f"{len(items)} pairs in {time.monotonic() - began:.1f} s")

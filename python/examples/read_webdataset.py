@@ -1,6 +1,6 @@
 """Reads the shards of a data set by the package webdataset, without stereotrace: pip install webdataset pillow numpy
 
-    python examples/read_webdataset.py 'out/pairs-{000000..000007}.tar'
+python examples/read_webdataset.py 'out/pairs-{000000..000007}.tar'
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import webdataset
 
 
 def main(urls: str) -> None:
-    # "rgb8" makes arrays of PNG files, (height, width, 3); masks come as those too, three times the same.
+    # "rgb8" decodes PNG files to arrays, (height, width, 3). The three channels of a mask are equal.
     pairs = webdataset.WebDataset(urls, shardshuffle=False).decode("rgb8")
     count = 0
     for pair in pairs:

@@ -26,10 +26,10 @@ const FIELDS: &str =
 /// - ``size``: tuple of width and height in pixels, 1 to 131072 each. Default ``(640, 480)``.
 /// - ``fov``: vertical field of view in degrees, between 0 and 180. Default 45.
 /// - ``screen_width``: width of the screen rectangle in world units, in place of ``fov``.
-/// - ``intrinsics``: a calibration in place of ``fov``: a dict of focal lengths ``fx`` and ``fy``, the columns ``cx0``
-///   and ``cx1`` of the left and right principal points, and their row ``cy``, in pixels, with pixel centres at halves.
-///   ``fy`` defaults to ``fx``, and ``cx1`` to ``cx0``. The screen is then at ``fx * interaxial / (cx1 - cx0)``, or at
-///   infinity for equal columns, unless ``screen_distance`` is given too.
+/// - ``intrinsics``: a calibration in place of ``fov``: a dict in pixels, with pixel centres at halves. ``fx`` and
+///   ``fy`` are the focal lengths. ``cx0`` and ``cx1`` are the columns of the left and right principal points, and
+///   ``cy`` is their row. ``fy`` defaults to ``fx``, and ``cx1`` to ``cx0``. The screen is then at
+///   ``fx * interaxial / (cx1 - cx0)``, or at infinity for equal columns, unless ``screen_distance`` is given too.
 /// - ``screen_distance``: distance from the eyes to the screen (convergence distance) in world units. Default the
 ///   target's distance. ``math.inf`` makes parallel cameras.
 /// - ``interaxial``: distance between the eyes (baseline) in world units. Default a thirtieth of the target's distance.
@@ -39,8 +39,8 @@ const FIELDS: &str =
 ///   leave their rows, and both views are traced by every method. Default ``False``.
 ///
 /// Cameras are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Raises
-/// ``ValueError``, which names the field, for values out of range, for unknown fields and for contradictions, such as
-/// both ``fov`` and ``screen_width``, or a target at the eye.
+/// ``ValueError``, which names the field, for values out of range, unknown fields and contradictions. Examples of
+/// contradictions are both ``fov`` and ``screen_width``, or a target at the eye.
 #[pyclass(frozen, eq, module = "stereotrace")]
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Camera(pub(crate) StereoCamera);
@@ -105,8 +105,8 @@ impl Camera {
     /// - ``screen_distance`` in world units, or ``"inf"`` for parallel cameras;
     /// - ``eye_separation`` or ``baseline`` in world units.
     ///
-    /// Raises ``OSError`` if the file can't be read. Raises ``ValueError``, which names the line or the camera and its
-    /// field, if it is no JSON, has no such camera, or the camera is invalid.
+    /// Raises ``OSError`` if the file can't be read. Raises ``ValueError`` if the text is no JSON, has no such camera,
+    /// or the camera is invalid. The message names the line, or the camera and its field.
     #[staticmethod]
     #[pyo3(signature = (source, name = None, size = None))]
     fn from_json(source: &Bound<'_, PyAny>, name: Option<&str>, size: Option<Size>) -> PyResult<Self> {
@@ -114,7 +114,7 @@ impl Camera {
         if let Some(name) = name {
             if text.is_some() {
                 return Err(refused(format!(
-                    "name: '{name}' is of a file of several cameras, and this is a text of one"
+                    "name: '{name}' selects a camera from several in a file, but this text describes one"
                 )));
             }
             let Size(width, height) = size.unwrap_or(Size(640, 480));
@@ -206,12 +206,13 @@ impl Camera {
         Ok(self.pose()?.interaxial_px)
     }
 
-    /// Intrinsics in pixels: a dict of the focal lengths ``fx`` and ``fy``, the columns ``cx0`` and ``cx1`` of the left
-    /// and right principal points, and their row ``cy``.
+    /// Intrinsics in pixels: a dict. ``fx`` and ``fy`` are the focal lengths. ``cx0`` and ``cx1`` are the columns of
+    /// the left and right principal points, and ``cy`` is their row.
     ///
-    /// A point ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it is at ``fx X / Z + cx`` and
-    /// ``fy Y / Z + cy``, from the picture's top left corner, with pixel centres at halves. For programs with pixel
-    /// centres at whole numbers, such as ``OpenCV``, subtract 0.5 from each ``cx`` and ``cy``.
+    /// A point lies ``X`` to the right of an eye's axis, ``Y`` below it and ``Z`` along it. Its position in the picture
+    /// is ``fx X / Z + cx`` and ``fy Y / Z + cy``. These count from the picture's top left corner, with pixel centres
+    /// at halves. For programs with pixel centres at whole numbers, such as ``OpenCV``, subtract 0.5 from each ``cx``
+    /// and ``cy``.
     #[getter]
     fn intrinsics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let Intrinsics { fx, fy, cx0, cx1, cy, .. } = self.pose()?.intrinsics();
@@ -243,7 +244,7 @@ impl Camera {
             "left" => -1.0,
             "middle" => 0.0,
             "right" => 1.0,
-            _ => return Err(refused(format!("eye: '{eye}' is none; there are left, middle and right"))),
+            _ => return Err(refused(format!("eye: unknown '{eye}'; use left, middle or right"))),
         };
         let [x, y, z] = self.pose()?.project(point.0, side);
         Ok((x, y, z))
@@ -264,7 +265,8 @@ impl Camera {
     fn __repr__(&self) -> PyResult<String> {
         let Pose { eye, forward, size: [width, height], interaxial, screen_distance, .. } = self.pose()?;
         Ok(format!(
-            "Camera({width}x{height}, eye={eye}, forward={forward}, interaxial={interaxial}, screen_distance={screen_distance})"
+            "Camera({width}x{height}, eye={eye}, forward={forward}, interaxial={interaxial}, \
+             screen_distance={screen_distance})"
         ))
     }
 }
@@ -280,7 +282,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
         ("interaxial", "interaxial_px"),
     ] {
         if has(one)? && has(other)? {
-            return Err(refused(format!("camera: {one} and {other} say the same; give one of them")));
+            return Err(refused(format!("camera: {one} and {other} set the same value; give one of them")));
         }
     }
     // Parallel cameras have neither parallax at infinity nor a screen width. Both are converted, to keep the view.
@@ -316,7 +318,7 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
             "interaxial_px" => camera.interaxial_pixels(number()?),
             "toe_in" if value.extract().map_err(of)? => camera.convergence(Convergence::ToeIn),
             "toe_in" => camera.convergence(Convergence::OffAxis),
-            _ => return Err(refused(format!("camera: unknown field '{name}'; there are {FIELDS}"))),
+            _ => return Err(refused(format!("camera: unknown field '{name}'; the fields are {FIELDS}"))),
         };
     }
     // Intrinsics set the screen distance, and a given distance replaces that, in whatever order they were given.
@@ -331,15 +333,14 @@ fn with(mut camera: StereoCamera, fields: Option<&Bound<'_, PyDict>>) -> PyResul
 /// Reads intrinsics from a dict of `fx`, `fy` (default `fx`), `cx0`, `cx1` (default `cx0`) and `cy`, with pixel centres
 /// at halves.
 fn intrinsics(value: &Bound<'_, PyAny>) -> PyResult<Intrinsics> {
-    let expected =
-        "camera: intrinsics: it must be a dict of fx, fy, cx0, cx1 and cy, of which fy and cx1 may be left out";
+    let expected = "camera: intrinsics: it must be a dict of fx, fy, cx0, cx1 and cy, where fy and cx1 are optional";
     let dict = value.cast::<PyDict>().map_err(|_| refused(expected))?;
     if let Some(unknown) = dict
         .keys()
         .iter()
         .find(|key| key.extract::<String>().map_or(true, |key| !["fx", "fy", "cx0", "cx1", "cy"].contains(&&*key)))
     {
-        return Err(refused(format!("{expected}, and has {}", shown(&unknown))));
+        return Err(refused(format!("{expected}, but has {}", shown(&unknown))));
     }
     let number = |name: &str| -> PyResult<Option<f64>> {
         let Some(value) = dict.get_item(name)? else { return Ok(None) };
@@ -349,7 +350,7 @@ fn intrinsics(value: &Bound<'_, PyAny>) -> PyResult<Intrinsics> {
                 .map_err(|_| refused(format!("camera: intrinsics: {name}: {} must be a number", shown(&value))))?,
         ))
     };
-    let needed = |name| number(name)?.ok_or_else(|| refused(format!("{expected}, and has no {name}")));
+    let needed = |name| number(name)?.ok_or_else(|| refused(format!("{expected}, but has no {name}")));
     let (fx, cx) = (needed("fx")?, needed("cx0")?);
     let intrinsics = Intrinsics::new([fx, number("fy")?.unwrap_or(fx)], [cx, needed("cy")?]);
     Ok(intrinsics.right_cx(number("cx1")?.unwrap_or(cx)))

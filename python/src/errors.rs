@@ -13,19 +13,19 @@ create_exception!(
     stereotrace,
     AdapterError,
     PyRuntimeError,
-    "No graphics adapter fits, or its driver refused something."
+    "No graphics adapter is suitable, or its driver refused a request."
 );
 create_exception!(
     stereotrace,
     LimitError,
     AdapterError,
-    "A picture or scene is larger than the adapter allows or has memory for; the text names the limit."
+    "A picture or scene exceeds a limit or the memory of the adapter; the message names the limit."
 );
 create_exception!(
     stereotrace,
     DeviceLostError,
     AdapterError,
-    "The device went away: make a new Renderer and try again."
+    "The device was lost: make a new Renderer and try again."
 );
 
 /// Converts an error of the library to an exception.

@@ -11,9 +11,9 @@ use crate::{
 /// A light without falloff: its distance does not change its brightness.
 ///
 /// ``Light.point``, ``Light.sphere``, ``Light.rectangle`` and ``Light.directional`` make one. ``intensity`` is the
-/// radiance that the whole light adds to a white surface that faces it: linear RGB, 0 or more, or one number for all
-/// three. Lights are invisible themselves. All lights but points are sampled by the option ``shadow_rays``, so that
-/// shadows have a penumbra. A scene may have 16 of these.
+/// radiance that the whole light adds to a white surface that faces it. It is linear RGB, 0 or more, or one number for
+/// all three channels. Lights are invisible themselves. All lights but points are sampled by the option
+/// ``shadow_rays``, so that shadows have a penumbra. A scene may have at most 16 of these.
 ///
 /// Lights are immutable: ``replace`` makes changed copies. They compare by value and can be pickled. Rendering checks
 /// their values, and raises ``ValueError`` for values out of range.

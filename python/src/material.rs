@@ -212,7 +212,7 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
             "index" | "transmission" | "fresnel" => {} // read below, once the finish is known
             _ => {
                 let known = FIELDS.iter().chain(&FINISH_FIELDS).copied().collect::<Vec<_>>().join(", ");
-                return Err(refused(format!("material: unknown field '{name}'; there are {known}")));
+                return Err(refused(format!("material: unknown field '{name}'; the fields are {known}")));
             }
         }
     }
@@ -228,9 +228,9 @@ fn with(mut material: stereotrace::Material, fields: Option<&Bound<'_, PyDict>>)
                 *fresnel = value.extract().map_err(of)?
             }
             (_, "fresnel") => {
-                return Err(refused("material: fresnel is of mirrors and glass: give finish='mirror' or 'glass'"));
+                return Err(refused("material: fresnel applies to mirrors and glass: give finish='mirror' or 'glass'"));
             }
-            _ => return Err(refused(format!("material: {name} is of glass: give finish='glass'"))),
+            _ => return Err(refused(format!("material: {name} applies to glass: give finish='glass'"))),
         }
     }
     Ok(Material(material))
@@ -251,6 +251,6 @@ fn finish(name: &str) -> PyResult<Finish> {
         "matte" => Ok(Finish::Matte),
         "mirror" => Ok(Finish::Mirror { fresnel: false }),
         "glass" => Ok(Finish::Glass { index: 1.5, transmission: Vec3::ONE, fresnel: true }),
-        _ => Err(refused(format!("material: unknown finish '{name}'; there are matte, mirror and glass"))),
+        _ => Err(refused(format!("material: unknown finish '{name}'; use matte, mirror or glass"))),
     }
 }

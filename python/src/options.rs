@@ -112,7 +112,7 @@ impl Request {
             request.outputs.retain(|output| *output != Output::Disparity);
         }
         match request.outputs.iter().find(|output| output.is_ground_truth() || **output == Output::Disparity) {
-            Some(output) => Err(refused(format!("outputs: {} is of pairs, not of rigs", output.name()))),
+            Some(output) => Err(refused(format!("outputs: {} is available for pairs, not for rigs", output.name()))),
             None => Ok(request),
         }
     }
@@ -182,7 +182,7 @@ impl Request {
                     }))
                 }
                 "count" => options.count(flag()?),
-                _ => return Err(refused(format!("unknown option '{name}'; there are {}", NAMES.join(", ")))),
+                _ => return Err(refused(format!("unknown option '{name}'; the options are {}", NAMES.join(", ")))),
             };
         }
         let has = |of: fn(Output) -> bool| outputs.iter().copied().any(of);

@@ -87,7 +87,7 @@ impl Source {
 /// The view of one eye. Arrays are attributes; a view has those that ``outputs`` named.
 ///
 /// Arrays are row-major, top row first. Each is made on first access and kept. Depths, ids and ground truth belong to
-/// the first surface that the ray through the pixel's centre hits, even if it is a mirror or glass. The world is
+/// the first surface that the ray through the pixel's centre hits. That surface may be a mirror or glass. The world is
 /// right-handed with y up. Sky means that the ray hits nothing.
 ///
 /// - ``color``: uint8, ``(height, width, 3)``. The picture in sRGB.
@@ -97,9 +97,9 @@ impl Source {
 /// - ``distance``: float32, ``(height, width)``. Distance from the eye along the pixel's ray in world units; infinite
 ///   for sky. Pairs only.
 /// - ``disparity``: float32, ``(height, width)``. ``x_left - x_right`` in pixels: positive before the screen, 0 on it,
-///   negative behind it; for parallel cameras 0 at infinity and positive before it. Sky has that of infinite depth. A
-///   point in column i of the left view is at ``i + 0.5 - disparity`` in the right view; one in column i of the right
-///   view is at ``i + 0.5 + disparity`` in the left view. Pairs only, without toe-in.
+///   negative behind it. For parallel cameras it is 0 at infinity and positive before it. Sky has the disparity of
+///   infinite depth. A point in column i of the left view is at ``i + 0.5 - disparity`` in the right view. A point in
+///   column i of the right view is at ``i + 0.5 + disparity`` in the left view. Pairs only, without toe-in.
 /// - ``occlusion``: uint8, ``(height, width)``. Visibility from the other eye: 0 visible, 1 hidden by an occluder, 2
 ///   outside the other picture. Pairs only.
 /// - ``normal``: float32, ``(height, width, 3)``. Shading normal, interpolated if a mesh has normals: unit length,
@@ -109,11 +109,11 @@ impl Source {
 /// - ``primitive``: uint32, ``(height, width)``. Id of the primitive; ``MISS``, which is 2**32 - 1, for sky.
 /// - ``object``: uint32, ``(height, width)``. Id of the object; ``MISS`` for sky.
 /// - ``material``: uint32, ``(height, width)``. Id of the material; ``MISS`` for sky. Pairs only.
-/// - ``source``: uint8, ``(height, width)``. Where a pixel of a pair's right view, or of a rig's view, came from: 0
-///   reused from another view; 1 bad: traced, since the sample that landed there was rejected; 2 missed: traced, since
-///   no sample landed there; 3 traced without reuse.
-/// - ``shadow_source``: uint8, ``(height, width)``. How the visibility of lights was found in the same views: 0 without
-///   shadow rays, by reuse or since no light had to be queried; 1 by at least one shadow ray. Bracket methods only.
+/// - ``source``: uint8, ``(height, width)``. Source of a pixel, in a pair's right view or in a rig's view. 0: reused
+///   from another view. 1, bad: traced, since the sample that landed there was rejected. 2, missed: traced, since no
+///   sample landed there. 3: traced without reuse.
+/// - ``shadow_source``: uint8, ``(height, width)``. Source of the visibility of lights in the same views. 0: without
+///   shadow rays, by reuse or since no light had to be queried. 1: by at least one shadow ray. Bracket methods only.
 /// - ``cost``: uint32, ``(height, width)``. Number of BVH nodes visited and primitives tested by all rays of the pixel.
 ///
 /// ``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material`` are ground truth. They need the
@@ -138,7 +138,7 @@ impl View {
     fn get(&self, py: Python<'_>, output: Output) -> PyResult<Py<PyAny>> {
         if !self.source.request().has(output) {
             let name = output.name();
-            let advice = format!("'{name}' was not asked for: name it in outputs, as outputs=['{name}']");
+            let advice = format!("'{name}' was not requested: name it in outputs, as outputs=['{name}']");
             return Err(PyAttributeError::new_err(advice));
         }
         if let Some(made) = self.made.lock().unwrap_or_else(PoisonError::into_inner).get(output.name()) {
@@ -155,7 +155,7 @@ impl View {
         let none = |why: &str| Err(PyAttributeError::new_err(format!("'{}': {why}", output.name())));
         let truth = || {
             self.source.truth().ok_or_else(|| {
-                PyAttributeError::new_err(format!("'{}' is ground truth, which pairs have, not rigs", output.name()))
+                PyAttributeError::new_err(format!("'{}' is ground truth, which only pairs have", output.name()))
             })
         };
         Ok(match output {
@@ -172,10 +172,10 @@ impl View {
                 let disparity = match &self.source {
                     Source::Left(frame) => frame.pair.disparity(),
                     Source::Right(frame) => frame.pair.right_disparity(),
-                    Source::Rig(..) => return none("disparities are of pairs; Camera.disparity gives that of a depth"),
+                    Source::Rig(..) => return none("only pairs have disparities; Camera.disparity converts a depth"),
                 };
                 if disparity.is_empty() {
-                    return none("eyes that are toed in have none: points don't stay in their rows");
+                    return none("toed-in eyes have none: points do not stay in their rows");
                 }
                 plane(py, size, disparity)
             }
@@ -193,7 +193,7 @@ impl View {
                     Source::Rig(frame, index) => &frame.views.views[*index].shadow_source,
                 };
                 if source.is_empty() {
-                    return none("only brackets know it");
+                    return none("only bracket methods provide it");
                 }
                 plane(py, size, source.iter().map(|source| *source as u8).collect())
             }
@@ -301,20 +301,21 @@ impl StereoPair {
     /// Cost of the pair: a dict.
     ///
     /// - ``method``: name of the method that made the pair, such as the one that ``auto`` chose.
-    /// - ``choice``: reasons of ``auto``, or ``None`` for other methods: a dict of ``method``; ``by_bracket``, the
-    ///   share of the right view made by bracket; ``gaps``, the share of right pixels that no left sample saw;
-    ///   ``shadow_rays`` and ``secondary_rays`` a pixel of the left view; ``bracket`` and ``naive``, the predicted cost
-    ///   of the right view by each, in primary rays a pixel.
+    /// - ``choice``: reasons of ``auto``, a dict; ``None`` for other methods. ``method`` made most of the right view.
+    ///   ``by_bracket`` is the share of the right view made by bracket. ``gaps`` is the share of right pixels that no
+    ///   left sample saw. ``shadow_rays`` and ``secondary_rays`` are numbers of rays a pixel of the left view.
+    ///   ``bracket`` and ``naive`` are the predicted cost of the right view by each, in primary rays a pixel.
     /// - ``in_steps``: whether the frame was rendered again in steps, since the adapter ended long loops early.
-    /// - ``left`` and ``right``: work of each view, a dict of ``primary_rays``, ``verification_rays``, ``shadow_rays``,
-    ///   ``secondary_rays``, ``nodes`` (BVH nodes visited), ``primitive_tests``, and ``cost``, which is ``2 * nodes +
-    ///   primitive_tests``. The last three are 0 without the option ``count`` or the output ``cost``.
-    /// - ``reused``, ``bad``, ``missed``: number of right pixels that were reused, whose left sample was rejected, and
-    ///   in which no left sample landed.
+    /// - ``left`` and ``right``: work of each view, a dict. ``primary_rays``, ``verification_rays``, ``shadow_rays``
+    ///   and ``secondary_rays`` are numbers of rays. ``nodes`` is the number of BVH nodes visited, ``primitive_tests``
+    ///   of primitives tested, and ``cost`` is ``2 * nodes + primitive_tests``. These three are 0 without the option
+    ///   ``count`` or the output ``cost``.
+    /// - ``reused``: number of right pixels that were reused. ``bad``: number of right pixels whose left sample was
+    ///   rejected. ``missed``: number of right pixels in which no left sample landed.
     /// - ``retraced_share``: share of right pixels that were traced, 0 to 1.
     /// - ``second_eye``: cost of the right view relative to the left view; ``None`` if it was not counted.
-    /// - ``lost_candidates`` and ``buffer_depth``: for ``buffer`` methods, the number of lost candidates, and of slots
-    ///   a right pixel.
+    /// - ``lost_candidates`` and ``buffer_depth``: for ``buffer`` methods, the number of lost candidates, and the
+    ///   number of slots a right pixel.
     /// - ``times``: list of name and seconds of each pass on the device, in order; ``None`` if the adapter has no
     ///   timestamps. Drivers may compile a kernel when it first runs.
     /// - ``intermediate_bytes``: device memory of the buffers between the passes.
@@ -332,9 +333,9 @@ impl StereoPair {
         Ok(array(py, &mixed).into_any())
     }
 
-    /// Returns both views packed into one picture, side by side, one above the other, or interlaced: uint8, sRGB,
-    /// ``(height, width, 3)``, with twice the width or height for some packings. ``packing`` is one of ``PACKINGS``.
-    /// Raises ``ValueError`` for another name.
+    /// Returns both views packed into one picture: side by side, one above the other, or interlaced. The array is
+    /// uint8, sRGB, ``(height, width, 3)``, with twice the width or height for some packings. ``packing`` is one of
+    /// ``PACKINGS``. Raises ``ValueError`` for another name.
     #[pyo3(signature = (packing = "side-by-side"))]
     fn packed<'py>(&self, py: Python<'py>, packing: &str) -> PyResult<Bound<'py, PyAny>> {
         let packing: Packing = named(packing)?;
@@ -342,8 +343,8 @@ impl StereoPair {
         Ok(array(py, &packed).into_any())
     }
 
-    /// Returns a picture of where the right view's pixels came from: uint8, ``(height, width, 3)``, sRGB. Green pixels
-    /// were reused, red ones bad, yellow ones missed, grey ones traced without reuse; see ``View`` at ``source``.
+    /// Returns a picture of the sources of the right view's pixels: uint8, ``(height, width, 3)``, sRGB. Green pixels
+    /// were reused, red ones bad, yellow ones missed, and grey ones traced without reuse. See ``source`` of ``View``.
     fn retrace_map<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         array(py, &self.frame.pair.retrace_picture()).into_any()
     }
@@ -351,14 +352,15 @@ impl StereoPair {
     /// Writes the pair with its ground truth as number ``index`` of a data set in ``folder``. ``layout`` is one of
     /// ``LAYOUTS``. Makes missing folders, and returns the paths of the files.
     ///
-    /// Raises ``ValueError`` if no ground truth was requested (an output such as ``occlusion``), if ``kitti`` or
-    /// ``sceneflow`` get cameras that are not parallel, and for disparities that ``kitti`` can't hold: 0 or less, or
-    /// 256 pixels or more. Raises ``OSError`` if a file can't be written.
+    /// Raises ``ValueError`` if no output of ground truth was requested, such as ``occlusion``. Also raises it if
+    /// ``kitti`` or ``sceneflow`` get cameras that are not parallel. ``kitti`` can't hold disparities of 0 or less, or
+    /// of 256 pixels or more, and raises it for these. Raises ``OSError`` if a file can't be written.
     #[pyo3(signature = (folder, layout = "middlebury", index = 0))]
     fn write(&self, py: Python<'_>, folder: PathBuf, layout: &str, index: u32) -> PyResult<Vec<PathBuf>> {
         let layout: Layout = named(layout)?;
         let Some(truth) = &self.frame.truth else {
-            let reason = "files of a data set have ground truth, which was not asked for: name 'occlusion' in outputs, as outputs=['color', 'occlusion']";
+            let reason = "files of a data set need ground truth, which was not requested: name 'occlusion' in outputs, \
+                          as outputs=['color', 'occlusion']";
             return Err(refused(reason));
         };
         py.detach(|| {
@@ -381,7 +383,7 @@ impl StereoPair {
         if ending == "exr" && (frame.pair.left.linear.is_empty() || frame.pair.left.primitive.is_empty()) {
             let shown = path.display();
             return Err(refused(format!(
-                "{shown}: it has linear light and ids: name 'linear' and 'primitive' in outputs"
+                "{shown}: it needs linear light and ids: name 'linear' and 'primitive' in outputs"
             )));
         }
         py.detach(|| {
@@ -398,7 +400,7 @@ impl StereoPair {
         })
         .map_err(raised)?
         .then_some(())
-        .ok_or_else(|| refused(format!("{}: pairs are written as .png, .jpg, .jps, .mpo or .exr", path.display())))
+        .ok_or_else(|| refused(format!("{}: pairs can be written as .png, .jpg, .jps, .mpo or .exr", path.display())))
     }
 
     /// Returns the anaglyph as the bytes of a PNG file, for notebooks.
@@ -467,9 +469,9 @@ impl Views {
         self.frame.views.views.iter().map(|view| statistics::work(py, &view.work)).collect()
     }
 
-    /// Returns all views in one picture for light-field displays, from left to right in the order of the eyes, with the
-    /// bottom row first: uint8, ``(rows * height, columns * width, 3)``, sRGB. Raises ``ValueError`` if ``columns *
-    /// rows`` is not the number of views.
+    /// Returns all views in one picture for light-field displays. They are in the order of the eyes, from left to
+    /// right, with the bottom row first. The array is uint8, ``(rows * height, columns * width, 3)``, sRGB. Raises
+    /// ``ValueError`` if ``columns * rows`` is not the number of views.
     fn quilt<'py>(&self, py: Python<'py>, columns: u32, rows: u32) -> PyResult<Bound<'py, PyAny>> {
         let quilt = py.detach(|| quilt(&self.frame.views, columns, rows)).map_err(raised)?;
         Ok(array(py, &quilt).into_any())
@@ -482,8 +484,12 @@ impl Views {
     fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<View>> {
         let at = if index < 0 { index + self.views.len() as isize } else { index };
         let view = usize::try_from(at).ok().and_then(|at| self.views.get(at));
-        view.map(|view| view.clone_ref(py))
-            .ok_or_else(|| pyo3::exceptions::PyIndexError::new_err(format!("view {index} of {}", self.views.len())))
+        view.map(|view| view.clone_ref(py)).ok_or_else(|| {
+            pyo3::exceptions::PyIndexError::new_err(format!(
+                "view {index} is out of range for {} views",
+                self.views.len()
+            ))
+        })
     }
 
     fn __repr__(&self) -> String {

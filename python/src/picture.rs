@@ -37,7 +37,7 @@ pub(crate) fn encoded(
     depth: png::BitDepth,
     bytes: &[u8],
 ) -> Result<Vec<u8>, String> {
-    let side = |length: usize| u32::try_from(length).map_err(|_| format!("{length} pixels a side"));
+    let side = |length: usize| u32::try_from(length).map_err(|_| format!("{length} pixels per side are too many"));
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, side(width)?, side(height)?);
     encoder.set_color(color);
@@ -54,9 +54,9 @@ pub(crate) fn encoded(
 
 /// Encodes a picture as a PNG file and returns its bytes.
 ///
-/// ``picture`` is an array, top row first: sRGB colours, uint8, ``(height, width, 3)`` or with alpha ``(height, width,
-/// 4)``; or grey, uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another shape or dtype, and for a
-/// picture without pixels.
+/// ``picture`` is an array, top row first. Colours are sRGB, uint8, ``(height, width, 3)`` or with alpha
+/// ``(height, width, 4)``. Grey is uint8 or uint16, ``(height, width)``. Raises ``ValueError`` for another shape or
+/// dtype, and for a picture without pixels.
 #[pyfunction]
 pub(crate) fn encode_png<'py>(py: Python<'py>, picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     let fault = |reason: String| refused(format!("picture: {reason}"));

@@ -63,8 +63,8 @@ fn check_process() -> PyResult<()> {
     match OPENED_BY.load(Ordering::Relaxed) {
         opened_by if opened_by == 0 || opened_by == process::id() => Ok(()),
         _ => Err(PyRuntimeError::new_err(
-            "this process was forked from one that had opened a graphics device, which drivers don't survive: start processes by spawn, \
-             as multiprocessing.get_context('spawn') does, or render in none before",
+            "this process was forked from one that had opened a graphics device, which drivers do not support: start \
+             processes by spawn, as multiprocessing.get_context('spawn') does, or do not render before the fork",
         )),
     }
 }
@@ -135,7 +135,7 @@ impl Renderer {
         check_process()?;
         let this = thread::current().id();
         if *lock(&self.at_work) == Some(this) {
-            let reason = "this renderer is making a picture, whose callback asks it for another: take another renderer";
+            let reason = "this renderer is busy with a picture, whose callback requests another: use another renderer";
             return Err(PyRuntimeError::new_err(reason));
         }
         let done = py.detach(|| {
@@ -152,8 +152,8 @@ impl Renderer {
         py: Python<'_>,
         scene: &Scene,
         progress: Option<Py<PyAny>>,
-        work: impl FnOnce(&mut stereotrace::Renderer, &UploadedScene, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>
-        + Send,
+        work: impl Send
+        + FnOnce(&mut stereotrace::Renderer, &UploadedScene, &mut stereotrace::OnProgress<'_>) -> Result<T, Error>,
     ) -> PyResult<T> {
         let mut stopped = None;
         let (inner, state) = (&scene.inner, scene.state);
@@ -254,13 +254,14 @@ impl Renderer {
     /// - ``noise_by_view``: whether each view has its own random numbers. Default ``False``.
     /// - ``visibility``: how traced views find their closest hits: ``"rays"`` or ``"t-buffer"``, with the same result.
     ///   Default ``"rays"``.
-    /// - ``shadow_buffer``: shadow buffers in place of shadow rays to point lights: a tuple of the rows of a table and
-    ///   a rule, ``"object"``, ``"depth"`` or ``"hybrid"``, such as ``(400, "hybrid")``. Default ``None``.
+    /// - ``shadow_buffer``: shadow buffers in place of shadow rays to point lights: a tuple, such as
+    ///   ``(400, "hybrid")``. It has the number of rows of a table, and a rule: ``"object"``, ``"depth"`` or
+    ///   ``"hybrid"``. Default ``None``.
     /// - ``count``: whether to count BVH nodes and primitive tests, which is slower. Default ``False``.
     ///
-    /// Raises ``ValueError`` for invalid options, cameras and scenes, ``LimitError`` if the picture or scene exceeds
-    /// the adapter's limits or memory, ``DeviceLostError`` if the device was lost, and ``AdapterError`` for other
-    /// errors of its driver.
+    /// Raises ``ValueError`` for invalid options, cameras and scenes. Raises ``LimitError`` if the picture or scene
+    /// exceeds the adapter's limits or memory. Raises ``DeviceLostError`` if the device was lost, and ``AdapterError``
+    /// for other errors of its driver.
     #[pyo3(signature = (scene, camera, *, progress = None, **options))]
     fn render(
         &self,
@@ -289,8 +290,8 @@ impl Renderer {
     /// (``distance``, ``occlusion``, ``normal``, ``geometric_normal`` and ``material``) and disparities are only
     /// available for pairs.
     ///
-    /// Raises as ``render`` does, and ``ValueError`` for ground truth among the outputs, for no eyes or over 1024, for
-    /// two eyes in one place, for several toed-in eyes, and for indices out of range.
+    /// Raises as ``render`` does. Also raises ``ValueError`` for ground truth among the outputs, for no eyes or over
+    /// 1024, and for two eyes in one place. Several toed-in eyes and indices out of range raise it too.
     #[pyo3(signature = (scene, camera, eyes, *, traced = None, progress = None, **options))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn render_views(
@@ -309,7 +310,7 @@ impl Renderer {
             (_, Ok(offsets)) => Rig::at(camera.0, offsets),
             _ => {
                 return Err(refused(format!(
-                    "eyes: {} must be a number of them, or their offsets in interaxials",
+                    "eyes: {} must be a number of eyes, or their offsets in interaxials",
                     values::shown(eyes)
                 )));
             }
@@ -386,7 +387,7 @@ impl Renderer {
             (values::world_points("origins", origins)?, values::points("directions", directions)?);
         if origins.len() != directions.len() && origins.len() != 1 {
             return Err(refused(format!(
-                "origins: {} for {} directions; give one, or one each",
+                "origins: {} for {} directions; give one, or one per direction",
                 origins.len(),
                 directions.len()
             )));
@@ -412,7 +413,7 @@ impl Renderer {
             "fast" => BvhBuild::Fast,
             "balanced" => BvhBuild::Balanced,
             "best" => BvhBuild::Best,
-            other => return Err(refused(format!("build: '{other}' is none; there are fast, balanced and best"))),
+            other => return Err(refused(format!("build: unknown '{other}'; use fast, balanced or best"))),
         };
         let (inner, state) = (&scene.inner, scene.state);
         self.with_stage(py, |stage| {

@@ -110,8 +110,8 @@ impl Scene {
         Self::of(stereotrace::Scene::new(), Vec::new(), None)
     }
 
-    /// Reads a scene from a file: OBJ with its MTL files, glTF 2.0 (.gltf, .glb) or PLY. The content tells the format;
-    /// where it does not, the file's ending does.
+    /// Reads a scene from a file: OBJ with its MTL files, glTF 2.0 (.gltf, .glb) or PLY. The content determines the
+    /// format. If it does not, the file's ending does.
     ///
     /// Only glTF files bring lights and cameras (``camera_names``). For other files see ``place_lights``.
     ///
@@ -122,14 +122,16 @@ impl Scene {
     /// - ``outside_files``: ``"refuse"`` raises if the scene names files outside its folder, such as ``../textures``;
     ///   ``"allow"`` reads them.
     /// - ``origin``: world position that the file's coordinates are stored relative to: three numbers, ``"none"`` for
-    ///   (0, 0, 0), or ``"auto"``, the default. That is (0, 0, 0) too, unless the file lies farther away than 8 times
-    ///   its longest side: then the rounded middle of the file. Cameras, lights, bounds and ground truth stay in world
-    ///   coordinates, in double precision.
+    ///   (0, 0, 0), or ``"auto"``, the default. ``"auto"`` is (0, 0, 0) too, unless the file lies farther away than 8
+    ///   times its longest side. Then it is the rounded middle of the file. Cameras, lights, bounds and ground truth
+    ///   stay in world coordinates, in double precision.
     ///
     /// Raises ``OSError`` if the file can't be read. Raises ``ValueError`` for other formats, for files over 1 GiB, and
     /// for wrong content, where the message names the line or item.
     #[staticmethod]
-    #[pyo3(signature = (path, *, crease_angle = None, missing_textures = "error", outside_files = "refuse", origin = None))]
+    #[pyo3(signature = (
+        path, *, crease_angle = None, missing_textures = "error", outside_files = "refuse", origin = None
+    ))]
     fn open(
         py: Python<'_>,
         path: PathBuf,
@@ -200,7 +202,7 @@ impl Scene {
                     let own: Vec<&str> = self.cameras.iter().take(20).map(|(name, _)| &**name).collect();
                     let own = own.join(", ");
                     let there_are = if own.is_empty() { "none".into() } else { own };
-                    return Err(refused(format!("no camera '{name}' in this scene; there are: {there_are}")));
+                    return Err(refused(format!("no camera '{name}' in this scene; its cameras are: {there_are}")));
                 }
                 found => found,
             },
@@ -237,10 +239,11 @@ impl Scene {
     ///   differ by less than this angle. Not with ``normals``.
     ///
     /// Triangles without area are dropped with a log message; they keep their ids. Raises ``ValueError``, which names
-    /// the element, for an array of another shape, an index or material out of range, a coordinate that is not finite
-    /// or larger than 1e8, a normal, texture coordinate or colour that is not finite, and a negative colour. The scene
-    /// then stays unchanged.
-    #[pyo3(signature = (vertices, faces, *, name = "", material = None, normals = None, uv = None, colors = None, crease_angle = None))]
+    /// the element, for an array of another shape and for an index or material out of range. Also raises it for a
+    /// coordinate larger than 1e8, a value that is not finite, and a negative colour. The scene then stays unchanged.
+    #[pyo3(signature = (
+        vertices, faces, *, name = "", material = None, normals = None, uv = None, colors = None, crease_angle = None
+    ))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn add_mesh(
         &mut self,
@@ -256,7 +259,7 @@ impl Scene {
         let positions = values::points("vertices", vertices)?;
         let (count, faces) = (positions.len(), values::faces(faces)?);
         if normals.is_some() && crease_angle.is_some() {
-            return Err(refused("mesh: normals are given, and crease_angle would make others; give one of them"));
+            return Err(refused("mesh: normals are given, but crease_angle would replace them; give one of them"));
         }
         let mut mesh = Mesh::new(positions, Vec::new()).name(name);
         if let Some(material) = material {
@@ -305,7 +308,7 @@ impl Scene {
         let centers = values::points("centers", centers)?;
         let radii: Vec<f32> = match radii.extract::<f32>() {
             Ok(radius) => vec![radius; centers.len()],
-            Err(_) => radii.extract().map_err(|_| refused("radii: they must be a number, or one a sphere"))?,
+            Err(_) => radii.extract().map_err(|_| refused("radii: they must be one number, or one per sphere"))?,
         };
         let materials = materials.map_or(Ok(vec![0]), |ids| values::indices("materials", ids))?;
         for (what, found) in [("radii", radii.len()), ("materials", materials.len())] {
@@ -329,9 +332,10 @@ impl Scene {
     /// Adds an ellipsoid as an object: all points ``center + axes @ v`` for vectors ``v`` of length 1. ``center`` is
     /// relative to ``origin``.
     ///
-    /// ``axes`` are three semi-axes along the world's axes, in world units, or a matrix ``(3, 3)`` whose columns are
-    /// the images of the unit sphere's axes. Raises ``ValueError`` for values that are not finite or too large, for
-    /// semi-axes below 1e-15, for a longest one over 10000 times the shortest, and for an unknown material.
+    /// ``axes`` are three semi-axes along the world's axes, in world units. A matrix ``(3, 3)`` is also accepted: its
+    /// columns are the images of the unit sphere's axes. Raises ``ValueError`` for values that are not finite or too
+    /// large, and for an unknown material. Also raises it for semi-axes below 1e-15, and if the longest is over 10000
+    /// times the shortest.
     #[pyo3(signature = (center, axes, material = 0))]
     fn add_ellipsoid(&mut self, center: Point, axes: &Bound<'_, PyAny>, material: u32) -> PyResult<()> {
         let axes = match axes.extract::<[f32; 3]>() {
@@ -373,19 +377,19 @@ impl Scene {
 
     /// Adds a texture and returns its id, for ``texture`` and ``cutout`` of materials.
     ///
-    /// ``picture`` is the path of a PNG, JPEG, BMP, GIF, TGA, TIFF or WebP file, or an array of uint8, top row first:
-    /// ``(height, width, 3)``, or with alpha ``(height, width, 4)``. Colours are sRGB. Sides are 1 to 8192 pixels.
-    /// ``wrap`` is for texture coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"`` mirrors every
-    /// second repetition, and ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's middle is at +z,
-    /// its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an
-    /// invalid picture or sides out of range.
+    /// ``picture`` is an array, or the path of a PNG, JPEG, BMP, GIF, TGA, TIFF or WebP file. An array is uint8, top
+    /// row first, ``(height, width, 3)``, or with alpha ``(height, width, 4)``. Colours are sRGB. Sides are 1 to 8192
+    /// pixels. ``wrap`` is for texture coordinates outside 0 to 1: ``"repeat"`` repeats the texture, ``"mirror"``
+    /// mirrors every second repetition, and ``"clamp"`` extends its edge. On spheres and ellipsoids the texture's
+    /// middle is at +z, its right half at +x, its top at +y. Raises ``OSError`` if the file can't be read, and
+    /// ``ValueError`` for an invalid picture or sides out of range.
     #[pyo3(signature = (picture, wrap = "repeat"))]
     fn add_texture(&mut self, picture: &Bound<'_, PyAny>, wrap: &str) -> PyResult<u32> {
         let wrap = match wrap {
             "repeat" => Wrap::Repeat,
             "mirror" => Wrap::Mirror,
             "clamp" => Wrap::Clamp,
-            other => return Err(refused(format!("wrap: '{other}' is none; there are repeat, mirror and clamp"))),
+            other => return Err(refused(format!("wrap: unknown '{other}'; use repeat, mirror or clamp"))),
         };
         let texture = match picture.extract::<PathBuf>() {
             Ok(path) => Texture::open(path),
@@ -489,10 +493,14 @@ impl Scene {
     /// Sets the sky to an equirectangular picture (HDRI, environment map). The top row is straight up, the middle
     /// column towards -z, and columns go round to the right.
     ///
-    /// ``picture`` is a file's path (PNG and JPEG are sRGB, Radiance HDR and ``OpenEXR`` are linear), or an array of
-    /// floats, ``(height, width, 3)``, linear RGB, or ``"procedural"``: a sun and clouds over a plain, 1024 x 512
-    /// pixels. The width must be even. Raises ``OSError`` if the file can't be read, and ``ValueError`` for an invalid
-    /// or too large picture and for colours that are negative or not finite.
+    /// ``picture`` is one of these:
+    ///
+    /// - a file's path: PNG and JPEG are sRGB, Radiance HDR and ``OpenEXR`` are linear;
+    /// - an array of floats, ``(height, width, 3)``, linear RGB;
+    /// - ``"procedural"``: a sun and clouds over a plain, 1024 x 512 pixels.
+    ///
+    /// The width must be even. Raises ``OSError`` if the file can't be read. Raises ``ValueError`` for an invalid or
+    /// too large picture, and for colours that are negative or not finite.
     fn set_sky_map(&mut self, picture: &Bound<'_, PyAny>) -> PyResult<()> {
         let map = match picture.extract::<PathBuf>() {
             // The string is the procedural sky. A file of that name is Path("procedural").
@@ -511,8 +519,8 @@ impl Scene {
     ///
     /// ``transform`` is a matrix ``(4, 4)`` for column vectors ``(x, y, z, 1)``, with the last row 0, 0, 0, 1. Spheres
     /// can be scaled uniformly only. Rounding errors of repeated transforms add up. Raises ``ValueError`` for an
-    /// unknown object, for a coordinate that becomes infinite or larger than 1e8, and if the result is no sphere,
-    /// ellipsoid or plane. The scene then stays unchanged.
+    /// unknown object, and for a coordinate that becomes infinite or larger than 1e8. Also raises it if the result is
+    /// no sphere, ellipsoid or plane. The scene then stays unchanged.
     fn transform_object(&mut self, object: u32, transform: &Bound<'_, PyAny>) -> PyResult<()> {
         let rows = matrix::<4>("transform", transform)?;
         if rows[3] != [0.0, 0.0, 0.0, 1.0] {

@@ -136,7 +136,7 @@ fn rows_of<T: Element + Copy, const N: usize>(
 ) -> PyResult<Vec<[T; N]>> {
     let array = array(value)?;
     if !is_of_kind(&array, b"fiu") {
-        return Err(refused(format!("{what}: they are {}, and must be numbers", array.dtype())));
+        return Err(refused(format!("{what}: they are {}, but must be numbers", array.dtype())));
     }
     let found: PyReadonlyArray2<'_, T> = match of_type(&array, name)?.extract() {
         Ok(found) if array.shape().get(1) == Some(&N) => found,
@@ -164,7 +164,7 @@ pub(crate) fn faces(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
         return Ok(Vec::new());
     }
     if !is_of_kind(&array, b"iu") {
-        return Err(refused(format!("faces: they are {}, and must be whole numbers", array.dtype())));
+        return Err(refused(format!("faces: they are {}, but must be whole numbers", array.dtype())));
     }
     let found: Bound<'_, PyArray2<i64>> = match of_type(&array, "int64")?.cast_into() {
         Ok(found) if array.shape().get(1) == Some(&3) => found,
@@ -173,7 +173,7 @@ pub(crate) fn faces(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let found = found.readonly();
     let all = found.as_slice()?;
     if let Some(wrong) = all.iter().position(|&index| u32::try_from(index).is_err()) {
-        return Err(refused(format!("faces: face {} has the corner {}, which is no vertex", wrong / 3, all[wrong])));
+        return Err(refused(format!("faces: face {} has the corner {}, which is not a vertex", wrong / 3, all[wrong])));
     }
     let (all, _) = all.as_chunks::<3>();
     Ok(all.iter().map(|corners| corners.map(|index| index as u32)).collect())
@@ -202,7 +202,7 @@ pub(crate) fn corners<const N: usize>(
         if of_vertices.len() != vertices {
             let found = of_vertices.len();
             return Err(refused(format!(
-                "{what}: {found} for {vertices} vertices; give one a vertex, or three a face"
+                "{what}: {found} for {vertices} vertices; give one per vertex, or three per face"
             )));
         }
         // `Scene::add_mesh` refuses a corner that is out of range.
@@ -225,7 +225,7 @@ pub(crate) fn corner_colors(value: &Bound<'_, PyAny>, vertices: usize, faces: &[
     let is_srgb = array.dtype().kind() == b'u' && array.dtype().itemsize() == 1;
     if !is_srgb && !is_of_kind(&array, b"f") {
         let reason = "must be floats in linear light, or bytes in sRGB";
-        return Err(refused(format!("colors: they are {}, and {reason}", array.dtype())));
+        return Err(refused(format!("colors: they are {}, but {reason}", array.dtype())));
     }
     let linear = |value: f32| match is_srgb {
         false => value,
@@ -276,7 +276,9 @@ pub(crate) fn pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u32, u32
         3 => found.as_slice()?.as_chunks::<3>().0.iter().map(|&[red, green, blue]| [red, green, blue, 255]).collect(),
         _ => found.as_slice()?.as_chunks::<4>().0.to_vec(),
     };
-    let side = |length: usize| u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels a side")));
+    let side = |length: usize| {
+        u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels per side are too many")))
+    };
     Ok((side(width)?, side(height)?, pixels))
 }
 
@@ -287,10 +289,12 @@ pub(crate) fn linear_pixels(what: &str, value: &Bound<'_, PyAny>) -> PyResult<(u
         return Err(misshapen(what, "(height, width, 3)", array.shape()));
     };
     if !is_of_kind(&array, b"f") {
-        return Err(refused(format!("{what}: they are {}, and must be floats in linear light", array.dtype())));
+        return Err(refused(format!("{what}: they are {}, but must be floats in linear light", array.dtype())));
     }
     let found: PyReadonlyArray3<'_, f32> = of_type(&array, "float32")?.extract()?;
     let pixels = found.as_slice()?.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect();
-    let side = |length: usize| u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels a side")));
+    let side = |length: usize| {
+        u32::try_from(length).map_err(|_| refused(format!("{what}: {length} pixels per side are too many")))
+    };
     Ok((side(width)?, side(height)?, pixels))
 }

@@ -23,7 +23,6 @@ if sys.platform == "linux" and not os.path.isdir(os.environ.get("XDG_RUNTIME_DIR
     os.environ.setdefault("NODEVICE_SELECT", "1")
 
 from ._stereotrace import (  # noqa: E402
-
     ANAGLYPHS,
     BUILTINS,
     LAYOUTS,

@@ -12,4 +12,6 @@ def needs(module: str, extra: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         name = module.partition(".")[0]
-        raise ImportError(f"{name} can't be imported ({error}); install it with: pip install 'stereotrace[{extra}]'") from error
+        raise ImportError(
+            f"{name} can't be imported ({error}); install it with: pip install 'stereotrace[{extra}]'"
+        ) from error

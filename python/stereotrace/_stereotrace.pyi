@@ -49,7 +49,7 @@ _Path: TypeAlias = str | os.PathLike[str]
 _Vector: TypeAlias = tuple[float, float, float]
 
 class AdapterError(RuntimeError):
-    """No graphics adapter fits, or its driver refused something."""
+    """No graphics adapter is suitable, or its driver refused a request."""
 
 class LimitError(AdapterError):
     """A picture or scene exceeds the adapter's limits or memory."""
@@ -307,7 +307,9 @@ class Scene:
         materials: int | Sequence[int] | npt.NDArray[np.integer[Any]] | None = None,
     ) -> None: ...
     def add_ellipsoid(self, center: Point, axes: npt.ArrayLike, material: int = 0) -> None: ...
-    def add_plane(self, point: Point, normal: Point = ..., material: int = 0, *, tile: float = 1.0) -> None: ...  # normal: (0, 1, 0)
+    def add_plane(
+        self, point: Point, normal: Point = ..., material: int = 0, *, tile: float = 1.0
+    ) -> None: ...  # normal: (0, 1, 0)
     def add_material(self, material: Material) -> int: ...
     def set_material(self, id: int, material: Material) -> None: ...
     @property

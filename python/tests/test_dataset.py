@@ -57,7 +57,9 @@ def manifest(folder: Path) -> list[dict]:
 
 
 def command(*arguments: object, **more) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, "-m", "stereotrace.dataset", *map(str, arguments)], capture_output=True, text=True, **more)
+    return subprocess.run(
+        [sys.executable, "-m", "stereotrace.dataset", *map(str, arguments)], capture_output=True, text=True, **more
+    )
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +82,15 @@ def test_shards_hold_what_the_spec_says(made):
     assert len({pair["interaxial"] for pair in pairs}) == 7 and all(0.05 <= pair["interaxial"] <= 0.2 for pair in pairs)
     assert {pair["scene"] for pair in pairs} == {"builtin:near", "builtin:three-spheres"}
     files = tar(made / "small-000001.tar")
-    kinds = ["left.png", "right.png", "left.disparity.npy", "right.disparity.npy", "left.occlusion.png", "right.occlusion.png", "json"]
+    kinds = [
+        "left.png",
+        "right.png",
+        "left.disparity.npy",
+        "right.disparity.npy",
+        "left.occlusion.png",
+        "right.occlusion.png",
+        "json",
+    ]
     assert list(files) == [f"{item:08d}.{kind}" for item in (3, 4, 5) for kind in kinds]
     picture = cv2.imdecode(np.frombuffer(files["00000004.left.png"], np.uint8), cv2.IMREAD_UNCHANGED)
     disparity = np.load(io.BytesIO(files["00000004.left.disparity.npy"]))
@@ -89,7 +99,9 @@ def test_shards_hold_what_the_spec_says(made):
     assert camera["baseline"] == pairs[4]["interaxial"] and camera["width"] == 48
 
 
-@pytest.mark.parametrize(("origin", "expected"), [(None, (5e5, 0, 5.4e6)), ("none", (0, 0, 0)), ([4e5, 1, 5e6], (4e5, 1, 5e6))])
+@pytest.mark.parametrize(
+    ("origin", "expected"), [(None, (5e5, 0, 5.4e6)), ("none", (0, 0, 0)), ([4e5, 1, 5e6], (4e5, 1, 5e6))]
+)
 def test_a_scene_s_origin_is_the_spec_s(tmp_path, origin, expected):
     """Without one it follows from the file's bounds."""
     path = tmp_path / "far.obj"
@@ -135,7 +147,9 @@ def test_a_value_of_one_name_stays_when_others_are_added():
     for number in range(50):
         one, other = Item(spec(), number), Item(with_more, number)
         assert one.scene() == other.scene()
-        assert one.draw(spec()["rig"]["interaxial"], "rig.interaxial") == other.draw(spec()["rig"]["interaxial"], "rig.interaxial")
+        assert one.draw(spec()["rig"]["interaxial"], "rig.interaxial") == other.draw(
+            spec()["rig"]["interaxial"], "rig.interaxial"
+        )
 
 
 def test_draws_fill_their_ranges():
@@ -180,14 +194,21 @@ def test_skies_are_given(tmp_path):
 
 
 def test_orbits_go_round_what_they_look_at():
-    worker = Worker(spec(scenes=[{"builtin": "spheres"}], poses={"kind": "orbit", "rise": {"uniform": [10, 30]}, "distance": {"uniform": [1, 2]}}))
+    worker = Worker(
+        spec(
+            scenes=[{"builtin": "spheres"}],
+            poses={"kind": "orbit", "rise": {"uniform": [10, 30]}, "distance": {"uniform": [1, 2]}},
+        )
+    )
     given = stereotrace.Scene.builtin("spheres").camera(size=(48, 32))
     radius = np.linalg.norm(np.subtract(given.eye, given.target))
     for item in range(4):
         pair, _ = worker.pair(item)
         way = np.subtract(pair.camera.eye, given.target)
         assert radius * 0.999 <= np.linalg.norm(way) <= 2.001 * radius
-        raised = np.degrees(np.arcsin(way[1] / np.linalg.norm(way)) - np.arcsin(np.subtract(given.eye, given.target)[1] / radius))
+        raised = np.degrees(
+            np.arcsin(way[1] / np.linalg.norm(way)) - np.arcsin(np.subtract(given.eye, given.target)[1] / radius)
+        )
         assert 9.9 <= raised <= 30.1
         assert np.allclose(np.array(pair.camera.forward), -way / np.linalg.norm(way), atol=1e-5)
 
@@ -208,7 +229,10 @@ def test_layouts_are_folders(layout, tmp_path):
     assert all(pair["disparity"][0] >= 0 for pair in pairs), "cameras are parallel where nothing is said"
     if layout == "kitti":
         assert sorted(path.name for path in tmp_path.iterdir() if path.is_dir()) == ["training"]
-        assert [path.name for path in sorted((tmp_path / "training" / "disp_occ_0").iterdir())] == ["000000_10.png", "000001_10.png"]
+        assert [path.name for path in sorted((tmp_path / "training" / "disp_occ_0").iterdir())] == [
+            "000000_10.png",
+            "000001_10.png",
+        ]
         picture = tmp_path / left[layout]
         before = picture.read_bytes()
         # As a process that was killed leaves it.
@@ -223,7 +247,13 @@ def test_layouts_are_folders(layout, tmp_path):
 
 def test_middlebury_has_no_disparity_below_0(tmp_path):
     """Its loaders take absolute values: converged cameras are asked for by name, and must have none."""
-    common = {"format": "middlebury", "pairs": 1, "scenes": [{"builtin": "spheres"}], "poses": {"kind": "fixed"}, "randomise": {}}
+    common = {
+        "format": "middlebury",
+        "pairs": 1,
+        "scenes": [{"builtin": "spheres"}],
+        "poses": {"kind": "fixed"},
+        "randomise": {},
+    }
     worker = Worker(spec(**common))
     pair, _ = worker.pair(0)
     pair.write(tmp_path)
@@ -253,7 +283,14 @@ def counted_scenes(monkeypatch) -> list[int]:
 def test_shards_read_each_scene_once(tmp_path, monkeypatch):
     """Pairs are made scene by scene, and stand in their own order."""
     builtins = ("near", "three-spheres", "spheres", "random-20")
-    many = spec(scenes=[{"builtin": name} for name in builtins], pairs=24, shard_pairs=12, size=[16, 12], poses={"kind": "fixed"}, randomise={})
+    many = spec(
+        scenes=[{"builtin": name} for name in builtins],
+        pairs=24,
+        shard_pairs=12,
+        size=[16, 12],
+        poses={"kind": "fixed"},
+        randomise={},
+    )
     opened = counted_scenes(monkeypatch)
     dataset.make(many, str(tmp_path / "one"), scene_memory=0)
     assert sorted(opened[:4]) == list(range(4))
@@ -308,9 +345,9 @@ def test_scenes_whose_files_are_as_they_were_are_not_read_again(tmp_path, monkey
     opened.clear()
     assert dataset.make(one, out).kept == 2 and opened == []
     (folder / "a.mtl").write_text("newmtl a\nKd 0 1 0\n")
-    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+    with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, out)
-    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+    with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, out)
 
 
@@ -347,7 +384,9 @@ def test_a_run_with_nothing_to_do_writes_nothing(tmp_path):
 def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
     path = tmp_path / "spec.json"
     path.write_text(json.dumps({**SPEC, "pairs": 60}))
-    process = subprocess.Popen([sys.executable, "-m", "stereotrace.dataset", str(path), str(tmp_path / "out"), "--quiet"])
+    process = subprocess.Popen(
+        [sys.executable, "-m", "stereotrace.dataset", str(path), str(tmp_path / "out"), "--quiet"]
+    )
     deadline = time.monotonic() + 120
     # A shard counts once its record is there, which is written after the shard: a kill may come between the two.
     while len(list((tmp_path / "out").glob("small-*.json"))) < 2:
@@ -355,13 +394,19 @@ def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
         time.sleep(0.01)
     process.kill()
     process.wait()
-    there = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "out").glob("*.tar") if file.with_suffix(".json").exists()}
+    there = {
+        file.name: file.stat().st_mtime_ns
+        for file in (tmp_path / "out").glob("*.tar")
+        if file.with_suffix(".json").exists()
+    }
     assert 2 <= len(there) < 20
     finished = command(path, tmp_path / "out")
     assert finished.returncode == 0, finished.stderr
-    assert f"{len(there)} shards were there already" in finished.stdout
+    assert f"{len(there)} shards already existed" in finished.stdout
     names = sorted(file.name for file in (tmp_path / "out").iterdir())
-    assert names == sorted([*(f"small-{n:06d}{end}" for n in range(20) for end in (".json", ".tar")), "dataset.json", "manifest.jsonl"])
+    assert names == sorted(
+        [*(f"small-{n:06d}{end}" for n in range(20) for end in (".json", ".tar")), "dataset.json", "manifest.jsonl"]
+    )
     assert all((tmp_path / "out" / name).stat().st_mtime_ns == at for name, at in there.items())
     assert [line["item"] for line in manifest(tmp_path / "out") if "item" in line] == list(range(60))
     # The number of pairs changes none of those that there were.
@@ -371,7 +416,7 @@ def test_a_stopped_run_goes_on_with_what_is_missing(made, tmp_path):
 
 
 def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, monkeypatch):
-    with pytest.raises(OtherDataSet, match="another spec: rig, seed"):
+    with pytest.raises(OtherDataSet, match="a different spec: rig, seed"):
         dataset.make(spec(seed=12, rig={}), str(made))
     obj = tmp_path / "a.obj"
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
@@ -380,21 +425,21 @@ def test_other_specs_files_and_versions_are_not_gone_on_with(made, tmp_path, mon
     obj.write_text("# a comment changes nothing\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     assert dataset.make(one, str(tmp_path / "out")).kept == 1
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
-    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+    with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, str(tmp_path / "out"))
     # A file that is away for a while, and comes back as another one.
     obj.unlink()
     assert dataset.make(one, str(tmp_path / "out")).kept == 1
     obj.write_text("v 0 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n")
-    with pytest.raises(OtherDataSet, match="a.obj shows something else now"):
+    with pytest.raises(OtherDataSet, match="a.obj has changed"):
         dataset.make(one, str(tmp_path / "out"))
     monkeypatch.setattr(stereotrace, "__version__", "99.0.0")
-    with pytest.raises(OtherDataSet, match="another version of stereotrace"):
+    with pytest.raises(OtherDataSet, match="a different version of stereotrace"):
         dataset.make(spec(), str(made))
 
 
 def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
-    """A scene that does not load, and one in which there is no place: they are told of in the manifest, and the rest is there."""
+    """The manifest reports a scene that does not load and one without a place for a camera; the rest is there."""
     (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 x\nf 1 2 3\n")
     scenes = [{"builtin": "near"}, {"file": str(tmp_path / "broken.obj")}]
     report = dataset.make(spec(scenes=scenes), str(tmp_path / "out"))
@@ -402,9 +447,13 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     lines = manifest(tmp_path / "out")
     assert "broken.obj:3" in lines[0]["scenes"][1]["error"]
     errors = [line for line in lines if "error" in line]
-    assert len(errors) == len(report.errors) and all("broken.obj:3" in line["error"] and line["shard"] for line in errors)
+    assert len(errors) == len(report.errors) and all(
+        "broken.obj:3" in line["error"] and line["shard"] for line in errors
+    )
     # They are missing until they are made, and every run says so.
-    assert [error["item"] for error in dataset.make(spec(scenes=scenes), str(tmp_path / "out")).errors] == [line["item"] for line in errors]
+    assert [error["item"] for error in dataset.make(spec(scenes=scenes), str(tmp_path / "out")).errors] == [
+        line["item"] for line in errors
+    ]
     (tmp_path / "broken.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     assert dataset.make(spec(scenes=scenes), str(tmp_path / "out")).made == 0
     again = dataset.make(spec(scenes=scenes), str(tmp_path / "out"), retry_errors=True)
@@ -415,14 +464,21 @@ def test_a_pair_that_cannot_be_made_stops_nothing(tmp_path):
     for kind in ("webdataset", "parquet"):
         # Without lights `auto` chooses naive, which has none of these.
         dark = [{"builtin": "near", "lights": 0}]
-        none = dataset.make(spec(pairs=2, format=kind, scenes=dark, randomise={}, outputs=["color", "shadow_source"]), str(tmp_path / kind))
-        assert none.pairs == 0 and len(none.errors) == 2 and "only brackets know it" in none.errors[0]["error"]
+        none = dataset.make(
+            spec(pairs=2, format=kind, scenes=dark, randomise={}, outputs=["color", "shadow_source"]),
+            str(tmp_path / kind),
+        )
+        assert (
+            none.pairs == 0 and len(none.errors) == 2 and "only bracket methods provide it" in none.errors[0]["error"]
+        )
     import pyarrow.parquet
 
     assert pyarrow.parquet.read_table(tmp_path / "parquet" / "small-000000.parquet").num_rows == 0
 
-    nowhere = dataset.make(spec(poses={"kind": "free", "clearance": 1e6}, scenes=[{"builtin": "hall"}], pairs=1), str(tmp_path / "nowhere"))
-    assert "no free place for item 0" in nowhere.errors[0]["error"]
+    nowhere = dataset.make(
+        spec(poses={"kind": "free", "clearance": 1e6}, scenes=[{"builtin": "hall"}], pairs=1), str(tmp_path / "nowhere")
+    )
+    assert "no free camera position for item 0" in nowhere.errors[0]["error"]
 
 
 def test_a_full_disk_is_told_and_gone_on_from(tmp_path):
@@ -436,7 +492,9 @@ def test_a_full_disk_is_told_and_gone_on_from(tmp_path):
 
     env = {**os.environ, "MESA_SHADER_CACHE_DISABLE": "true"}
     full = command(path, tmp_path / "out", preexec_fn=limited, env=env)
-    assert full.returncode == 1 and "3 shards failed, the first is small-000000" in full.stdout, full.stdout + full.stderr
+    assert full.returncode == 1 and "3 shards failed, the first is small-000000" in full.stdout, (
+        full.stdout + full.stderr
+    )
     failed = [line for line in manifest(tmp_path / "out") if "error" in line]
     assert [line["shard"] for line in failed] == [f"small-{shard:06d}" for shard in range(3)]
     assert all("large" in line["error"] for line in failed)
@@ -566,45 +624,51 @@ def test_any_storage_of_fsspec(made):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"pear": 1}, "unknown key 'pear'; there are name, seed, pairs"),
+        ({"pear": 1}, "unknown key 'pear'; the keys are name, seed, pairs"),
         ({"pairs": None}, "pairs is missing"),
         ({"pairs": 0}, "pairs: 0 must be a whole number, 1 to"),
         ({"pairs": 1.5}, "pairs: 1.5 must be a whole number"),
-        ({"name": "a/b"}, "name: 'a/b' must be letters"),
+        ({"name": "a/b"}, "name: 'a/b' must be at most 64 letters"),
         ({"format": "zip"}, "format: unknown 'zip'; use one of webdataset, parquet, middlebury"),
         ({"size": [640]}, r"size: \[640\] must be a list of 2"),
-        ({"scenes": []}, "scenes: there is no scene to choose"),
+        ({"scenes": []}, "scenes: at least one scene must have a weight above 0"),
         ({"scenes": [{}]}, r"scenes\[0\]: give a file, or the name of a built-in scene"),
         ({"scenes": [{"builtin": "halle"}]}, r"scenes\[0\].builtin: unknown 'halle'"),
         ({"scenes": [{"builtin": "hall", "weight": -1}]}, r"scenes\[0\].weight"),
-        ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "eye and target go together"),
+        ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0]}}]}, "give both eye and target"),
         ({"scenes": [{"builtin": "hall", "lights": [{"intensity": 1}]}]}, r"scenes\[0\].lights\[0\]: give a position"),
         ({"scenes": [{"builtin": "hall", "sky": [1, 2]}]}, r"scenes\[0\].sky: \[1, 2\] must be a list of 3"),
         ({"poses": {"kind": "walk"}}, "poses.kind: unknown 'walk'; use one of free, orbit, fixed"),
-        ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; there are kind"),
+        ({"poses": {"kind": "fixed", "clearance": 1}}, "poses: unknown key 'clearance'; the keys are kind"),
         ({"rig": {"interaxial": {"uniform": [2, 1]}}}, "rig.interaxial.uniform: .* low and a high"),
         ({"rig": {"interaxial": {"gauss": [2, 1]}}}, "rig.interaxial: .* one key: uniform, log_uniform, choice"),
         ({"rig": {"interaxial": {"log_uniform": [0, 1]}}}, "above 0"),
-        ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "say the same"),
-        ({"rig": {"interaxial_px": 2, "screen_distance": "inf"}}, "parallel cameras have none of"),
-        ({"rig": {"interaxial_px": 2}, "format": "kitti"}, "parallel cameras have none of"),
+        ({"rig": {"interaxial": 1, "interaxial_px": 2}}, "set the same value"),
+        ({"rig": {"interaxial_px": 2, "screen_distance": "inf"}}, "which is 0 for parallel cameras"),
+        ({"rig": {"interaxial_px": 2}, "format": "kitti"}, "which is 0 for parallel cameras"),
         ({"rig": {"fov": 10**400}}, "rig.fov: .* must be a number"),
-        ({"render": {"method": "atomic"}}, "render.method: atomic shows points up to half a pixel aside, and occlusion"),
+        ({"render": {"method": "atomic"}}, "render.method: atomic shows points up to half a pixel off, but occlusion"),
         ({"render": {"method": "atomic"}, "format": "kitti"}, "render.method: atomic"),
-        ({"render": {"method": "naive"}, "outputs": ["shadow_source"]}, "shadow_source is known by brackets, not by naive"),
+        (
+            {"render": {"method": "naive"}, "outputs": ["shadow_source"]},
+            "shadow_source needs a bracket method, not naive",
+        ),
         ({"randomise": {"lights": {"radius": {"uniform": [-1, 1]}}}}, "radius.uniform.0.: -1 must be 0 or more"),
         ({"randomise": {"materials": {"albedo": 5}}}, "randomise.materials.albedo: 5 must be 0 to 1"),
         ({"rig": {"fov": float("nan")}}, "rig.fov: nan must be a number"),
-        ({"randomise": {"lights": {"count": {"uniform": [1, 40]}}}}, r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16"),
+        (
+            {"randomise": {"lights": {"count": {"uniform": [1, 40]}}}},
+            r"randomise.lights.count.uniform\[1\]: 40 must be a whole number, 1 to 16",
+        ),
         ({"randomise": {"lights": {"count": 0}}}, "randomise.lights.count: 0 must be a whole number, 1 to 16"),
         ({"randomise": {"materials": {"albedo": 1, "tint": 1}}}, "give one of them"),
         ({"render": {"sample": 4}}, "render: unknown option 'sample'"),
-        ({"render": {"outputs": ["color"]}}, "render.outputs: it is the key outputs"),
+        ({"render": {"outputs": ["color"]}}, "render.outputs: use the key outputs"),
         ({"outputs": ["colour"]}, r"outputs\[0\]: unknown 'colour'; use one of color"),
-        ({"outputs": ["left.source"]}, "source is of the right view"),
+        ({"outputs": ["left.source"]}, "source exists only for the right view"),
         ({"outputs": "color"}, "outputs: 'color' must be a list"),
-        ({"outputs": ["color"], "format": "kitti"}, "the layout kitti says which files"),
-        ({"compress": True, "format": "middlebury"}, "compress: the layout middlebury says"),
+        ({"outputs": ["color"], "format": "kitti"}, "the layout kitti sets the files"),
+        ({"compress": True, "format": "middlebury"}, "compress: the layout middlebury sets"),
         ({"compress": 1}, "compress: 1 must be true or false"),
         ({"pairs": 10_001, "format": "sceneflow"}, "at most 10000"),
         ({"rig": {"interaxial": -0.1}}, "rig.interaxial: -0.1 must be 0 or more"),
@@ -617,27 +681,45 @@ def test_any_storage_of_fsspec(made):
         ({"rig": {"fov": {"uniform": [30, 200]}}}, r"rig.fov.uniform\[1\]: 200 must be above 0 and below 180"),
         ({"rig": {"screen_distance": -2}}, "rig.screen_distance: -2.0 must be above 0"),
         ({"rig": {"screen_distance": 5}, "format": "kitti"}, "rig.screen_distance: the cameras of kitti are parallel"),
-        ({"rig": {"screen_distance": {"choice": ["inf", 5]}}, "format": "sceneflow"}, "the cameras of sceneflow are parallel"),
-        ({"rig": {"interaxial_px": 2}, "format": "middlebury"}, "parallel cameras have none of"),
-        ({"rig": {"fx": 500, "fov": 40}}, "rig: fov and fx say the same"),
-        ({"rig": {"interaxial": 1, "baseline": 1}}, "rig: interaxial and baseline say the same"),
-        ({"rig": {"cx": 500}}, "rig.cx: it goes with fx"),
+        (
+            {"rig": {"screen_distance": {"choice": ["inf", 5]}}, "format": "sceneflow"},
+            "the cameras of sceneflow are parallel",
+        ),
+        ({"rig": {"interaxial_px": 2}, "format": "middlebury"}, "which is 0 for parallel cameras"),
+        ({"rig": {"fx": 500, "fov": 40}}, "rig: fov and fx set the same value"),
+        ({"rig": {"interaxial": 1, "baseline": 1}}, "rig: interaxial and baseline set the same value"),
+        ({"rig": {"cx": 500}}, "rig.cx: it needs fx"),
         ({"rig": {"fx": 0}}, "rig.fx: 0 must be above 0"),
-        ({"rig": {"fx": 100, "interaxial_px": 2}}, "parallel cameras have none of"),
+        ({"rig": {"fx": 100, "interaxial_px": 2}}, "which is 0 for parallel cameras"),
         ({"poses": {"min_surfaces": 1.1}}, "poses.min_surfaces: 1.1 must be 0 to 1"),
         ({"poses": {"clearance": -1}}, "poses.clearance: -1 must be 0 or more"),
         ({"poses": {"clearance": {"uniform": [-1, 1]}}}, r"poses.clearance.uniform\[0\]: -1 must be 0 or more"),
         ({"poses": {"max_disparity": 0}}, "poses.max_disparity: 0 must be above 0"),
-        ({"poses": {"kind": "orbit", "distance": {"uniform": [0, 1]}}}, r"poses.distance.uniform\[0\]: 0 must be above 0"),
+        (
+            {"poses": {"kind": "orbit", "distance": {"uniform": [0, 1]}}},
+            r"poses.distance.uniform\[0\]: 0 must be above 0",
+        ),
         ({"scenes": [{"file": "a.obj", "crease_angle": 200}]}, r"scenes\[0\].crease_angle: 200 must be 0 to 180"),
-        ({"scenes": [{"file": "a.obj", "origin": "there"}]}, r"scenes\[0\].origin: unknown 'there'; use one of auto, none"),
+        (
+            {"scenes": [{"file": "a.obj", "origin": "there"}]},
+            r"scenes\[0\].origin: unknown 'there'; use one of auto, none",
+        ),
         ({"scenes": [{"file": "a.obj", "origin": [0, 1]}]}, r"scenes\[0\].origin: .* must be a list of 3"),
-        ({"scenes": [{"builtin": "hall", "origin": "none"}]}, r"scenes\[0\]: origin is an option of files"),
-        ({"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}]}, r"camera.target: \[0.0, 0.0, 0.0\] is the eye too"),
+        ({"scenes": [{"builtin": "hall", "origin": "none"}]}, r"scenes\[0\]: origin is an option for files"),
+        (
+            {"scenes": [{"builtin": "hall", "camera": {"eye": [0, 0, 0], "target": [0, 0, 0]}}]},
+            r"camera.target: \[0.0, 0.0, 0.0\] must differ from the eye",
+        ),
         ({"scenes": [{"builtin": "hall", "camera": {"up": [0, 0, 0]}}]}, r"scenes\[0\].camera.up: it must not be 0"),
-        ({"scenes": [{"builtin": "hall", "lights": [{"towards": [0, 0, 0], "intensity": 1}]}]}, r"lights\[0\].towards: it must not be 0"),
+        (
+            {"scenes": [{"builtin": "hall", "lights": [{"towards": [0, 0, 0], "intensity": 1}]}]},
+            r"lights\[0\].towards: it must not be 0",
+        ),
         ({"randomise": {"exposure": 65}}, "randomise.exposure: 65 must be -64 to 64"),
-        ({"rig": {"fov": 10**5000}}, "rig.fov: a number of too many digits must be a number|rig.fov: 1000.* must be a number"),
+        (
+            {"rig": {"fov": 10**5000}},
+            "rig.fov: a number with too many digits must be a number|rig.fov: 1000.* must be a number",
+        ),
     ],
 )
 def test_specs_that_say_something_wrong(changes, message):
@@ -649,9 +731,17 @@ def test_specs_of_files(tmp_path):
     path = tmp_path / "spec.yaml"
     path.write_text("pairs: 2\nscenes: [{builtin: hall}]\nrig: {screen_distance: inf, interaxial: 6e-2}\n")
     found = Spec.load(path)
-    assert found["rig"] == {"screen_distance": "inf", "interaxial": 0.06} and found["outputs"] == ["color", "disparity", "occlusion"]
+    assert found["rig"] == {"screen_distance": "inf", "interaxial": 0.06} and found["outputs"] == [
+        "color",
+        "disparity",
+        "occlusion",
+    ]
     assert found.sha256() == Spec.load({**found.values}).sha256()
-    for text, message in (("pairs: [", "spec.yaml: no YAML"), ("- 1", "spec.yaml: it must be a mapping"), ("pairs: x", "spec.yaml: pairs: 'x'")):
+    for text, message in (
+        ("pairs: [", "spec.yaml: invalid YAML"),
+        ("- 1", "spec.yaml: it must be a mapping"),
+        ("pairs: x", "spec.yaml: pairs: 'x'"),
+    ):
         path.write_text(text)
         with pytest.raises(SpecError, match=message):
             Spec.load(path)
@@ -678,18 +768,23 @@ def test_specs_of_files(tmp_path):
         ("pairs: 1:30\n", "pairs: '1:30' must be a whole number"),
         ("pairs: 190:20:30.5\n", "pairs: '190:20:30.5' must be a whole number"),
         ("pairs: 2\nscenes: [{builtin: hall}]\nrig: {fov: 1:30}\n", "rig.fov: '1:30' must be a number"),
-        ("pairs: 2\nseed: 1\npairs: 3\n", "line 3: the key 'pairs' stands twice"),
-        ("pairs: 2\nrig: {fov: 40, fov: 50}\n", "line 2: the key 'fov' stands twice"),
+        ("pairs: 2\nseed: 1\npairs: 3\n", "line 3: the key 'pairs' occurs twice"),
+        ("pairs: 2\nrig: {fov: 40, fov: 50}\n", "line 2: the key 'fov' occurs twice"),
         ("pairs: 2\nscenes: [{builtin: hall}]\ncompress: yes\n", "compress: 'yes' must be true or false"),
         ("pairs: " + 9000 * "9" + "\n", "line 1: .*99"),
-        ("pairs: " + 40 * "[" + 40 * "]" + "\n", "line 1: lists and mappings are nested over 32"),
-        ("pairs: " + 100_000 * "[" + "\n", "line 1: lists and mappings are nested over 32"),
-        ("".join(f"{level * ' '}a:\n" for level in range(100)), "nested over 32"),
-        ("pairs: &a [*a]\n", "nested over 32"),
-        ("&a {pairs: *a}\n", "nested over 32"),
-        ("a: &a [1,1,1,1,1,1,1,1,1,1]\n" + "".join(f"{b}: &{b} [{','.join(10 * ['*' + a])}]\n" for a, b in zip("abcdefgh", "bcdefghi")) + "pairs: *i\n", "over 1000000 values"),
-        ("pairs: 2\nscenes: !!python/object/apply:os.system [ls]\n", "no YAML"),
-        ("pairs: \x00\n", "no YAML"),
+        ("pairs: " + 40 * "[" + 40 * "]" + "\n", "line 1: lists and mappings are nested more than 32"),
+        ("pairs: " + 100_000 * "[" + "\n", "line 1: lists and mappings are nested more than 32"),
+        ("".join(f"{level * ' '}a:\n" for level in range(100)), "nested more than 32"),
+        ("pairs: &a [*a]\n", "nested more than 32"),
+        ("&a {pairs: *a}\n", "nested more than 32"),
+        (
+            "a: &a [1,1,1,1,1,1,1,1,1,1]\n"
+            + "".join(f"{b}: &{b} [{','.join(10 * ['*' + a])}]\n" for a, b in zip("abcdefgh", "bcdefghi"))
+            + "pairs: *i\n",
+            "over 1000000 values",
+        ),
+        ("pairs: 2\nscenes: !!python/object/apply:os.system [ls]\n", "invalid YAML"),
+        ("pairs: \x00\n", "invalid YAML"),
     ],
 )
 def test_yaml_that_means_something_else_is_refused(tmp_path, text, message):
@@ -703,13 +798,13 @@ def test_yaml_that_means_something_else_is_refused(tmp_path, text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"pairs": 1, "pairs": 2}', "the key 'pairs' stands twice"),
-        ('{"pairs": 1, "rig": {"fov": 1, "fov": 2}}', "the key 'fov' stands twice"),
-        (40 * '{"a":' + "1" + 40 * "}", "nested over 32"),
-        (200_000 * "[", "nested over 32|no JSON"),
-        ('{"pairs": ' + 9000 * "9" + "}", "no JSON"),
+        ('{"pairs": 1, "pairs": 2}', "the key 'pairs' occurs twice"),
+        ('{"pairs": 1, "rig": {"fov": 1, "fov": 2}}', "the key 'fov' occurs twice"),
+        (40 * '{"a":' + "1" + 40 * "}", "nested more than 32"),
+        (200_000 * "[", "nested more than 32|invalid JSON"),
+        ('{"pairs": ' + 9000 * "9" + "}", "invalid JSON"),
         ('{"pairs": NaN}', "pairs: nan must be a whole number"),
-        ("{", "spec.json: no JSON"),
+        ("{", "spec.json: invalid JSON"),
     ],
 )
 def test_json_that_means_something_else_is_refused(tmp_path, text, message):
@@ -721,9 +816,18 @@ def test_json_that_means_something_else_is_refused(tmp_path, text, message):
 
 def test_what_yaml_and_dicts_may_say(tmp_path):
     path = tmp_path / "spec.yaml"
-    path.write_text("pairs: 1_000\nseed: 010\nrig: {<<: {fov: 40, interaxial: 1}, fov: 5e1}\ncompress: TRUE\nname: on\nscenes: [{builtin: hall}]\n")
+    path.write_text(
+        "pairs: 1_000\nseed: 010\nrig: {<<: {fov: 40, interaxial: 1}, fov: 5e1}\n"
+        "compress: TRUE\nname: on\nscenes: [{builtin: hall}]\n"
+    )
     found = Spec.load(path)
-    assert (found["pairs"], found["seed"], found["rig"], found["compress"], found["name"]) == (1000, 10, {"interaxial": 1.0, "fov": 50.0}, True, "on")
+    assert (found["pairs"], found["seed"], found["rig"], found["compress"], found["name"]) == (
+        1000,
+        10,
+        {"interaxial": 1.0, "fov": 50.0},
+        True,
+        "on",
+    )
     deep: dict = {}
     inner = deep
     for _ in range(5000):
@@ -732,9 +836,9 @@ def test_what_yaml_and_dicts_may_say(tmp_path):
     itself: dict = {"pairs": 1}
     itself["rig"] = itself
     for wrong in (deep, itself):
-        with pytest.raises(SpecError, match="nested over 32 levels deep"):
+        with pytest.raises(SpecError, match="nested more than 32 levels deep"):
             Spec.load(wrong)
-    with pytest.raises(SpecError, match="it is no regular file"):
+    with pytest.raises(SpecError, match="it is not a regular file"):
         Spec.load(tmp_path)
 
 
@@ -743,9 +847,17 @@ def test_rigs_of_calibrations():
     for kind in ("webdataset", "kitti"):
         pair, record = Worker(spec(rig=lens, format=kind, scenes=[{"builtin": "hall"}])).pair(0)
         found = pair.camera.intrinsics
-        assert {name: round(value, 9) for name, value in found.items()} == {"fx": 40, "fy": 41, "cx0": 25.5, "cx1": 25.5, "cy": 15.25}
+        assert {name: round(value, 9) for name, value in found.items()} == {
+            "fx": 40,
+            "fy": 41,
+            "cx0": 25.5,
+            "cx1": 25.5,
+            "cy": 15.25,
+        }
         assert 0.1 <= record["interaxial"] <= 0.2 and np.isinf(pair.camera.screen_distance)
-    pair, _ = Worker(spec(rig={"fx": 30, "screen_distance": 4}, scenes=[{"builtin": "hall"}], poses={"kind": "fixed"})).pair(0)
+    pair, _ = Worker(
+        spec(rig={"fx": 30, "screen_distance": 4}, scenes=[{"builtin": "hall"}], poses={"kind": "fixed"})
+    ).pair(0)
     found = pair.camera.intrinsics
     assert found["fx"] == found["fy"] == 30 and (found["cx0"] + found["cx1"]) / 2 == 24 and found["cy"] == 16
     assert pair.camera.screen_distance == 4 and pair.camera.interaxial > 0
@@ -763,16 +875,30 @@ def test_places_with_colons_and_one_pair_of_a_layout(tmp_path, monkeypatch):
 
 
 def test_packages_that_are_not_there_are_named(tmp_path):
-    (tmp_path / "sitecustomize.py").write_text("import sys\nfor name in ('yaml', 'tqdm', 'fsspec', 'ray', 'pyarrow', 'trimesh'):\n    sys.modules[name] = None\n")
+    (tmp_path / "sitecustomize.py").write_text(
+        "import sys\nfor name in ('yaml', 'tqdm', 'fsspec', 'ray', 'pyarrow', 'trimesh'):\n"
+        "    sys.modules[name] = None\n"
+    )
     env = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    run = lambda text: subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True)  # noqa: E731
+    run = lambda text: subprocess.run(  # noqa: E731
+        [sys.executable, "-c", text], env=env, capture_output=True, text=True
+    )
     assert run("import stereotrace, stereotrace.dataset").returncode == 0
     assert "pip install 'stereotrace[trimesh]'" in run("import stereotrace; stereotrace.from_trimesh(None)").stderr
     path = tmp_path / "spec.yaml"
     path.write_text("pairs: 1\nscenes: [{builtin: near}]\n")
     failed = command(path, tmp_path / "out", env=env)
-    assert failed.returncode == 1 and "pip install 'stereotrace[dataset]'" in failed.stderr and "Traceback" not in failed.stderr
+    assert (
+        failed.returncode == 1
+        and "pip install 'stereotrace[dataset]'" in failed.stderr
+        and "Traceback" not in failed.stderr
+    )
 
 
 def test_outputs_of_eyes():
-    assert eye_outputs(["color", "left.normal", "source"]) == [("left", "color"), ("right", "color"), ("left", "normal"), ("right", "source")]
+    assert eye_outputs(["color", "left.normal", "source"]) == [
+        ("left", "color"),
+        ("right", "color"),
+        ("left", "normal"),
+        ("right", "source"),
+    ]

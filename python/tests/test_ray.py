@@ -50,7 +50,7 @@ def workers() -> list[int]:
 
 
 def test_a_killed_worker_loses_nothing(tmp_path, capsys):
-    """64 pairs by two workers, of which one is killed in the middle of a shard: all are there once, and are those of one process, bit for bit."""
+    """Two workers make 64 pairs; one is killed in the middle of a shard. All pairs are there, as of one process."""
     spec, out = Spec.load(SPEC), tmp_path / "ray"
     killed: list[int] = []
 
@@ -106,7 +106,12 @@ def test_a_shard_that_kills_its_workers_is_given_up(tmp_path, monkeypatch):
     monkeypatch.setattr(on_ray, "ShardMaker", Doomed)
     ray.shutdown()
     # Workers must find the class in this file.
-    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": str(Path(__file__).parent)}})
+    ray.init(
+        num_cpus=2,
+        include_dashboard=False,
+        log_to_driver=False,
+        runtime_env={"env_vars": {"PYTHONPATH": str(Path(__file__).parent)}},
+    )
     spec = Spec.load({**SPEC, "pairs": 6, "shard_pairs": 2, "size": [32, 24]})
     report = dataset.make_on_ray(spec, str(tmp_path / "out"), workers=2)
     assert report.made == 2 and [row["shard"] for row in report.failed] == ["killed-000001"]
@@ -159,8 +164,16 @@ LISTENING = """if 1:
 
 
 def test_a_ray_of_this_machine_listens_on_the_loopback_interface_alone(tmp_path):
-    env = {key: value for key, value in os.environ.items() if key not in ("RAY_ADDRESS", "RAY_AUTH_MODE", on_ray.CLUSTERS)}
-    found = subprocess.run([sys.executable, "-c", LISTENING], env={**env, "HOME": str(tmp_path)}, capture_output=True, text=True, timeout=300)
+    env = {
+        key: value for key, value in os.environ.items() if key not in ("RAY_ADDRESS", "RAY_AUTH_MODE", on_ray.CLUSTERS)
+    }
+    found = subprocess.run(
+        [sys.executable, "-c", LISTENING],
+        env={**env, "HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert found.returncode == 0, found.stderr
     *places, last = found.stdout.split("\n")[:-1]
     loopback = {"0100007F", "0000000000000000FFFF00000100007F", "00000000000000000000000001000000"}

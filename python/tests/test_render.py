@@ -53,13 +53,20 @@ def test_data_sets_are_the_commands(renderer, hall, tmp_path, layout):
         written = pair.write(tmp_path / "python", layout, item)
         assert len(written) >= 5
         for path in map(Path, written):
-            assert path.read_bytes() == (tmp_path / "command" / path.relative_to(tmp_path / "python")).read_bytes(), path
+            assert path.read_bytes() == (tmp_path / "command" / path.relative_to(tmp_path / "python")).read_bytes(), (
+                path
+            )
 
 
 def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
     camera = hall.camera(size=(97, 61))
     pair = renderer.render(hall, camera, method="bracket", outputs=stereotrace.OUTPUTS)
-    depths = {"color": (np.uint8, 3), "linear": (np.float32, 3), "normal": (np.float32, 3), "geometric_normal": (np.float32, 3)}
+    depths = {
+        "color": (np.uint8, 3),
+        "linear": (np.float32, 3),
+        "normal": (np.float32, 3),
+        "geometric_normal": (np.float32, 3),
+    }
     bytes_of = {"occlusion", "source", "shadow_source"}
     ids = {"primitive", "object", "material", "cost"}
     for view in (pair.left, pair.right):
@@ -85,7 +92,12 @@ def test_every_array_has_its_shape_and_agrees_with_the_others(renderer, hall):
     x = (column + 0.5 - camera.intrinsics["cx0"]) / directions * pair.left.depth[row, column]
     y = (row + 0.5 - camera.intrinsics["cy"]) / camera.intrinsics["fy"] * pair.left.depth[row, column]
     eye = np.array(camera.eye) - np.array(camera.right) * camera.interaxial / 2
-    point = eye + x * np.array(camera.right) - y * np.array(camera.up) + pair.left.depth[row, column] * np.array(camera.forward)
+    point = (
+        eye
+        + x * np.array(camera.right)
+        - y * np.array(camera.up)
+        + pair.left.depth[row, column] * np.array(camera.forward)
+    )
     left, right = camera.project(point), camera.project(point, "right")
     assert np.allclose(left[:2], (column + 0.5, row + 0.5), atol=1e-3)
     assert abs(left[0] - right[0] - pair.left.disparity[row, column]) < 1e-3
@@ -110,7 +122,9 @@ def test_block_matching_finds_the_disparities(renderer):
     camera = scene.camera(size=(400, 300))
     pair = renderer.render(scene, camera, outputs=["color", "disparity", "occlusion"], shadow_rays=4)
     low = int(np.floor(pair.left.disparity.min())) - 2
-    matcher = cv2.StereoSGBM_create(minDisparity=low, numDisparities=64, blockSize=5, P1=600, P2=2400, uniquenessRatio=5)
+    matcher = cv2.StereoSGBM_create(
+        minDisparity=low, numDisparities=64, blockSize=5, P1=600, P2=2400, uniquenessRatio=5
+    )
     grey = [cv2.cvtColor(view.color, cv2.COLOR_RGB2GRAY) for view in (pair.left, pair.right)]
     found = matcher.compute(*grey).astype(np.float32) / 16
     known = (pair.left.occlusion == 0) & (found >= low)
@@ -175,7 +189,8 @@ def test_a_fork_does_not_take_the_device_along():
         child = os.fork()
         if child == 0:
             wrong = 0
-            for call in (lambda: renderer.render(scene, camera), lambda: stereotrace.render(scene, camera), stereotrace.Renderer):
+            one_shot = lambda: stereotrace.render(scene, camera)  # noqa: E731
+            for call in (lambda: renderer.render(scene, camera), one_shot, stereotrace.Renderer):
                 try:
                     call()
                 except RuntimeError as error:
@@ -191,7 +206,7 @@ def test_a_fork_does_not_take_the_device_along():
 
 def test_a_callback_cannot_render_with_its_own_renderer(renderer, hall):
     """It would wait for itself."""
-    with pytest.raises(RuntimeError, match="take another renderer"):
+    with pytest.raises(RuntimeError, match="use another renderer"):
         renderer.render(hall, hall.camera(size=(64, 48)), progress=lambda *_: renderer.render(hall, hall.camera()))
     renderer.render(hall, hall.camera(size=(64, 48)))
 
@@ -209,7 +224,9 @@ def test_scenes_that_change_show_what_they_are(renderer):
 
 
 def test_views_of_a_rig(renderer, hall):
-    views = renderer.render_views(hall, hall.camera(size=(64, 48)).replace(interaxial_px=1.0), 6, outputs=["color", "depth"])
+    views = renderer.render_views(
+        hall, hall.camera(size=(64, 48)).replace(interaxial_px=1.0), 6, outputs=["color", "depth"]
+    )
     assert len(views) == 6 and views.offsets == [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5]
     quilt = views.quilt(3, 2)
     assert quilt.shape == (96, 192, 3)
@@ -219,7 +236,7 @@ def test_views_of_a_rig(renderer, hall):
     with pytest.raises(ValueError, match="quilt of 4x2"):
         views.quilt(4, 2)
     for output in ("normal", "disparity"):
-        with pytest.raises(ValueError, match=f"{output} is of pairs"):
+        with pytest.raises(ValueError, match=f"{output} is available for pairs"):
             renderer.render_views(hall, hall.camera(), 3, outputs=[output])
 
 
@@ -277,31 +294,47 @@ def test_errors_say_what_is_wrong(renderer, hall, tmp_path):
     raises(ValueError, r"broken.obj:3: ", lambda: Scene.open(broken))
     raises(ValueError, "built-in scene 'x'; use one of", lambda: Scene.builtin("x"))
     raises(ValueError, "method 'x'; use one of", lambda: renderer.render(hall, camera, method="x"))
-    raises(ValueError, "unknown option 'sample'; there are method", lambda: renderer.render(hall, camera, sample=4))
-    raises(ValueError, "samples: 3 a pixel", lambda: renderer.render(hall, camera, samples=3))
+    raises(
+        ValueError, "unknown option 'sample'; the options are method", lambda: renderer.render(hall, camera, sample=4)
+    )
+    raises(ValueError, "samples: 3 per pixel", lambda: renderer.render(hall, camera, samples=3))
     raises(ValueError, "samples: -1 must be", lambda: renderer.render(hall, camera, samples=-1))
     raises(ValueError, "unknown output 'z'; use one of", lambda: renderer.render(hall, camera, outputs=["z"]))
-    raises(ValueError, "ground truth is that of pixels' centres", lambda: renderer.render(hall, camera, method="atomic", outputs=["normal"]))
+    raises(
+        ValueError,
+        "ground truth is for pixel centres",
+        lambda: renderer.render(hall, camera, method="atomic", outputs=["normal"]),
+    )
     raises(ValueError, "target is .* must differ from the eye", lambda: Camera((0, 0, 0), (0, 0, 0)))
     raises(TypeError, "(?s)must be three numbers.*'eye'", lambda: Camera((0, 0), (0, 0, 1)))
     raises(ValueError, "camera: up: .*must be three numbers", lambda: camera.replace(up=1))
     raises(ValueError, "unknown field 'upp'", lambda: camera.replace(upp=(0, 1, 0)))
     raises(ValueError, "fov and intrinsics", lambda: camera.replace(fov=40, intrinsics={"fx": 1, "cx0": 1, "cy": 1}))
     raises(ValueError, "intrinsics.*no cy", lambda: camera.replace(intrinsics={"fx": 1, "cx0": 1}))
-    raises(AttributeError, "'normal' was not asked for", lambda: renderer.render(hall, camera).left.normal)
+    raises(AttributeError, "'normal' was not requested", lambda: renderer.render(hall, camera).left.normal)
     raises(AttributeError, "no 'nothing'", lambda: renderer.render(hall, camera).left.nothing)
-    raises(ValueError, "ground truth, which was not asked for", lambda: renderer.render(hall, camera).write(tmp_path))
+    raises(ValueError, "ground truth, which was not requested", lambda: renderer.render(hall, camera).write(tmp_path))
     raises(ValueError, "parallel", lambda: renderer.render(hall, camera, outputs="occlusion").write(tmp_path, "kitti"))
-    raises(ValueError, "pair.bmp: pairs are written as", lambda: renderer.render(hall, camera).save(tmp_path / "pair.bmp"))
-    raises(ValueError, "pair.exr: .*'linear' and 'primitive' in outputs", lambda: renderer.render(hall, camera).save(tmp_path / "pair.exr"))
-    raises(ValueError, "bounces: 99; there can be 0 to 8", lambda: stereotrace.check_options(bounces=99))
-    raises(ValueError, "samples: 3 a pixel", lambda: stereotrace.check_options(samples=3))
+    raises(
+        ValueError,
+        "pair.bmp: pairs can be written as",
+        lambda: renderer.render(hall, camera).save(tmp_path / "pair.bmp"),
+    )
+    raises(
+        ValueError,
+        "pair.exr: .*'linear' and 'primitive' in outputs",
+        lambda: renderer.render(hall, camera).save(tmp_path / "pair.exr"),
+    )
+    raises(ValueError, "bounces: 99; it must be 0 to 8", lambda: stereotrace.check_options(bounces=99))
+    raises(ValueError, "samples: 3 per pixel", lambda: stereotrace.check_options(samples=3))
     raises(FileNotFoundError, "nowhere", lambda: renderer.render(hall, camera).save(tmp_path / "nowhere" / "pair.png"))
     raises(stereotrace.AdapterError, "no graphics adapter found for the name 'Voodoo2'", lambda: Renderer("Voodoo2"))
     wide = camera.replace(size=(20_000, 20), fov=0.066)
     raises(stereotrace.LimitError, "max_texture_dimension_2d", lambda: renderer.render(hall, wide, method="bracket"))
     raises(ValueError, "kept_scenes", lambda: Renderer(kept_scenes=0))
-    assert issubclass(stereotrace.LimitError, stereotrace.AdapterError) and issubclass(stereotrace.AdapterError, RuntimeError)
+    assert issubclass(stereotrace.LimitError, stereotrace.AdapterError) and issubclass(
+        stereotrace.AdapterError, RuntimeError
+    )
     with pytest.raises(ValueError, match="albedo"):
         scene = Scene.builtin("near")
         scene.add_material(Material(albedo=-1))
@@ -319,7 +352,10 @@ def test_messages_go_to_pythons_log(caplog, tmp_path):
 def test_nothing_is_printed_that_is_not_ours(tmp_path):
     """Without a session Mesa would print a line about XDG_RUNTIME_DIR."""
     env = {key: value for key, value in os.environ.items() if key not in ("XDG_RUNTIME_DIR", "NODEVICE_SELECT")}
-    text = "import stereotrace; scene = stereotrace.Scene.builtin('near'); stereotrace.render(scene, scene.camera(size=(8, 6)))"
+    text = (
+        "import stereotrace; scene = stereotrace.Scene.builtin('near'); "
+        "stereotrace.render(scene, scene.camera(size=(8, 6)))"
+    )
     commands = [[sys.executable, "-c", text]]
     if COMMAND:
         commands.append([COMMAND, "render", "builtin:near", "--size", "8x6", "--out", str(tmp_path / "out")])

@@ -53,7 +53,10 @@ fn resolve_tiles(@builtin(global_invocation_id) id: vec3u) {
         if ray >= RAYS { break; }
     }
     if any_ray(to_trace) {
-        atomicAdd(&counters[first.y * COUNTERS + select(BAD_PIXELS, MISSED_PIXELS, bound == 0.0)], count_rays(to_trace));
+        atomicAdd(
+            &counters[first.y * COUNTERS + select(BAD_PIXELS, MISSED_PIXELS, bound == 0.0)],
+            count_rays(to_trace),
+        );
     }
     count_pixel(first);
     count_view(first.y, 0u, nodes_visited, primitives_tested);

@@ -113,7 +113,8 @@ fn keep_primitive(slot: u32, tile: Tile, projection: Projection) {
         let begin = vec2i(corner_of(quadrant));
         let first = max(covered.xy - begin, vec2i(0));
         let last = min(covered.zw - begin, vec2i(i32(TILE) - 1));
-        let sides = vec4u(vec4i(first, last)) << vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
+        let shifts = vec4u(FIRST_SIDE_BIT, FIRST_SIDE_BIT + 3u, FIRST_SIDE_BIT + 6u, FIRST_SIDE_BIT + 9u);
+        let sides = vec4u(vec4i(first, last)) << shifts;
         // Written whether kept or not: entries behind the end do not count.
         covering[kept] = Covering(slot | (quadrant << FIRST_PIXEL_BIT), (sides.x | sides.y) | (sides.z | sides.w));
         kept += select(0u, 1u, all(first <= last));
@@ -156,7 +157,8 @@ fn list_kept(found: u32) {
         let list = block_list(found_in_quadrant(found, quadrant), block);
         let place = listed[quadrant * TILE_BLOCKS + block];
         listed[quadrant * TILE_BLOCKS + block] = place + 1u;
-        let entry = (next.slot & FIRST_SLOT) | (pixels_of_block(next.blocks >> FIRST_SIDE_BIT, block) << FIRST_PIXEL_BIT);
+        let pixels = pixels_of_block(next.blocks >> FIRST_SIDE_BIT, block);
+        let entry = (next.slot & FIRST_SLOT) | (pixels << FIRST_PIXEL_BIT);
         if place < LIST_MOST { lists.entries[list + 1u + place] = entry; }
         if left == 0u {
             index += 1u;

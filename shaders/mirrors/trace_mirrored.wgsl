@@ -32,7 +32,9 @@ var<private> waiting: u32;
 const FAINT: f32 = 1.0 / 4096.0;
 
 fn send(origin: vec3f, direction: vec3f, weight: vec3f, travelled: f32, depth: u32) {
-    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.lighting.bounces || waiting >= MOST_PENDING { return; }
+    if max(max(weight.x, weight.y), weight.z) < FAINT || depth > frame.lighting.bounces || waiting >= MOST_PENDING {
+        return;
+    }
     pending[waiting] = Pending(origin, direction, weight, travelled, depth);
     waiting += 1u;
 }

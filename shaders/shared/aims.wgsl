@@ -46,7 +46,7 @@ const POINT: u32 = 0u;
 // 1 is a ball; its size is the radius.
 const RECTANGLE: u32 = 2u;     // third and fourth texel: from its middle to the middles of two sides
 const SUN: u32 = 3u;           // its position is a unit direction; size: tangent of the radius
-const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after frame.lighting.occlusion_radius
+const SURROUNDINGS: u32 = 4u;  // behind the last light: ambient light; its rays end after occlusion_radius
 
 //! if soft is none
 fn light_kind(light: u32) -> u32 { return POINT; }
@@ -80,7 +80,10 @@ fn across(n: vec3f) -> array<vec3f, 2> {
     let sign = select(-1.0, 1.0, n.z >= 0.0);
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    return array<vec3f, 2>(vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), vec3f(b, sign + n.y * n.y * a, -n.y));
+    return array<vec3f, 2>(
+        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        vec3f(b, sign + n.y * n.y * a, -n.y),
+    );
 }
 
 fn aim_at(surfaces: Surfaces, eye: vec3f, light: u32, ray: u32) -> Aim {

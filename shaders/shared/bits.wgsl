@@ -3,7 +3,8 @@
 
 //! use camera, frame, lane, light, lists, pixels, primitive, rays, source_samples
 
-// The lights of a point, as the samples beside it saw them. `known` and `lit` have one bit for each of the first 16 lights.
+// The lights of a point, as the samples beside it saw them. `known` and `lit` have one bit for each of the first 16
+// lights.
 struct Taken {
     known: U,
     lit: U,
@@ -43,7 +44,11 @@ fn taken_bits(pixels: Pixels, hits_there: Hits, surfaces: Surfaces, busy: U) -> 
             result.lit = with_ray_u(result.lit, ray, agreed & 0xffffu);
             if KEEP_OCCLUDERS && near.usable {
                 result.occluders_a = with_ray_u(result.occluders_a, ray, source_sample(near.first).other);
-                result.occluders_b = with_ray_u(result.occluders_b, ray, source_sample(near.first + vec2u(1u, 0u)).other);
+                result.occluders_b = with_ray_u(
+                    result.occluders_b,
+                    ray,
+                    source_sample(near.first + vec2u(1u, 0u)).other,
+                );
             }
             if KEEP_SHARES && near.usable {
                 let component = of_ray_u(surfaces.component, ray);

@@ -1,4 +1,5 @@
-// Counters of a thread's work, and of a view's rows. src/kernel/layout.rs has the numbers too, and a test compares them.
+// Counters of a thread's work, and of a view's rows. src/kernel/layout.rs has the numbers too, and a test compares
+// them.
 
 //! use frame, pixels
 

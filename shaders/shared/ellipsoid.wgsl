@@ -75,7 +75,16 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let across = primitive.b * outwards.x + primitive.c * outwards.y + primitive.d * outwards.z;
     let outside = dot(across, direction) < 0.0;
     let normal = towards_viewer(normalize(largest_one(across)), direction);
-    return Surface(normal, normal, material, primitive.component, 0.0, normalize(outwards), radius_there(primitive, normal), outside);
+    return Surface(
+        normal,
+        normal,
+        material,
+        primitive.component,
+        0.0,
+        normalize(outwards),
+        radius_there(primitive, normal),
+        outside,
+    );
 }
 
 // Returns the radius of a sphere that the map stretches everywhere as much as it stretches the ellipsoid at this

@@ -10,7 +10,11 @@ fn keep_sample(pixel: vec2u, samples: Samples, ray: u32) {
     var other = samples.slot;
     if KEEP_OCCLUDERS { other = found_occluders; }
     if KEEP_SHARES { other = found_shares; }
-    textureStore(kept_samples, pixel, vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)));
+    textureStore(
+        kept_samples,
+        pixel,
+        vec4u(depth, of_ray_u(other, ray), of_ray_u(samples.component, ray), of_ray_u(samples.bits, ray)),
+    );
 }
 
 // Stores that a pixel which was not wanted has no sample. It vouches for nothing.

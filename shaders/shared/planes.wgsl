@@ -103,7 +103,11 @@ fn plane_color(rays: Rays, hits: Hits, ray: u32, head_at: u32) -> vec3f {
     let wrap = head.x >> 4u;
     let place = vec2f(near_unit(uv.x, wrap), near_unit(uv.y, wrap)) * f32(head.z);
     let waves = wave_mean(place.x, widths.x, i32(head.z), wrap) * wave_mean(place.y, widths.y, i32(head.z), wrap);
-    return mix(bitcast<vec3f>(table_texel(head.y).xyz), bitcast<vec3f>(table_texel(head.y + 1u).xyz), 0.5 - 0.5 * waves);
+    return mix(
+        bitcast<vec3f>(table_texel(head.y).xyz),
+        bitcast<vec3f>(table_texel(head.y + 1u).xyz),
+        0.5 - 0.5 * waves,
+    );
 }
 
 //! if planes is some and primitives is triangles or spheres or mixed

@@ -61,7 +61,14 @@ fn primitive_at(slot: u32) -> Primitive {
     let first = primitive_texel(slot, 0u);
     let second = primitive_texel(slot, 1u);
     let third = primitive_texel(slot, 2u);
-    return Primitive(bitcast<vec3f>(first.xyz), bitcast<vec3f>(second.xyz), bitcast<vec3f>(third.xyz), first.w, second.w, reach_of(third.w));
+    return Primitive(
+        bitcast<vec3f>(first.xyz),
+        bitcast<vec3f>(second.xyz),
+        bitcast<vec3f>(third.xyz),
+        first.w,
+        second.w,
+        reach_of(third.w),
+    );
 }
 
 //! if texels is spheres

@@ -108,7 +108,12 @@ fn triangle_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let near = min(z.x, min(z.y, z.z));
     let x = vec3f(dot(a, projection.column), dot(b, projection.column), dot(c, projection.column)) / z;
     let y = vec3f(dot(a, projection.row), dot(b, projection.row), dot(c, projection.row)) / z;
-    let bounds = vec4f(min(x.x, min(x.y, x.z)), min(y.x, min(y.y, y.z)), max(x.x, max(x.y, x.z)), max(y.x, max(y.y, y.z)));
+    let bounds = vec4f(
+        min(x.x, min(x.y, x.z)),
+        min(y.x, min(y.y, y.z)),
+        max(x.x, max(x.y, x.z)),
+        max(y.x, max(y.y, y.z)),
+    );
     return select(EVERYWHERE, bounds, near > 0.0);
 }
 
@@ -131,12 +136,24 @@ fn triangle_blocks(primitive: Primitive, tile: Tile) -> u32 {
     let middle = vec2f(tile.corner) + 1.0;
     let first = frame.eyes.target_corner + frame.eyes.step_x * middle.x + frame.eyes.step_y * middle.y;
     let values = vec3f(dot(normal_a, first), dot(normal_b, first), dot(normal_c, first));
-    let across = vec3f(dot(normal_a, frame.eyes.step_x), dot(normal_b, frame.eyes.step_x), dot(normal_c, frame.eyes.step_x));
-    let down = vec3f(dot(normal_a, frame.eyes.step_y), dot(normal_b, frame.eyes.step_y), dot(normal_c, frame.eyes.step_y));
+    let across = vec3f(
+        dot(normal_a, frame.eyes.step_x),
+        dot(normal_b, frame.eyes.step_x),
+        dot(normal_c, frame.eyes.step_x),
+    );
+    let down = vec3f(
+        dot(normal_a, frame.eyes.step_y),
+        dot(normal_b, frame.eyes.step_y),
+        dot(normal_c, frame.eyes.step_y),
+    );
     // How much it changes from a block's middle to its farthest pixel centre. Rays that intersect_triangle may find
     // uncertain count as possible hits.
     let doubtful = frame.eyes.longest * (sqrt(dot(a, a)) + primitive.reach) * primitive.reach * (2.0 * DOUBT);
-    let rounding = vec3f(components(normal_a), components(normal_b), components(normal_c)) * (1.0 / 1048576.0) + doubtful;
+    let rounding = vec3f(
+        components(normal_a),
+        components(normal_b),
+        components(normal_c),
+    ) * (1.0 / 1048576.0) + doubtful;
     let reach = (0.5 + frame.eyes.wider) * (abs(across) + abs(down)) + rounding;
     return blocks_of_row(values, across, reach)
         | (blocks_of_row(values + 2.0 * down, across, reach) << 4u)
@@ -196,7 +213,13 @@ fn sphere_bounds(primitive: Primitive, projection: Projection) -> vec4f {
     let forward = half_widths(primitive, projection.forward);
     let z = dot(center, projection.forward);
     let depth = length(forward);
-    let columns = touching(dot(center, frame.eyes.right_axis), z, half_widths(primitive, frame.eyes.right_axis), forward, depth);
+    let columns = touching(
+        dot(center, frame.eyes.right_axis),
+        z,
+        half_widths(primitive, frame.eyes.right_axis),
+        forward,
+        depth,
+    );
     let rows = touching(dot(center, up), z, half_widths(primitive, up), forward, depth);
     let per_column = 1.0 / dot(frame.eyes.step_x, frame.eyes.right_axis);
     let per_row = 1.0 / dot(frame.eyes.step_y, up);

@@ -83,5 +83,8 @@ fn is_too_many(put_off: PutOff, doubted: u32) -> bool {
 // Adds a deferred primitive for the given rays; returns the same if there are none.
 fn put_off_also(put_off: PutOff, slot: u32, doubted: u32) -> PutOff {
     let is_more = doubted != 0u;
-    return PutOff(select(put_off.last, (slot << RAY_BITS) | doubted, is_more), select(put_off.before, put_off.last, is_more));
+    return PutOff(
+        select(put_off.last, (slot << RAY_BITS) | doubted, is_more),
+        select(put_off.before, put_off.last, is_more),
+    );
 }

@@ -12,7 +12,7 @@ const ON_PLANE: f32 = 4e-6;
 
 //! if shadow_buffer is object or depth or hybrid
 // One layer per light. Each texel holds t as bits and the slot, or the result of read_texels.wgsl. The row behind the
-// last one describes the directions: src/steps/shadow_buffer.rs.
+// last one describes the directions: src/render/shadow_buffer.rs.
 var shadow_buffers: texture_2d_array<u32>;
 
 // Arguments of lit_by besides the ray.
@@ -54,7 +54,19 @@ fn layer_of(light: u32) -> u32 {
 }
 
 fn directions_in(layer: u32, size: vec2u, theta: vec2f, phi: vec2f, x: vec3f, z: vec3f) -> Directions {
-    return Directions(layer, i32(size.y), i32(size.x), theta.x == 0.0, theta.x, theta.y, phi.x, phi.y, x, cross(z, x), z);
+    return Directions(
+        layer,
+        i32(size.y),
+        i32(size.x),
+        theta.x == 0.0,
+        theta.x,
+        theta.y,
+        phi.x,
+        phi.y,
+        x,
+        cross(z, x),
+        z,
+    );
 }
 
 //! if shadow_buffer is object or depth

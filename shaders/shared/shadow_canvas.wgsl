@@ -34,7 +34,10 @@ struct Shown {
 fn shown_at(drawn: vec2u, nearest: Hits, ray: u32) -> Shown {
     let t = bitcast<f32>(~drawn.x);
     if drawn.x != 0u && t <= of_ray(nearest.t, ray) { return Shown(t, select(drawn.y - 1u, UNFILLED, drawn.y == 0u)); }
-    return Shown(of_ray(nearest.t, ray), select(of_ray_u(nearest.slot, ray), MISS, of_ray_u(nearest.primitive, ray) == MISS));
+    return Shown(
+        of_ray(nearest.t, ray),
+        select(of_ray_u(nearest.slot, ray), MISS, of_ray_u(nearest.primitive, ray) == MISS),
+    );
 }
 
 fn count_test(place: vec2u) {
@@ -57,7 +60,11 @@ const CAP_SLACK: f32 = 4e-6;
 
 fn cap_around(axis: vec3f, sine: f32, cosine: f32, is_narrow: bool) -> Cap {
     let radius = angle_of(sine, cosine) + CAP_SLACK;
-    return Cap(select(frame.mapping.axis_z, axis, is_narrow), select(ALL_AROUND, radius, is_narrow), select(1.0, sine + CAP_SLACK, is_narrow));
+    return Cap(
+        select(frame.mapping.axis_z, axis, is_narrow),
+        select(ALL_AROUND, radius, is_narrow),
+        select(1.0, sine + CAP_SLACK, is_narrow),
+    );
 }
 
 // For wider triangles the corners' mean direction says little.
@@ -159,7 +166,11 @@ fn texels_over(angles: Angles, reaches: vec2f) -> vec4i {
     let begin = i32(frame.band.first_row);
     let columns = i32(frame.mapping.columns);
     let first_row = clamp(begin_of(angles.theta.x - frame.mapping.theta_begin, reaches), f32(begin), f32(begin + rows));
-    let last_row = clamp(end_of(angles.theta.y - frame.mapping.theta_begin, reaches), f32(begin - 1), f32(begin + rows - 1));
+    let last_row = clamp(
+        end_of(angles.theta.y - frame.mapping.theta_begin, reaches),
+        f32(begin - 1),
+        f32(begin + rows - 1),
+    );
     let is_whole = frame.mapping.theta_begin == 0.0;
     var first_column = i32(clamp(begin_of(angles.phi.x, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
     var last_column = i32(clamp(end_of(angles.phi.y, reaches), -2.0 * f32(columns), 2.0 * f32(columns)));
@@ -219,7 +230,11 @@ fn is_within_edges(primitive: Primitive, directions: F3, reach: f32) -> B {
     let values = triangle_weights(directions, a, b, c);
     // Normals of long edges that pass the light closely are mostly rounding.
     let rounding = (length(a) + primitive.reach) * primitive.reach * DOUBT;
-    let near = vec3f(length(edge_normal(b, c)), length(edge_normal(c, a)), length(edge_normal(a, b))) * reach + rounding;
+    let near = vec3f(
+        length(edge_normal(b, c)),
+        length(edge_normal(c, a)),
+        length(edge_normal(a, b)),
+    ) * reach + rounding;
     let one_way = (values.x >= F(-near.x)) & (values.y >= F(-near.y)) & (values.z >= F(-near.z));
     let other_way = (values.x <= F(near.x)) & (values.y <= F(near.y)) & (values.z <= F(near.z));
     return one_way | other_way;
@@ -353,7 +368,8 @@ fn ball_touches(primitive: Primitive, texel: vec2f) -> bool {
 // Returns the plane of a triangle, relative to the light: the dot product of its points with this vector is 1. It is 0
 // for a plane through the light, which does not see the triangle.
 fn triangle_plane(primitive: Primitive) -> vec3f {
-    let normal = normalize(largest_one(cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a))));
+    let across = cross(largest_one(primitive.b - primitive.a), largest_one(primitive.c - primitive.a));
+    let normal = normalize(largest_one(across));
     let height = dot(normal, primitive.a - eye_point());
     return select(normal / height, vec3f(0.0), height == 0.0);
 }

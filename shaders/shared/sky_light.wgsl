@@ -82,8 +82,8 @@ fn four_rays(aim: Aim, group: u32) -> Four {
 }
 
 // Weights of a map's pixels are luminance times the sine of the angle from the poles. The sine is approximated, off by
-// at most 0.0011, with the same bits as on the host, which sums the weights: src/accel/table.rs. A map is bilinear: each
-// pixel is spread over a tent two pixels wide. The density of rays is bilinear too.
+// at most 0.0011, with the same bits as on the host, which sums the weights: src/accel/table.rs. A map is bilinear:
+// each pixel is spread over a tent two pixels wide. The density of rays is bilinear too.
 fn row_weight(row: i32, rows: i32) -> f32 {
     let inside = select(select(row, 2 * rows - 1 - row, row >= rows), -1 - row, row < 0);
     let down = (f32(inside) + 0.5) / f32(rows);
@@ -150,7 +150,10 @@ fn sky_seen(d: vec3f, header: vec4u, mean: f32) -> SkySeen {
     let next = corner + vec2i(1, 1);
     let top = mix(sky_texel(corner, header.x, size), sky_texel(vec2i(next.x, corner.y), header.x, size), share.x);
     let bottom = mix(sky_texel(vec2i(corner.x, next.y), header.x, size), sky_texel(next, header.x, size), share.x);
-    let weights = vec2f(luminance(top), luminance(bottom)) * vec2f(row_weight(corner.y, size.y), row_weight(next.y, size.y));
+    let weights = vec2f(luminance(top), luminance(bottom)) * vec2f(
+        row_weight(corner.y, size.y),
+        row_weight(next.y, size.y),
+    );
     // A pixel is 2 pi^2 sin / (width height) steradians.
     let sine = max(sqrt(d.x * d.x + d.z * d.z), 1e-4);
     let density = mix(weights.x, weights.y, share.y) / (mean * 2.0 * PI * sine);

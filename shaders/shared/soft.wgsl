@@ -173,7 +173,11 @@ fn traced_four(aim: Aim, group: u32) -> u32 {
     let rays = four_rays(aim, group);
     if !any(rays.wanted) { return 0u; }
     soft_rays += count_rays(rays.wanted);
-    let met = any_slot(Rays(aim.start, F3(rays.x, rays.y, rays.z)), vec4f(0.0), select(vec4f(NEVER), rays.far, rays.wanted));
+    let met = any_slot(
+        Rays(aim.start, F3(rays.x, rays.y, rays.z)),
+        vec4f(0.0),
+        select(vec4f(NEVER), rays.far, rays.wanted),
+    );
     return bits_of_four(rays.wanted & (met == vec4u(MISS)));
 }
 

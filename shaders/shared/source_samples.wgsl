@@ -4,8 +4,8 @@
 // One sample of a source view.
 struct SourceSample {
     depth: f32,       // along the view axis (FAR: miss)
-    // With KEEP_SHARES the shares of soft light (visibility.wgsl). With KEEP_OCCLUDERS the slot of a primitive that hides
-    // some light, or MISS. Else the sample's own slot.
+    // With KEEP_SHARES the shares of soft light (visibility.wgsl). With KEEP_OCCLUDERS the slot of a primitive that
+    // hides some light, or MISS. Else the sample's own slot.
     other: u32,
     component: u32,   // connected component
     bits: u32,        // first 16 lights: visible, from bit 0; shadow ray traced, from bit 16

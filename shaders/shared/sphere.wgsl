@@ -55,5 +55,14 @@ fn sphere_surface(rays: Rays, hits: Hits, ray: u32) -> Surface {
     let from_center = direction * of_ray(hits.t, ray) - (center - rays.origin);
     let outward = normalize(largest_one(from_center));
     let normal = towards_viewer(outward, direction);
-    return Surface(normal, normal, material, component, 0.0, outward, bitcast<f32>(primitive_texel(slot, 1u).x), dot(outward, direction) < 0.0);
+    return Surface(
+        normal,
+        normal,
+        material,
+        component,
+        0.0,
+        outward,
+        bitcast<f32>(primitive_texel(slot, 1u).x),
+        dot(outward, direction) < 0.0,
+    );
 }

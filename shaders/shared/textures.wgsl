@@ -99,9 +99,17 @@ fn level_color(level: u32, uv: vec2f, wrap: vec2u) -> vec3f {
     let place = vec2f(near_unit(uv.x, wrap.x), 1.0 - near_unit(uv.y, wrap.y)) * vec2f(size) - 0.5;
     let corner = vec2i(floor(place));
     let share = place - floor(place);
-    let top = mix(level_pixel(texel.x, corner, size, wrap), level_pixel(texel.x, corner + vec2i(1, 0), size, wrap), share.x);
+    let top = mix(
+        level_pixel(texel.x, corner, size, wrap),
+        level_pixel(texel.x, corner + vec2i(1, 0), size, wrap),
+        share.x,
+    );
     let bottom =
-        mix(level_pixel(texel.x, corner + vec2i(0, 1), size, wrap), level_pixel(texel.x, corner + vec2i(1, 1), size, wrap), share.x);
+        mix(
+            level_pixel(texel.x, corner + vec2i(0, 1), size, wrap),
+            level_pixel(texel.x, corner + vec2i(1, 1), size, wrap),
+            share.x,
+        );
     return mix(top, bottom, share.y);
 }
 

@@ -138,7 +138,9 @@ fn known_share(light: u32, slot: u32, count: u32, ray: u32) -> f32 {
     if bit != 0u && a == b && (a == 0u || a == ALL_OPEN) { return -1.0; }
     let before = f32(a) / f32(ALL_OPEN);
     let after = f32(b) / f32(ALL_OPEN);
-    if !is_chance(before, after, frame.lighting.share_tolerance, count) || is_narrow(slot, before, after, count, ray) { return -1.0; }
+    if !is_chance(before, after, frame.lighting.share_tolerance, count) || is_narrow(slot, before, after, count, ray) {
+        return -1.0;
+    }
     return mix(before, after, of_ray(taken.way, ray));
 }
 

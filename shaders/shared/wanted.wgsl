@@ -1,5 +1,5 @@
 // The pixels that a kernel works on: all of the rows at work, or those in a mask, as for adaptive samples
-// (src/frame/adaptive.rs).
+// (src/render/adaptive.rs).
 
 //! use frame, lane, pixels, tiles
 
@@ -29,7 +29,9 @@ fn inside_rows(pixels: Pixels) -> B {
     var ray = 0u;
     loop {
         let pixel = pixel_of_ray(pixels, ray);
-        if of_ray_b(wanted, ray) && ((wanted_word(pixel) >> (pixel.x & 31u)) & 1u) == 0u { wanted = without_ray(wanted, ray); }
+        if of_ray_b(wanted, ray) && ((wanted_word(pixel) >> (pixel.x & 31u)) & 1u) == 0u {
+            wanted = without_ray(wanted, ray);
+        }
         ray += 1u;
         if ray >= RAYS { break; }
     }

@@ -157,7 +157,7 @@ pub(crate) fn build(scene: &Scene, build: BvhBuild, kind: Boxes) -> Result<Packe
         return Ok(PackedBvh::without_tree(scene, kind, components));
     }
     if ids.len() > MAX_SLOTS {
-        let reason = format!("{} primitives, more than the {MAX_SLOTS} that a tree can name", ids.len());
+        let reason = format!("{} primitives; a tree can have at most {MAX_SLOTS}", ids.len());
         return Err(Error::Scene { element: "geometry".into(), reason });
     }
     let compare = |a: u32, b: u32| geometry(scene, ids[a as usize]).cmp(&geometry(scene, ids[b as usize]));
@@ -202,7 +202,7 @@ fn check_materials(scene: &Scene) -> Result<(), Error> {
     if count <= MAX_MATERIALS {
         return Ok(());
     }
-    let reason = format!("{count} materials, over the {MAX_MATERIALS} that primitives can name");
+    let reason = format!("{count} materials; a scene can have at most {MAX_MATERIALS}");
     Err(Error::Scene { element: "materials".into(), reason })
 }
 

@@ -154,7 +154,7 @@ impl FromStr for Method {
         depth.map(|depth| Self::Buffer(depth, check)).ok_or_else(|| {
             let mut known: Vec<_> = Self::ALL.iter().map(Self::to_string).collect();
             known.push("buffer-N for N slots".into());
-            known.push("atomic and buffers with -unchecked or -edges behind".into());
+            known.push("atomic or a buffer name with the suffix -unchecked or -edges".into());
             Error::unknown_name("method", name, &known)
         })
     }

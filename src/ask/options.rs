@@ -358,7 +358,7 @@ impl Options {
         let within = |option, value: u32, range: std::ops::RangeInclusive<u32>| match range.contains(&value) {
             true => Ok(()),
             false => {
-                let reason = format!("{value}; there can be {} to {}", range.start(), range.end());
+                let reason = format!("{value}; it must be {} to {}", range.start(), range.end());
                 Err(Error::Options { option, reason })
             }
         };
@@ -374,20 +374,21 @@ impl Options {
         within("shadow_rays", self.shadow_rays, 1..=MAX_SOFT_RAYS)?;
         if let Some(AmbientOcclusion { rays, radius }) = self.occlusion {
             within("occlusion", rays, 1..=MAX_SOFT_RAYS)?;
-            above_zero("the radius of occlusion", radius)?;
+            above_zero("occlusion radius", radius)?;
         }
         self.check_adaptive()?;
         self.shadow_buffer.map_or(Ok(()), |buffer| buffer.check())?;
         if let Some(rays) = self.sky_rays {
             within("sky_rays", rays, 1..=MAX_SOFT_RAYS)?;
             if self.occlusion.is_some() {
-                let reason = "the sky (sky_rays) takes the place of ambient light, which it would keep off; ask for one of the two";
+                let reason = "sky light (sky_rays) replaces ambient light, which ambient occlusion would darken; use \
+                              one of the two";
                 return Err(Error::Options { option: "occlusion", reason: reason.into() });
             }
         }
         match self.penumbra {
             Penumbra::Exact => Ok(()),
-            Penumbra::Shared { deviations } => above_zero("the deviations of shared penumbrae", deviations),
+            Penumbra::Shared { deviations } => above_zero("deviations of shared penumbrae", deviations),
         }
     }
 
@@ -397,20 +398,22 @@ impl Options {
         let Some(Adaptive { levels, tolerance }) = self.adaptive else { return Ok(()) };
         let fault = |reason| Err(Error::Options { option: "adaptive", reason });
         if !(2..=5).contains(&levels) {
-            return fault(format!("{levels} levels; there can be 2 to 5"));
+            return fault(format!("{levels} levels; it must be 2 to 5"));
         }
         if !(0.0..=255.0).contains(&tolerance) {
             return fault(format!("a tolerance of {tolerance}; it must be 0 to 255"));
         }
         if self.samples != 1 {
-            return fault(format!("{} samples a pixel besides; take 1", self.samples));
+            return fault(format!("it does not support {} samples per pixel; use 1", self.samples));
         }
         if self.filter != Filter::Box {
-            return fault(format!("the filter {}; take {}", self.filter, Filter::Box));
+            return fault(format!("it does not support the filter {}; use {}", self.filter, Filter::Box));
         }
         match self.method {
             Method::Naive | Method::Ideal | Method::Bracket(_) | Method::Auto => Ok(()),
-            method => fault(format!("the method {method}; take naive, ideal, a bracket or auto")),
+            method => {
+                fault(format!("it does not support the method {method}; use naive, ideal, a bracket method or auto"))
+            }
         }
     }
 

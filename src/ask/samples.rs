@@ -75,5 +75,5 @@ impl FromStr for Filter {
 /// [`Error::Samples`] for a number that is not the square of 1 to 8.
 pub(crate) fn side_of(samples: u32) -> Result<u32, Error> {
     let side = (1..=MAX_SIDE).find(|side| side * side == samples);
-    side.ok_or_else(|| Error::Samples { samples, reason: "take 1, 4, 9, 16, 25, 36, 49 or 64".into() })
+    side.ok_or_else(|| Error::Samples { samples, reason: "use 1, 4, 9, 16, 25, 36, 49 or 64".into() })
 }

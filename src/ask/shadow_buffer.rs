@@ -99,7 +99,7 @@ impl ShadowBuffer {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let fault = |reason| Err(Error::Options { option: "shadow_buffer", reason });
         if self.rows == 0 {
-            return fault("0 rows; there must be 1 at least".into());
+            return fault("0 rows; it must have at least 1".into());
         }
         let value = self.rule.value();
         if !value.is_finite() || value < 0.0 {

@@ -32,7 +32,7 @@ pub(crate) fn drawn(primitives: u32, with: &Variant, gpu: &Gpu) -> Option<u32> {
         && drawing_bytes(primitives) <= gpu.binding_limit()
         && u64::from(primitives + FURTHER_PARTS) <= most;
     if !fits {
-        log::info!("{primitives} primitives are too many for a T-buffer's lists: rays are traced");
+        log::info!("{primitives} primitives are too many for a T-buffer's lists: falling back to rays");
     }
     (fits && with.has_tree()).then_some(primitives)
 }

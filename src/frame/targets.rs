@@ -110,7 +110,7 @@ impl Shape {
         let [width, rows] = self.kept();
         let what = format!("a picture {width} pixels wide");
         let bytes = || used.buffers().map(|(resource, _)| self.bytes(resource, used.searched));
-        check_bytes(&what, bytes().max().unwrap_or(0), gpu.binding_limit(), "render a narrower one")?;
+        check_bytes(&what, bytes().max().unwrap_or(0), gpu.binding_limit(), "render a narrower picture")?;
         let all: u64 = bytes().sum();
         if all > MOST_BYTES {
             return Err(Error::Limit {
@@ -118,7 +118,7 @@ impl Shape {
                 needed: format!("{} MiB", all >> 20),
                 limit: "memory for a frame",
                 allowed: format!("{} MiB", MOST_BYTES >> 20),
-                remedy: "render fewer or narrower ones at a time",
+                remedy: "render fewer or narrower views at a time",
             });
         }
         let limit = |what, needed, limit, allowed: u32, remedy| {
@@ -132,14 +132,14 @@ impl Shape {
                 needed,
                 "max_texture_dimension_2d",
                 side,
-                "render a narrower one, or by another method",
+                "render a narrower picture, or use another method",
             );
         }
         let workgroups = width.max(rows).div_ceil(WORKGROUP);
         let allowed = gpu.limits.max_compute_workgroups_per_dimension;
         if workgroups > allowed {
             let needed = format!("{workgroups} workgroups in a row or column");
-            return limit(what, needed, "max_compute_workgroups_per_dimension", allowed, "render a narrower one");
+            return limit(what, needed, "max_compute_workgroups_per_dimension", allowed, "render a narrower picture");
         }
         Ok(())
     }

@@ -125,7 +125,7 @@ fn there_are(enabled: wgpu::Backends, names: &[String]) -> String {
         }
         [] if enabled == wgpu::Backends::BROWSER_WEBGPU => "the browser offers no WebGPU adapter".into(),
         [] => "no Vulkan, Metal, DirectX 12 or OpenGL driver offers one".into(),
-        names => format!("there are: {}", names.join(", ")),
+        names => format!("available: {}", names.join(", ")),
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
             let error = found(adapter, variable).unwrap_err();
             let message = error.to_string();
             assert!(matches!(error, Error::NoAdapter { .. }), "{message}");
-            assert!([asked, "there are: ", &own].iter().all(|part| message.contains(part)), "{message}");
+            assert!([asked, "available: ", &own].iter().all(|part| message.contains(part)), "{message}");
         }
     }
 
@@ -220,6 +220,6 @@ mod tests {
         assert!(of(wgpu::Backends::empty()).contains("the feature `native`"));
         assert!(of(wgpu::Backends::BROWSER_WEBGPU).contains("the browser"));
         assert!(of(wgpu::Backends::VULKAN).contains("no Vulkan"));
-        assert_eq!(there_are(wgpu::Backends::VULKAN, &["a".into(), "b".into()]), "there are: a, b");
+        assert_eq!(there_are(wgpu::Backends::VULKAN, &["a".into(), "b".into()]), "available: a, b");
     }
 }

@@ -79,7 +79,7 @@ impl CameraPath {
         let list: Vec<Value> = read(path, limits, "list of cameras")?;
         let counted = list.iter().filter(|item| item.get("frame").is_some()).count();
         if counted != 0 && counted != list.len() {
-            let reason = format!("{counted} of {} cameras have a frame; all must, or none", list.len());
+            let reason = format!("{counted} of {} cameras have a frame; give a frame to all or to none", list.len());
             return Err(Error::parse(path, None, reason));
         }
         let key = |(index, item): (usize, &Value)| {
@@ -232,7 +232,7 @@ fn camera_of(entry: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<St
 /// Checks that a field and the fields that it replaces are not both given.
 fn alone(entry: &Map<String, Value>, name: &str, others: &[&str]) -> Result<(), String> {
     let found = others.iter().find(|other| **other != name && entry.contains_key(name) && entry.contains_key(**other));
-    found.map_or(Ok(()), |other| Err(format!("{name} and {other} are both given; one says it all")))
+    found.map_or(Ok(()), |other| Err(format!("{name} and {other} are both given; give one of them")))
 }
 
 /// Reads the screen's distance: a number, or infinity by name.
@@ -252,7 +252,10 @@ fn intrinsics(entry: &Map<String, Value>, size: [u32; 2]) -> Result<Intrinsics, 
     let cy = double(entry, if has("cy0") { "cy0" } else { "cy" })?;
     for (name, shared) in [("fx1", fx), ("fy1", fy), ("cy1", cy)] {
         if has(name) && double(entry, name)? != shared {
-            return Err(format!("{name} is {}, and {shared} for the other eye; both must share one", entry[name]));
+            return Err(format!(
+                "{name} is {}, but {shared} for the other eye; both eyes must have the same",
+                entry[name]
+            ));
         }
     }
     let found = if has("cx0") || has("cx1") {
@@ -287,7 +290,11 @@ fn from_matrix(entry: &Map<String, Value>, interaxial: f32) -> Result<StereoCame
     let off = [right.dot(down), down.dot(ahead), ahead.dot(right), right.cross(down).dot(ahead) - 1.0];
     let off = off.into_iter().chain([right, down, ahead].map(|axis| axis.length() - 1.0)).map(f64::abs);
     if rows[3] != [0.0, 0.0, 0.0, 1.0] || !off.fold(0.0, f64::max).le(&1e-4) {
-        return Err("pose is no turn and shift: its columns must be at right angles, of length 1 and right-handed, its last row 0 0 0 1".into());
+        return Err(
+            "pose is not a rotation and translation: its columns must be orthonormal and right-handed, its last row 0 \
+             0 0 1"
+                .into(),
+        );
     }
     let eye: DVec3 = at + right * (0.5 * f64::from(interaxial));
     Ok(StereoCamera::look_at(eye, eye + ahead).up((-down).as_vec3()))
@@ -298,7 +305,7 @@ fn entry(path: &Path, name: &str, limits: &Limits) -> Result<Map<String, Value>,
     let mut cameras: Map<String, Value> = read(path, limits, "object of cameras")?;
     match cameras.remove(name) {
         Some(Value::Object(entry)) => Ok(entry),
-        Some(entry) => Err(fault(path, &named(name), format!("{entry} is not an object of fields"))),
+        Some(entry) => Err(fault(path, &named(name), format!("{entry} is not an object"))),
         None => {
             let names: Vec<&str> = cameras.keys().map(String::as_str).collect();
             Err(fault(path, &named(name), format!("not in this file, which has: {}", names.join(", "))))
@@ -312,7 +319,7 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path, limits: &Limits, what: &str
     let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
     serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);
-        Error::parse_from(path, line, format!("no JSON {what}: {error}"), error)
+        Error::parse_from(path, line, format!("not a JSON {what}: {error}"), error)
     })
 }
 
@@ -322,7 +329,7 @@ fn checked_color(entry: &Map<String, Value>, name: &str) -> Result<Vec3, String>
     if !found.is_finite() {
         return Err(format!("{name} is {found}; its numbers must fit f32"));
     }
-    if found.min_element() >= 0.0 { Ok(found) } else { Err(format!("{name} is {found}; light is not negative")) }
+    if found.min_element() >= 0.0 { Ok(found) } else { Err(format!("{name} is {found}; it must not be negative")) }
 }
 
 fn field<'a>(entry: &'a Map<String, Value>, name: &str) -> Result<&'a Value, String> {
@@ -383,8 +390,8 @@ mod tests {
         assert_eq!(read("tilted", tilted, "hall").unwrap(), expected.up(Vec3::new(0.0, 1.0, 1.0)));
     }
 
-    const CALIBRATED: &str = r#"{ "eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0], "fx": 500, "fy": 480.5, "cx": 330.25, "cy": 239,
-        "baseline": 0.125, "k1": 0, "p1": 0.0, "skew": 0 }"#;
+    const CALIBRATED: &str = r#"{ "eye": [1, 2, 3], "target": [1, 2, -4], "up": [0, 1, 0], "fx": 500, "fy": 480.5,
+        "cx": 330.25, "cy": 239, "baseline": 0.125, "k1": 0, "p1": 0.0, "skew": 0 }"#;
 
     #[test]
     fn intrinsics_and_matrices_are_the_cameras_they_stand_for() {
@@ -405,7 +412,7 @@ mod tests {
         assert_eq!(at.pose().unwrap(), entry("", "").pose().unwrap());
         let twice = entry(r#""skew""#, r#""width": 1280, "height": 960, "skew""#);
         assert_eq!(twice, placed.intrinsics(lenses.scaled([0.5; 2])));
-        assert_eq!(entry(r#""fy": 480.5, "#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
+        assert_eq!(entry(r#""fy": 480.5,"#, ""), placed.intrinsics(Intrinsics::new([500.0; 2], [330.25, 239.0])));
         let toed_in = entry(r#""skew""#, r#""screen_distance": 3, "convergence": "toe-in", "skew""#);
         assert_eq!(toed_in.pose().unwrap().convergence, Convergence::ToeIn);
         // The matrix has x to the right, y down, z ahead, for an eye that looks along -z. The left eye stands half the
@@ -432,9 +439,9 @@ mod tests {
             (r#""k1": 0"#, r#""k1": 0.1"#, "k1 is 0.1; skew and lens distortion"),
             (r#""p1": 0.0"#, r#""distortion": [0, 0, 1]"#, "distortion is [0,0,1]; skew and lens"),
             (r#""skew": 0"#, r#""skew": "a""#, "skew is \"a\"; skew and lens"),
-            (r#""skew": 0"#, r#""fx1": 501"#, "fx1 is 501, and 500 for the other eye; both must share one"),
-            (r#""skew": 0"#, r#""cy1": 0"#, "cy1 is 0, and 239 for the other eye"),
-            (r#""skew": 0"#, r#""cx1": 400"#, "cx and cx1 are both given; one says it all"),
+            (r#""skew": 0"#, r#""fx1": 501"#, "fx1 is 501, but 500 for the other eye; both eyes must have the same"),
+            (r#""skew": 0"#, r#""cy1": 0"#, "cy1 is 0, but 239 for the other eye"),
+            (r#""skew": 0"#, r#""cx1": 400"#, "cx and cx1 are both given; give one of them"),
             (r#""skew": 0"#, r#""vfov_deg": 40"#, "fx and vfov_deg are both given"),
             (r#""skew": 0"#, r#""eye_separation": 1"#, "baseline and eye_separation are both given"),
             (r#""skew": 0"#, r#""width": 1280"#, "height is missing"),
@@ -446,7 +453,7 @@ mod tests {
                 r#""cx0": 330, "cx1": 331, "screen_distance": 1"#,
                 "cx0 and screen_distance are both given",
             ),
-            (r#""cx": 330.25"#, r#""cx0": 330, "cx1": 329"#, "cx1 - cx0 is -1; cx1 must be cx0 or more"),
+            (r#""cx": 330.25"#, r#""cx0": 330, "cx1": 329"#, "cx1 - cx0 is -1; cx1 must be at least cx0"),
             (r#""cx": 330.25, "#, "", "cx is missing"),
             (r#""cx": 330.25"#, r#""cx": null"#, "cx is null; it must be a number"),
             (r#""fx": 500"#, r#""fx": 0"#, "fx is 0; a focal length must be"),
@@ -455,8 +462,8 @@ mod tests {
             (r#""cx": 330.25"#, r#""cx": 1e9"#, "intrinsics is fx 500, fy 480.5, cx 1000000000"),
             (r#""baseline": 0.125"#, r#""baseline": -1"#, "baseline is -1; it must be a number of at least 0"),
             (r#""eye": [1, 2, 3]"#, turned, "pose and target are both given"),
-            (placed, turned, "pose is no turn and shift"),
-            (placed, left_handed, "pose is no turn and shift"),
+            (placed, turned, "pose is not a rotation and translation"),
+            (placed, left_handed, "pose is not a rotation and translation"),
             (placed, r#""pose": [1, 2, 3]"#, "pose is [1,2,3]; it must be four rows of four numbers"),
         ]
         .into_iter()
@@ -502,10 +509,10 @@ mod tests {
             (r#""ambient": [0, 0, 0], "lights": [4]"#.into(), "light 0: it is 4; it must be an object"),
             (r#""ambient": [0, 0, 0], "lights": [{}]"#.into(), "light 0: position is missing"),
             (format!(r#""ambient": [1e99, 0, 0], {lamp}"#), "ambient is [inf, 0, 0]; its numbers must fit"),
-            (format!(r#""ambient": [0, -1, 0], {lamp}"#), "ambient is [0, -1, 0]; light is not negative"),
+            (format!(r#""ambient": [0, -1, 0], {lamp}"#), "ambient is [0, -1, 0]; it must not be negative"),
             (
                 r#""ambient": [0, 0, 0], "lights": [{ "position": [-1, 0, 0], "intensity": [0, 0, -0.1] }]"#.into(),
-                "light 0: intensity is [0, 0, -0.1]; light is not negative",
+                "light 0: intensity is [0, 0, -0.1]; it must not be negative",
             ),
         ]
         .into_iter()
@@ -555,7 +562,7 @@ mod tests {
             [(b"{\n\"hall\": {\n\"eye\": [1,,2]", 3), (b"", 1), (b"[]", 1), (b"{\n\"\xff\": 1}", 2)];
         for (index, (text, line)) in broken.into_iter().enumerate() {
             let message = message(&format!("syntax{index}"), text, "hall");
-            assert!(message.contains(&format!("syntax{index}.json:{line}: no JSON object of cameras")), "{message}");
+            assert!(message.contains(&format!("syntax{index}.json:{line}: not a JSON object of cameras")), "{message}");
         }
         let message = message("shape", r#"{ "hall": 3 }"#, "hall");
         assert!(message.contains("camera 'hall': 3 is not an object"), "{message}");

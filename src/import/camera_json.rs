@@ -60,7 +60,7 @@ impl StereoCamera {
     /// - [`Error::Parse`], naming the line or the field, if the text is not JSON or has no such camera.
     /// - [`Error::Camera`] for an invalid camera.
     pub fn from_json_str(text: &str) -> Result<Self, Error> {
-        parse(Path::new("JSON of a camera"), text.as_bytes())
+        parse(Path::new("camera JSON"), text.as_bytes())
     }
 
     /// Does the same as [`StereoCamera::from_json_str`] for a file.
@@ -78,10 +78,10 @@ impl StereoCamera {
 fn parse(name: &Path, text: &[u8]) -> Result<StereoCamera, Error> {
     let text: Value = serde_json::from_slice(text).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0);
-        Error::parse_from(name, line, format!("no JSON: {error}"), error)
+        Error::parse_from(name, line, format!("invalid JSON: {error}"), error)
     })?;
     let camera = text.get(ENTRY).and_then(Value::as_object);
-    let camera = camera.ok_or_else(|| format!("it has no object '{ENTRY}', which says one camera"));
+    let camera = camera.ok_or_else(|| format!("it has no object '{ENTRY}', which describes a camera"));
     let camera = camera.and_then(read).map_err(|reason| Error::parse(name, None, reason))?;
     camera.pose()?;
     Ok(camera)
@@ -207,7 +207,10 @@ mod tests {
         );
         fault(|camera| camera["convergence"] = json!("both"), "it must be off-axis or toe-in");
         assert!(
-            StereoCamera::from_json_str("{\n\"camera\": ").unwrap_err().to_string().contains("a camera:2: no JSON")
+            StereoCamera::from_json_str("{\n\"camera\": ")
+                .unwrap_err()
+                .to_string()
+                .contains("camera JSON:2: invalid JSON")
         );
     }
 }

@@ -79,7 +79,7 @@ fn note_left_out(document: &Document, warnings: &mut Warnings) {
     let lists = [
         ("animations", root.animations.len()),
         ("skins", root.skins.len()),
-        ("scenes beside the first or the default one", root.scenes.len().saturating_sub(1)),
+        ("scenes other than the default or the first one", root.scenes.len().saturating_sub(1)),
     ];
     for (what, count) in lists {
         (0..count).for_each(|_| warnings.left_out(what, Place::File));

@@ -146,7 +146,7 @@ impl Limits {
                 path: path.into(),
                 size: format!("{name} has {count} {what}"),
                 limit,
-                remedy: format!("raise it by {}, if it is right", self.triangle_option_name),
+                remedy: format!("raise it with {} if the size is intended", self.triangle_option_name),
             }),
         }
     }
@@ -191,7 +191,7 @@ pub(crate) fn check_size(path: &Path, bytes: u64, limit: u64, raised_by: &str) -
         path: path.into(),
         size: format!("the file has {}", counted(bytes, "byte", "bytes")),
         limit,
-        remedy: format!("raise it by {raised_by}, if it is right"),
+        remedy: format!("raise it with {raised_by} if the size is intended"),
     })
 }
 
@@ -218,8 +218,8 @@ pub(crate) fn read(path: &Path, limit: u64, raised_by: &str) -> Result<Vec<u8>, 
 #[cfg(any(feature = "obj", feature = "json"))]
 fn check_text(path: &Path, content: &[u8]) -> Result<(), Error> {
     let utf_16 = match content {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, by its byte order mark",
-        [0, _, ..] | [_, 0, ..] => "UTF-16 text or none at all, by a byte of 0 at its beginning",
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "UTF-16 text, judging by its byte order mark",
+        [0, _, ..] | [_, 0, ..] => "UTF-16 text or binary data, judging by a zero byte at its start",
         _ => return Ok(()),
     };
     Err(Error::parse(path, None, format!("it is {utf_16}; save it as UTF-8")))

@@ -103,7 +103,7 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
     for (line, name) in &prepared.used_materials {
         if !library.index_of.contains_key(name) {
             let text = format_args!("no material '{name}' in the MTL files; its faces are grey");
-            warnings.warn("materials that are in no MTL file", *line, text);
+            warnings.warn("materials missing from the MTL files", *line, text);
         }
     }
     let Joined { meshes, fanned, clamped_colors } = join_models(&models, &prepared, &library.placements);
@@ -129,14 +129,14 @@ pub(crate) fn read(files: Files, path: &Path, options: &SceneOptions) -> Result<
 /// Logs warnings about faces without a correct split, clamped colours, and triangles without area.
 fn warn_of_triangles(scene: &Scene, fanned: &[usize], clamped_colors: usize, warnings: &Warnings) {
     if let Some(first) = fanned.first() {
-        let text =
-            "faces that cross themselves, are far from flat or too intricate, which are fanned from their first corner";
+        let text = "faces that intersect themselves, are far from flat or too complex, triangulated as fans from their \
+                    first corner";
         let place = if fanned.len() == 1 { format!("on line {first}") } else { format!("from line {first} on") };
         warnings.warn_once(format!("{text}: {} {place}", fanned.len()));
     }
     if clamped_colors > 0 {
         let vertices = counted(clamped_colors, "vertex", "vertices");
-        warnings.warn_once(format!("colours beyond 0 to 1, which are brought into it, at {vertices}"));
+        warnings.warn_once(format!("colours outside 0 to 1, which are clamped, at {vertices}"));
     }
     warnings.warn_of_dropped(scene);
 }
@@ -166,7 +166,7 @@ fn parse(path: &Path, text: &str, prepared: &Prepared, library: &mtl::Library) -
     }
     let (line, reason) = match find_bad_number(text, prepared.origin) {
         Some((line, reason)) => (Some(line), reason),
-        None => (None, "a coordinate is no usable number".into()),
+        None => (None, "a coordinate is not a usable number".into()),
     };
     Err(Error::parse(path, line, reason))
 }
@@ -278,7 +278,7 @@ fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) ->
                 }
             }
             "mtllib" if rest.is_empty() => {
-                warnings.warn("mtllib lines without a name", number, "mtllib names no file; it is left out");
+                warnings.warn("mtllib lines without a name", number, "mtllib names no file; it is ignored");
             }
             "mtllib" if libraries.insert(rest.to_owned()) => prepared.libraries.push((number, rest.into())),
             "s" => {
@@ -295,7 +295,7 @@ fn prepare(text: &str, smooths: bool, origin: DVec3, warnings: &mut Warnings) ->
     }
     if prepared.has_colors && prepared.colorless > 0 {
         let vertices = counted(prepared.colorless, "vertex", "vertices");
-        warnings.warn_once(format!("{vertices} without a colour, of {}; they are white", prepared.counts.vertex));
+        warnings.warn_once(format!("{vertices} of {} without a colour, drawn white", prepared.counts.vertex));
     }
     // Normals supersede smoothing groups, so these are only logged without normals.
     if prepared.counts.normal == 0 {
@@ -343,7 +343,7 @@ impl Prepared {
         self.colorless += usize::from(numbers != 6);
         self.first_weight = self.first_weight.or((numbers == 4).then_some(line));
         if let Some(line) = self.first_weight.filter(|_| self.has_colors) {
-            return Err((line, "this vertex has a weight w, and others have colours; give all x y z r g b".into()));
+            return Err((line, "this vertex has a weight w, but others have colours; write all as x y z r g b".into()));
         }
         match position(rest).filter(|_| self.origin != DVec3::ZERO) {
             None => self.keep("v", rest),

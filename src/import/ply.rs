@@ -126,7 +126,7 @@ fn note_left_out(header: &Header, warnings: &mut Warnings) {
         }
     }
     if let Some(line) = header.texture_file {
-        warnings.left_out("files of textures (comment TextureFile)", line);
+        warnings.left_out("texture files (comment TextureFile)", line);
     }
 }
 
@@ -311,13 +311,13 @@ impl Content {
             }
         }
         if fanned > 0 {
-            let text =
-                "faces that cross themselves, are far from flat or too intricate, which are fanned from their first";
+            let text = "faces that intersect themselves, are far from flat or too complex, triangulated as fans from \
+                        their first";
             warnings.warn_once(format!("{text} corner: {fanned} from face {first_fanned} on"));
         }
         if self.clamped_colors > 0 {
             let vertices = counted(self.clamped_colors, "vertex", "vertices");
-            warnings.warn_once(format!("colours beyond 0 to 1, which are brought into it, at {vertices}"));
+            warnings.warn_once(format!("colours outside 0 to 1, which are clamped, at {vertices}"));
         }
         mesh.materials = vec![MaterialId::default()];
         mesh.normals = spread(&self.normals, &mesh.triangles);
@@ -346,8 +346,9 @@ fn corner(value: f64, vertices: u64) -> Result<u32, String> {
     let is_there = value >= 0.0 && value <= f64::from(u32::MAX) && (value as u64) < vertices;
     match is_there && value.fract() == 0.0 {
         true => Ok(value as u32),
-        false => {
-            Err(format!("corner {value} of {}, which are numbered from 0 on", counted(vertices, "vertex", "vertices")))
-        }
+        false => Err(format!(
+            "corner {value} is out of range for {}, numbered from 0",
+            counted(vertices, "vertex", "vertices")
+        )),
     }
 }

@@ -113,7 +113,7 @@ impl Drop for Warnings<'_> {
         }
         let items: Vec<_> = self.left_out.iter().map(|(what, left_out)| left_out.text(what)).collect();
         if !items.is_empty() {
-            self.log(None, format!("left out: {}", items.join("; ")));
+            self.log(None, format!("ignored: {}", items.join("; ")));
         }
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! Each file begins with the shared files that it uses (`//! use camera, lane`). A test compares these lists with what
 //! it uses, and finds circles among shared files. Every top-level name (`fn`, `struct`, `const`, `override`, `var`,
-//! `alias`) belongs to the file that defines it. The linker adds each definition that a kernel's file uses, directly or indirectly, once.
-//! The order of WGSL definitions does not matter. A name that the kernel's own file defines (a binding such as `view`)
-//! takes precedence, for shared definitions too.
+//! `alias`) belongs to the file that defines it. The linker adds each definition that a kernel's file uses, directly or
+//! indirectly, once. The order of WGSL definitions does not matter. A name that the kernel's own file defines (a
+//! binding such as `view`) takes precedence, for shared definitions too.
 //!
 //! A definition uses its words, except comments, words after a dot, and its own names (locals, parameters, members). So
 //! a definition may not give one of its own names the name of a shared definition that it uses. The linker would not

@@ -48,8 +48,8 @@ impl fmt::Display for Choice {
         let part = if share < 1.0 { format!(" for {:.0}% of the rows", 100.0 * share) } else { String::new() };
         write!(
             f,
-            "{method}{part}: the right view is predicted to cost {bracket:.2} primary rays a pixel by bracket, {naive:.2} by naive \
-             ({shadow_rays:.1} shadow rays{sent} a left pixel, {:.1}% of right pixels in gaps)",
+            "{method}{part}: the right view is predicted to cost {bracket:.2} primary rays per pixel by bracket, \
+             {naive:.2} by naive ({shadow_rays:.1} shadow rays{sent} per left pixel, {:.1}% of right pixels in gaps)",
             100.0 * gaps
         )
     }

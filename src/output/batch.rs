@@ -188,7 +188,7 @@ fn follow(path: &Path) -> io::Result<PathBuf> {
         let Ok(next) = fs::read_link(&target) else { return Ok(target) };
         target = target.parent().unwrap_or(Path::new("")).join(next);
     }
-    Err(io::Error::other("too many links lead from one to the next"))
+    Err(io::Error::other("too many symbolic links in a chain"))
 }
 
 /// Returns an error for a folder or a read-only file. A rename would replace read-only files, and an administrator may
@@ -373,7 +373,7 @@ mod tests {
         assert_eq!(fs::read(folder.file("inner/file")).unwrap(), b"new");
         assert!(fs::symlink_metadata(folder.file("first")).unwrap().is_symlink());
         symlink("round", folder.file("round")).unwrap();
-        assert!(write_whole(folder.file("round"), b"x").unwrap_err().to_string().contains("too many links"));
+        assert!(write_whole(folder.file("round"), b"x").unwrap_err().to_string().contains("too many symbolic links"));
         assert_eq!(folder.names(), ["first", "inner", "round", "second"]);
     }
 }

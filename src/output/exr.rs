@@ -105,10 +105,13 @@ fn channels(path: &Path, view: &View, truth: Option<&EyeTruth>, color: ExrColor)
     let count = view.rgba8.len();
     check_count(path, view.width, view.height, count)?;
     if view.linear.len() != count {
-        return missing("linear", "an OpenEXR file has linear light; this pair has none, use Options::linear(true)");
+        return missing(
+            "linear",
+            "an OpenEXR file needs linear light, but this pair has none; use Options::linear(true)",
+        );
     }
     if view.depth.len() != count || view.primitive.len() != count {
-        return missing("g_buffer", "an OpenEXR file has depths and ids; use GBuffer::Ids");
+        return missing("g_buffer", "an OpenEXR file needs depths and ids; use GBuffer::Ids");
     }
     let rgb = ["R", "G", "B"].iter().enumerate().map(|(index, name)| {
         let values = view.linear.iter().map(|pixel| pixel[index]);
@@ -126,8 +129,8 @@ fn channels(path: &Path, view: &View, truth: Option<&EyeTruth>, color: ExrColor)
     channels.push(ids("id.object", &view.object));
     let Some(truth) = truth else { return Ok(channels) };
     if [truth.width, truth.height] != [view.width, view.height] {
-        let sizes = format!("{}x{} beside {}x{}", truth.width, truth.height, view.width, view.height);
-        return Err(Error::Sizes { sizes, reason: "the ground truth must be the pair's" });
+        let sizes = format!("{}x{} and {}x{}", truth.width, truth.height, view.width, view.height);
+        return Err(Error::Sizes { sizes, reason: "the ground truth must belong to the pair" });
     }
     channels.push(ids("id.material", &truth.material));
     channels.push(floats("disparity", truth.disparity.clone()));
@@ -213,7 +216,7 @@ mod tests {
         };
         let mut dark = full.clone();
         dark.right.linear.clear();
-        assert!(add(&dark).contains("invalid options: linear: an OpenEXR file has linear light"));
+        assert!(add(&dark).contains("invalid options: linear: an OpenEXR file needs linear light"));
         let mut flat = full.clone();
         flat.left.primitive.clear();
         assert!(add(&flat).contains("g_buffer"));

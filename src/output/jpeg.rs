@@ -26,7 +26,7 @@ impl Picture {
     /// Returns the bytes of a JPEG file without chroma subsampling; `path` is for errors.
     fn jpeg(&self, path: &Path, quality: u8) -> Result<Vec<u8>, Error> {
         if !(1..=100).contains(&quality) {
-            let reason = format!("JPEG has no quality {quality}; it is 1 to 100");
+            let reason = format!("JPEG quality {quality}; it must be 1 to 100");
             return Err(Error::Options { option: "quality", reason });
         }
         check_count(path, self.width, self.height, self.rgba8.len())?;
@@ -95,7 +95,7 @@ fn mpo(path: &Path, left: &[u8], right: &[u8]) -> Result<Vec<u8>, Error> {
     let header = first_segment_end(left) + 8;
     let numbers = [size, second.len(), size - header].map(|number| u32::try_from(number).ok());
     let [Some(first_size), Some(second_size), Some(second_place)] = numbers else {
-        return Err(Error::unwritable(path, "an MPO file holds less than 4 GiB; choose a lower quality"));
+        return Err(Error::unwritable(path, "an MPO file must be smaller than 4 GiB; choose a lower quality"));
     };
     let first = with_segment(left, APP2, &segment(Index::First([first_size, second_size, second_place])));
     Ok([first, second].concat())
@@ -228,7 +228,7 @@ mod tests {
         };
         let one = || view(1, &[[7; 3]]).picture();
         for quality in [0, 101] {
-            assert!(add(one(), quality).contains(&format!("JPEG has no quality {quality}; it is 1 to 100")));
+            assert!(add(one(), quality).contains(&format!("JPEG quality {quality}; it must be 1 to 100")));
         }
         let message = add(Picture::new(65_536, 1, vec![[0; 4]; 65_536]), 90);
         assert!(message.contains("never.jpg: ") && message.contains("65535"), "{message}");

@@ -65,7 +65,7 @@ impl Pose {
         let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
         let file: Value = serde_json::from_slice(&bytes).map_err(|error| {
             let line = Some(error.line()).filter(|&line| line > 0);
-            Error::parse_from(path, line, format!("no JSON: {error}"), error)
+            Error::parse_from(path, line, format!("invalid JSON: {error}"), error)
         })?;
         let fault = |reason| Error::parse(path, None, reason);
         let pose =
@@ -233,7 +233,7 @@ mod tests {
             ("\"screen_distance\": 1.0", "\"screen_distance\": 1e99", "must be a number that fits f32"),
             ("640,\n      480", "640", "size is [640]; it must be 2 sides"),
             ("640,\n      480", "640, 0", "size is [640,0]; it must be 2 sides"),
-            ("{", "{,", "json:1: no JSON"),
+            ("{", "{,", "json:1: invalid JSON"),
         ]
         .into_iter()
         .enumerate()

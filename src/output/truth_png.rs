@@ -131,15 +131,15 @@ impl Batch {
 fn kitti_sample(disparity: f32) -> Result<u16, &'static str> {
     let steps = (f64::from(disparity) * KITTI_STEPS).round();
     match disparity {
-        d if d.is_nan() => Err("is no number"),
-        d if d <= 0.0 => Err(
-            "is not above 0, which KITTI's PNG file can't hold: render the pair with parallel cameras, whose disparities are 0 at \
-             infinity, or write a PFM file",
-        ),
-        _ if steps > f64::from(u16::MAX) => Err(
-            "rounds to 256 or more, which KITTI's PNG file can't hold: render a smaller picture or a smaller interaxial, or \
-             write a PFM file",
-        ),
+        d if d.is_nan() => Err("is not a number"),
+        d if d <= 0.0 => {
+            Err("is not above 0, which KITTI's PNG file can't hold: render the pair with parallel cameras, whose \
+             disparities are 0 at infinity, or write a PFM file")
+        }
+        _ if steps > f64::from(u16::MAX) => {
+            Err("rounds to 256 or more, which KITTI's PNG file can't hold: render a smaller picture or a smaller \
+             interaxial, or write a PFM file")
+        }
         _ => Ok(steps.max(1.0) as u16),
     }
 }
@@ -195,12 +195,13 @@ mod tests {
             (0.0, "disparity 0 px at column 1, row 2 is not above 0"),
             (
                 -3.5,
-                "disparity -3.5 px at column 1, row 2 is not above 0, which KITTI's PNG file can't hold: render the pair with parallel",
+                "disparity -3.5 px at column 1, row 2 is not above 0, which KITTI's PNG file can't hold: render the \
+                 pair with parallel",
             ),
             (255.999, "rounds to 256 or more"),
             (256.0, "rounds to 256 or more"),
             (f32::INFINITY, "disparity inf px at column 1, row 2 rounds to 256 or more"),
-            (f32::NAN, "is no number"),
+            (f32::NAN, "is not a number"),
         ] {
             let values = [1.0, 1.0, 1.0, 1.0, 1.0, value];
             let add = |valid| Batch::new().add_kitti_disparity(folder.file("a.png"), 2, 3, &values, valid);

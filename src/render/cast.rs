@@ -266,13 +266,13 @@ fn check(rays: &[Ray]) -> Result<(), Error> {
     for (index, ray) in rays.iter().enumerate() {
         let fault = |reason| Err(Error::Ray { index, reason });
         if !ray.origin.is_finite() {
-            return fault(format!("its origin is {}", ray.origin));
+            return fault(format!("its origin is {}; it must be finite", ray.origin));
         }
         if !ray.direction.is_finite() || ray.direction.length_squared() < f32::MIN_POSITIVE {
-            return fault(format!("its direction is {}", ray.direction));
+            return fault(format!("its direction is {}; it must be finite and not 0", ray.direction));
         }
         if ray.t_min.is_nan() || ray.t_min < 0.0 || ray.t_max.is_nan() {
-            return fault(format!("its limits are {} and {}; t_min is at least 0", ray.t_min, ray.t_max));
+            return fault(format!("its limits are {} and {}; t_min must be at least 0", ray.t_min, ray.t_max));
         }
     }
     Ok(())

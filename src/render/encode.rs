@@ -188,16 +188,19 @@ impl Encoded {
 fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), Error> {
     if plan.needs_host() {
         let what = options.method.to_string();
-        return Err(Error::Encoding { what, reason: "a part of it is the host's" });
+        return Err(Error::Encoding { what, reason: "a part of it runs on the host" });
     }
     let read_back = [
-        (options.samples != 1 || options.adaptive.is_some(), "a pixel of several samples"),
+        (options.samples != 1 || options.adaptive.is_some(), "several samples per pixel"),
         (options.linear, "linear colour"),
-        (options.cost_map, "a map of costs"),
+        (options.cost_map, "a cost map"),
         (options.count, "counting"),
     ];
     if let Some((_, what)) = read_back.into_iter().find(|(wanted, _)| *wanted) {
-        return Err(Error::Encoding { what: what.into(), reason: "it is there for what is read back only" });
+        return Err(Error::Encoding {
+            what: what.into(),
+            reason: "it is available only for results that are read back",
+        });
     }
     let ([width, height], side) = (eyes.pose.size, gpu.limits.max_texture_dimension_2d);
     if width.max(height) > side {
@@ -206,7 +209,7 @@ fn check(gpu: &Gpu, options: &Options, plan: &Plan, eyes: &Eyes) -> Result<(), E
             needed: format!("a side of {}", width.max(height)),
             limit: "max_texture_dimension_2d",
             allowed: side.to_string(),
-            remedy: "encode a smaller one, or take its rows as they are done (render_rows)",
+            remedy: "encode a smaller picture, or receive rows as they finish (render_rows)",
         });
     }
     Ok(())

@@ -131,7 +131,8 @@ impl Renderer {
             let method = options.method;
             self.toe_in_warned.call_once(|| {
                 log::warn!(
-                    "eyes that are toed in share no rows, so nothing is carried over: both are traced (naive), not by {method}"
+                    "toed-in eyes share no rows, so nothing can be reused: tracing both eyes (naive) instead of \
+                     {method}"
                 );
             });
         }

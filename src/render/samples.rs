@@ -98,14 +98,14 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
     }
     Err(Error::Limit {
         what: format!(
-            "depth and ids of {} of {width}x{height} with {} samples a pixel",
+            "depth and ids of {} of {width}x{height} with {} samples per pixel",
             counted(views, "view", "views"),
             options.samples
         ),
         needed: format!("{} MiB", needed >> 20),
         limit: "memory for whole pictures",
         allowed: format!("{} MiB", MOST_BYTES >> 20),
-        remedy: "take 9, 25 or 49 samples without jitter, or colours alone (GBuffer::None)",
+        remedy: "use 9, 25 or 49 samples without jitter, or only colours (GBuffer::None)",
     })
 }
 
@@ -113,11 +113,11 @@ pub(super) fn check_centres(eyes: &Eyes, options: &Options, pictures: bool) -> R
 pub(super) fn of_samples(error: Error, samples: u32) -> Error {
     match error {
         Error::Limit { what, needed, limit, allowed, .. } => Error::Limit {
-            what: format!("{samples} samples a pixel: {what}"),
+            what: format!("{samples} samples per pixel: {what}"),
             needed,
             limit,
             allowed,
-            remedy: "take fewer samples or pixels",
+            remedy: "use fewer samples or pixels",
         },
         error => error,
     }

@@ -214,7 +214,7 @@ impl Renderer {
         let words: Vec<u32> = gpu.read(&filling.counters, layout::COUNTERS).await?;
         if words[layout::CUT_SHORT] > 0 {
             // An adapter ended a loop early, so the texels are unreliable.
-            log::warn!("filling a shadow-buffer was cut short by the adapter: rays are traced in its place");
+            log::warn!("the adapter stopped filling a shadow-buffer early: falling back to shadow rays");
             let empty = || {
                 texture.fill(gpu, index, UNFILLED);
                 texture.write_head(gpu, index, &layer.mapping);
@@ -429,7 +429,7 @@ impl Tables {
         let side = gpu.limits.max_texture_dimension_2d;
         let columns = buffer.rows.saturating_mul(2);
         let what = format!("a shadow-buffer of {} rows", buffer.rows);
-        let remedy = "ask for fewer rows";
+        let remedy = "use fewer rows";
         if columns > side || buffer.rows.saturating_add(1) > side {
             return Err(Error::Limit {
                 what,

@@ -377,7 +377,7 @@ fn fetch_that_fits(gpu: &Gpu, wanted: Fetch, scene: &Scene, packed: &PackedBvh) 
     let fits = |&fetch: &Fetch| gpu.texel_capacity(fetch) >= geometry(fetch).max(table);
     if let Some(fetch) = [wanted, other].into_iter().find(fits) {
         if fetch != wanted {
-            log::info!("the scene is too large to be read by {wanted:?}: {fetch:?} it is");
+            log::info!("the scene is too large to be read from a {wanted:?}: falling back to a {fetch:?}");
         }
         return Ok(fetch);
     }

@@ -42,16 +42,16 @@ impl Eyes {
         let ([width, height], [across, down]) = (self.pose.size, pose.size);
         if across.max(down) > camera::MAX_SIDE {
             return fault(format!(
-                "of {width}x{height} pixels they are a grid of {across}x{down}, whose sides must be at most 131072 (2^17): take \
-                 fewer samples or pixels"
+                "for {width}x{height} pixels they form a grid of {across}x{down}, whose sides must be at most 131072 \
+                 (2^17): use fewer samples or pixels"
             ));
         }
         let aside = self.offsets.iter().fold(0.0_f32, |most, offset| most.max(offset.abs()));
         let angle = camera::least_pixel_angle(&pose, aside.into());
         if angle < f64::from(camera::MIN_PIXEL_ANGLE) {
             return fault(format!(
-                "those of {width}x{height} pixels are {angle:.1e} radians apart in the picture's corners, and must be at least \
-                 3.8e-6 (2^-18): take fewer samples or pixels"
+                "for {width}x{height} pixels they are {angle:.1e} radians apart in the picture's corners, but must be \
+                 at least 3.8e-6 (2^-18) apart: use fewer samples or pixels"
             ));
         }
         Ok(Self { pose, ..self.clone() })
@@ -125,7 +125,7 @@ mod tests {
     fn what_is_no_grid_is_refused_by_name() {
         for samples in [0, 2, 5, 65, 81, u32::MAX] {
             let message = side_of(samples).unwrap_err().to_string();
-            let expected = format!("invalid samples: {samples} a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64");
+            let expected = format!("invalid samples: {samples} per pixel; use 1, 4, 9, 16, 25, 36, 49 or 64");
             assert_eq!(message, expected);
         }
         assert_eq!([1, 4, 9, 16, 25, 36, 49, 64].map(|samples| side_of(samples).unwrap()), [1, 2, 3, 4, 5, 6, 7, 8]);

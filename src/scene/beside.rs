@@ -140,8 +140,8 @@ mod tests {
         let mut said = |mesh: Mesh| scene.set_mesh(0, &mesh.name("flag")).unwrap_err().to_string();
         let two = || strip(&[1.0, 2.0], true, true);
         for (mesh, expected) in [
-            (two().uv(vec![NO_UV]), "texture coordinates: 1 for 2 triangles; give none or three each"),
-            (two().colors(vec![NO_COLORS; 3]), "colours: 3 for 2 triangles; give none or three each"),
+            (two().uv(vec![NO_UV]), "texture coordinates: 1 for 2 triangles; give none, or three per triangle"),
+            (two().colors(vec![NO_COLORS; 3]), "colours: 3 for 2 triangles; give none, or three per triangle"),
             (two().uv(vec![NO_UV, [Vec2::ZERO, Vec2::ZERO, Vec2::NAN]]), "triangle 1: a texture coordinate is not a"),
             (two().colors(vec![[Vec3::INFINITY; 3], NO_COLORS]), "triangle 0: a corner's colour is [inf"),
             (two().colors(vec![NO_COLORS, [-Vec3::X; 3]]), "triangle 1: a corner's colour is [-1"),

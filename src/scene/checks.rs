@@ -26,7 +26,7 @@ impl Scene {
         if (material.0 as usize) < self.materials.len() {
             return Ok(());
         }
-        Err(format!("material {} of {}", material.0, self.materials.len()))
+        Err(format!("there is no material {}; the scene has {}", material.0, self.materials.len()))
     }
 
     pub(crate) fn check_sphere(&self, index: usize, sphere: &Sphere) -> Result<(), Error> {
@@ -65,7 +65,7 @@ impl Scene {
         }
         let soft = self.soft_lights().count();
         if soft > MAX_SOFT_LIGHTS {
-            let reason = format!("{soft} of them are not points; a scene can have at most {MAX_SOFT_LIGHTS} such");
+            let reason = format!("{soft} of them are not points; a scene can have at most {MAX_SOFT_LIGHTS} of these");
             return Err(Error::Scene { element: "lights".into(), reason });
         }
         check("geometry".into(), self.check_extent())
@@ -84,7 +84,10 @@ impl Scene {
         }
         for (what, texture) in [("texture", material.texture), ("cutout", material.cutout)] {
             if let Some(TextureId(id)) = texture.filter(|id| id.0 as usize >= self.textures.len()) {
-                return Err(format!("{what} {id} of {}", counted(self.textures.len(), "texture", "textures")));
+                return Err(format!(
+                    "{what} {id} is out of range for {}",
+                    counted(self.textures.len(), "texture", "textures")
+                ));
             }
         }
         let returned = material.most_returned();
@@ -92,7 +95,7 @@ impl Scene {
             return Ok(());
         }
         Err(format!(
-            "it adds more light than it gets: albedo and what it reflects or lets through are {returned} together; each \
+            "it returns more light than it receives: albedo, reflection and transmission sum to {returned}; each \
              channel can be at most 1"
         ))
     }
@@ -123,8 +126,8 @@ impl Scene {
         let rounded = rounding_text(low, high, COARSE_STEP)?;
         let side = (high - low).max_element();
         Some(format!(
-            "the scene's {rounded}, and its longest side is {side}: detail and shadows break up; give it an origin \
-             that is nearer"
+            "the scene's {rounded}, and its longest side is {side}: detail and shadows break up; set an origin nearer \
+             to it"
         ))
     }
 
@@ -156,7 +159,10 @@ pub(crate) fn check_light_count(count: usize) -> Result<(), Error> {
     if count <= MAX_LIGHTS {
         return Ok(());
     }
-    Err(Error::Scene { element: "lights".into(), reason: format!("{count} of them; it can have at most {MAX_LIGHTS}") })
+    Err(Error::Scene {
+        element: "lights".into(),
+        reason: format!("{count} lights; a scene can have at most {MAX_LIGHTS}"),
+    })
 }
 
 /// Checks that light or reflectance is finite and not negative.
@@ -214,17 +220,13 @@ mod tests {
             (glass(0.0, Vec3::ZERO), "index is 0; it must be within 0.1 to 10"),
             (glass(f32::NAN, Vec3::ZERO), "index is NaN"),
             (glass(1.5, Vec3::NAN), "transmission is [NaN"),
-            (plain().texture(TextureId(1)), "texture 1 of 1 texture"),
-            (plain().cutout(TextureId(u32::MAX)), "cutout 4294967295 of 1 texture"),
+            (plain().texture(TextureId(1)), "texture 1 is out of range for 1 texture"),
+            (plain().cutout(TextureId(u32::MAX)), "cutout 4294967295 is out of range for 1 texture"),
             (
                 plain().specular(Vec3::new(0.1, 0.6, 0.1)).finish(mirror),
-                "adds more light than it gets: albedo and what",
+                "returns more light than it receives: albedo, reflection and",
             ),
-            (
-                glass(1.5, Vec3::ONE),
-                "together; each \
-                 channel can be at most 1",
-            ),
+            (glass(1.5, Vec3::ONE), "; each channel can be at most 1"),
         ] {
             let message = said(material).unwrap_err();
             assert!(message.contains("material 1 'jade'") && message.contains(expected), "{expected}: {message}");
@@ -236,7 +238,7 @@ mod tests {
         ] {
             let message = said(material).unwrap_err();
             assert!(
-                message.contains("material 1 'jade'") && message.contains("adds more light than it gets"),
+                message.contains("material 1 'jade'") && message.contains("returns more light than it receives"),
                 "{message}"
             );
         }

@@ -43,7 +43,8 @@ impl Scene {
         let (names, objects) = named(mesh_objects);
         // Debug formatting of numbers is lossless, so different numbers give different text.
         let small = format!(
-            "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {}",
+            "{lights:?} {shadows} {ambient:?} {sky:?} {origin:?} {materials:?} {textures:?} \
+             {spheres:?} {ellipsoids:?} {planes:?} {names:?} {objects:?} {} {} {}",
             triangles.len(),
             uv.len(),
             colors.len(),

@@ -148,7 +148,9 @@ impl Scene {
                 [lengths.into_iter().fold(f64::INFINITY, f64::min), lengths.into_iter().fold(0.0, f64::max)];
             let [a, b, c] = lengths.map(|length| length as f32);
             if longest > shortest * f64::from(MAX_ASPECT) {
-                return Err(format!("semi-axes {a}, {b} and {c}: the longest may be {MAX_ASPECT} times the shortest"));
+                return Err(format!(
+                    "semi-axes {a}, {b} and {c}: the longest can be at most {MAX_ASPECT} times the shortest"
+                ));
             }
             if shortest < f64::from(MIN_SEMI_AXIS) {
                 return Err(format!("semi-axes {a}, {b} and {c}: each must be at least {MIN_SEMI_AXIS:e}"));
@@ -235,7 +237,7 @@ mod tests {
             assert!(error.contains("ellipsoid 0: ") && error.contains(word), "{error}");
         }
         let unknown = Ellipsoid::aligned(Vec3::X, Vec3::ONE, MaterialId(3));
-        assert!(scene.add_ellipsoid(unknown).unwrap_err().to_string().contains("material 3 of 1"));
+        assert!(scene.add_ellipsoid(unknown).unwrap_err().to_string().contains("no material 3; the scene has 1"));
         scene.add_ellipsoid(Ellipsoid::new(Vec3::X, flat(1.1e-4), MaterialId(0))).unwrap();
         assert_eq!(scene.ellipsoids().len(), 1);
     }

@@ -16,7 +16,8 @@ const MOST_ANGLE: f32 = 1.5;
 /// use stereotrace::{Light, glam::Vec3};
 ///
 /// let bulb = Light::sphere(Vec3::new(0.0, 2.4, 0.0), 0.1, Vec3::splat(0.6));
-/// let window = Light::rectangle(Vec3::new(-2.0, 1.5, 0.0), Vec3::new(0.0, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.0), Vec3::splat(0.4));
+/// let sides = [Vec3::new(0.0, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.0)];
+/// let window = Light::rectangle(Vec3::new(-2.0, 1.5, 0.0), sides[0], sides[1], Vec3::splat(0.4));
 /// let sun = Light::directional(Vec3::new(1.0, 2.0, 0.5), 0.0047, Vec3::new(0.9, 0.85, 0.7));
 /// # let _ = (bulb, window, sun);
 /// ```

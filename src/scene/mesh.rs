@@ -88,7 +88,10 @@ impl Mesh {
     pub(crate) fn check_corners(&self, triangle: usize) -> Result<(), String> {
         match self.triangles[triangle].iter().find(|&&corner| corner as usize >= self.positions.len()) {
             None => Ok(()),
-            Some(corner) => Err(format!("corner {corner} of {}", counted(self.positions.len(), "vertex", "vertices"))),
+            Some(corner) => Err(format!(
+                "corner {corner} is out of range for {}",
+                counted(self.positions.len(), "vertex", "vertices")
+            )),
         }
     }
 
@@ -97,13 +100,13 @@ impl Mesh {
         let count = self.triangles.len();
         let triangles = counted(count, "triangle", "triangles");
         if self.materials.len() != 1 && self.materials.len() != count {
-            let reason = format!("{} for {triangles}; give one for all or one each", self.materials.len());
+            let reason = format!("{} for {triangles}; give one, or one per triangle", self.materials.len());
             return Err(("materials".into(), reason));
         }
         let lists =
             [("normals", self.normals.len()), ("texture coordinates", self.uv.len()), ("colours", self.colors.len())];
         if let Some((what, found)) = lists.into_iter().find(|(_, found)| *found != 0 && *found != count) {
-            return Err((what.into(), format!("{found} for {triangles}; give none or three each")));
+            return Err((what.into(), format!("{found} for {triangles}; give none, or three per triangle")));
         }
         if let Some(index) = self.uv.iter().position(|uv| uv.iter().any(|uv| !uv.is_finite())) {
             return Err((format!("triangle {index}"), "a texture coordinate is not a finite number".into()));
@@ -185,7 +188,7 @@ impl Scene {
         let text = match self.dropping_meshes {
             0..=PRINTED_WARNINGS => dropped_text(dropped, &self.triangles[of]),
             next if next == PRINTED_WARNINGS + 1 => {
-                "more meshes with triangles without area follow; they are counted".into()
+                "more meshes have triangles without area; they are counted but not listed".into()
             }
             _ => return,
         };
@@ -248,7 +251,7 @@ impl Scene {
 pub(crate) fn dropped_text(dropped: usize, triangles: &[Triangle]) -> String {
     let corners = || triangles.iter().flat_map(|triangle| triangle.corners);
     let (low, high) = (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
-    let mut text = format!("triangles without area, which are dropped: {dropped} of {}", triangles.len());
+    let mut text = format!("dropped triangles without area: {dropped} of {}", triangles.len());
     // A mesh at the origin is a million f32 steps across, ten times as many as this limit. Fewer steps lose detail.
     if let Some(rounded) = rounding_text(low, high, 1e-5) {
         text += &format!("; {rounded}: move it nearer to the origin");

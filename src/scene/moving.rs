@@ -229,7 +229,7 @@ fn scale_of(transform: &Affine3A) -> Result<f64, String> {
     }
     let [x, y, z] = lengths;
     let shear = if is_square { "" } else { ", and sheared" };
-    Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; only by one factor does it stay a sphere"))
+    Err(format!("scaled by {x}, {y} and {z} along its axes{shear}; a sphere needs the same factor on all axes"))
 }
 
 /// Transforms a normal by the cofactors, which are the transposed inverse up to a factor. They also exist if the
@@ -340,7 +340,10 @@ mod tests {
         assert!(fault(scene.set_sphere(2, Sphere::new(Vec3::ZERO, -1.0, MaterialId(0)))).contains("radius -1"));
         assert!(fault(scene.set_mesh(1, &Mesh::new(vec![Vec3::NAN], vec![]))).contains("NaN"));
         assert!(fault(scene.transform_object(1, &Affine3A::from_scale(Vec3::splat(1e30)))).contains("triangle 0"));
-        assert!(fault(scene.set_material(MaterialId(7), Material::new(Vec3::ONE))).contains("material 7 of 1"));
+        assert!(
+            fault(scene.set_material(MaterialId(7), Material::new(Vec3::ONE)))
+                .contains("no material 7; the scene has 1")
+        );
         assert_eq!((scene.primitive_count(), scene.spheres()[0].radius), (6, 1.0));
         scene.set_material(MaterialId(0), Material::new(Vec3::ONE)).unwrap();
         assert_eq!(scene.materials()[0].albedo, Vec3::ONE);

@@ -109,7 +109,7 @@ impl Plane {
             }
         }
         if self.in_plane().length() < NOTHING {
-            return Err(format!("its u axis {} is along its normal {}", self.u_axis, self.normal));
+            return Err(format!("its u axis {} is parallel to its normal {}", self.u_axis, self.normal));
         }
         if !TILES.contains(&self.tile) {
             let (least, most) = (TILES.start(), TILES.end());
@@ -181,10 +181,10 @@ mod tests {
             (Plane::new(Vec3::ZERO, nan, MaterialId(0)), "its normal is [0, NaN, 0]"),
             (Plane::new(Vec3::ZERO, f32::INFINITY * Vec3::Y, MaterialId(0)), "its normal is"),
             (ground().u_axis(Vec3::ZERO), "its u axis is [0, 0, 0]"),
-            (ground().u_axis(-3.0 * Vec3::Y), "its u axis [-0, -3, -0] is along its normal [0, 1, 0]"),
+            (ground().u_axis(-3.0 * Vec3::Y), "its u axis [-0, -3, -0] is parallel to its normal [0, 1, 0]"),
             (ground().tile(0.0), "its tile is 0; it must be within 1e-6 to 1e8"),
             (ground().tile(f32::NAN), "its tile is NaN"),
-            (Plane { material: MaterialId(3), ..ground() }, "material 3 of 1"),
+            (Plane { material: MaterialId(3), ..ground() }, "no material 3; the scene has 1"),
         ] {
             let error = scene.add_plane(plane).unwrap_err().to_string();
             assert!(error.contains("plane 0: ") && error.contains(word), "{word}: {error}");

@@ -41,11 +41,14 @@ impl SkyMap {
         let fault = |reason| Err(Error::Scene { element: "sky".into(), reason });
         if !is_map(width, height) || pixels.len() as u64 != u64::from(width) * u64::from(height) {
             let colors = counted(pixels.len(), "colour", "colours");
-            return fault(format!("a map of {width}x{height}, of even width, is not made of {colors}"));
+            return fault(format!("a map of {width}x{height} can't have {colors}; its width must be even"));
         }
         if let Some(index) = pixels.iter().position(|color| !color.is_finite() || color.min_element() < 0.0) {
             let (row, column) = (index / width as usize, index % width as usize);
-            return fault(format!("the colour in row {row}, column {column} is {}", pixels[index]));
+            return fault(format!(
+                "the colour in row {row}, column {column} is {}; it must be finite and not negative",
+                pixels[index]
+            ));
         }
         Ok(Self { width, height, pixels: Arc::new(pixels) })
     }
@@ -61,7 +64,7 @@ impl SkyMap {
     /// [`Error::Scene`] for a width that is odd, zero or over 16,384.
     pub fn procedural(width: u32) -> Result<Self, Error> {
         if width > MAX_PROCEDURAL_WIDTH {
-            let reason = format!("a procedural one of width {width}; it can be at most {MAX_PROCEDURAL_WIDTH} wide");
+            let reason = format!("a procedural sky of width {width}; it can be at most {MAX_PROCEDURAL_WIDTH} wide");
             return Err(Error::Scene { element: "sky".into(), reason });
         }
         let height = width / 2;
@@ -155,7 +158,8 @@ mod tests {
         for (width, height, count) in [(4, 2, 7), (3, 2, 6), (0, 2, 0)] {
             let message = SkyMap::new(width, height, vec![Vec3::ONE; count]).unwrap_err().to_string();
             assert!(
-                message.contains(&format!("a map of {width}x{height}, of even width, is not made of {count} colours")),
+                message
+                    .contains(&format!("a map of {width}x{height} can't have {count} colours; its width must be even")),
                 "{message}"
             );
         }

@@ -358,6 +358,6 @@ mod tests {
         assert!(said(f32::NAN).contains("mesh 'die', crease angle: it is NaN degrees; it must be within 0 to 180"));
         assert!(said(-1.0).contains("it is -1 degrees") && said(181.0).contains("it is 181 degrees"));
         let message = Mesh::new(vec![Vec3::ZERO; 3], vec![[0, 1, 3]]).smooth(30.0).unwrap_err().to_string();
-        assert!(message.contains("triangle 0: corner 3 of 3 vertices"), "{message}");
+        assert!(message.contains("triangle 0: corner 3 is out of range for 3 vertices"), "{message}");
     }
 }

@@ -103,7 +103,7 @@ impl Texture {
                 true => Ok(()),
                 false => {
                     let pixels = counted(pixels.len(), "pixel", "pixels");
-                    Err(format!("a picture of {width}x{height} is not made of {pixels}"))
+                    Err(format!("a picture of {width}x{height} can't have {pixels}"))
                 }
             }
         };
@@ -122,7 +122,7 @@ impl Texture {
             check_color("the second colour", second)?;
             match (1..=MAX_TEXTURE_SIDE).contains(&squares) {
                 true => Ok(()),
-                false => Err(format!("{squares} squares a side; there can be 1 to {MAX_TEXTURE_SIDE}")),
+                false => Err(format!("{squares} squares per side; it must be 1 to {MAX_TEXTURE_SIDE}")),
             }
         };
         check().map_err(|reason| Error::Scene { element: "checkerboard".into(), reason })?;
@@ -181,9 +181,9 @@ mod tests {
             );
         }
         let message = said(Texture::image(2, 2, vec![[0; 4]; 3]));
-        assert!(message.contains("a picture of 2x2 is not made of 3 pixels"), "{message}");
-        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 0)).contains("0 squares a side"));
-        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8193)).contains("8193 squares a side"));
+        assert!(message.contains("a picture of 2x2 can't have 3 pixels"), "{message}");
+        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 0)).contains("0 squares per side"));
+        assert!(said(Texture::checkerboard(Vec3::ONE, Vec3::ZERO, 8193)).contains("8193 squares per side"));
         assert!(said(Texture::checkerboard(Vec3::NAN, Vec3::ZERO, 8)).contains("the first colour is [NaN"));
         assert!(said(Texture::checkerboard(Vec3::ONE, -Vec3::X, 8)).contains("the second colour is [-1"));
     }

@@ -120,12 +120,12 @@ fn check(uploaded: &UploadedScene, scene: &Scene, pair: &StereoPair) -> Result<(
     let is_exact = matches!(pair.statistics.method, Method::Naive | Method::Bracket(_)) || pair.pose.interaxial == 0.0;
     if !is_exact {
         let method = pair.statistics.method;
-        let reason = format!("{method} shows points up to half a pixel aside; use naive, auto or a bracket");
-        return fault("method", format!("ground truth is that of pixels' centres, and {reason}"));
+        let reason = format!("{method} shows points up to half a pixel off; use naive, auto or a bracket method");
+        return fault("method", format!("ground truth is for pixel centres, but {reason}"));
     }
     if !uploaded.is_of(scene) {
-        let reason = "it, or what it was cloned from, was not uploaded, or has changed since".into();
-        return Err(Error::Scene { element: "the scene of a ground truth".into(), reason });
+        let reason = "neither it nor the scene it was cloned from was uploaded, or it has changed since".into();
+        return Err(Error::Scene { element: "the ground truth's scene".into(), reason });
     }
     Ok(())
 }

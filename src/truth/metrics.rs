@@ -92,7 +92,7 @@ fn checked_pixels(view: &View, truth: &View, pose: &Pose) -> Result<usize, Error
     let by = |width: u32, height: u32| format!("{width}x{height}");
     for [other_width, other_height] in [[view.width, view.height], [truth.width, truth.height]] {
         if [other_width, other_height] != pose.size {
-            let sizes = format!("{} beside {}", by(other_width, other_height), by(width, height));
+            let sizes = format!("{} and {}", by(other_width, other_height), by(width, height));
             return fault(sizes, "both views and the camera must have the same size");
         }
     }
@@ -278,7 +278,7 @@ mod tests {
     fn sizes_that_do_not_match_are_an_error() {
         let (small, large) = (wall(2, 2), wall(2, 3));
         let message = compare(&large, &small, &pose(2, 2)).unwrap_err().to_string();
-        assert!(message.starts_with("sizes that don't fit: 2x3 beside 2x2; "), "{message}");
+        assert!(message.starts_with("sizes do not match: 2x3 and 2x2; "), "{message}");
         assert!(compare(&small, &large, &pose(2, 2)).is_err());
         assert!(compare(&small, &small, &pose(4, 1)).is_err());
         let mut short = wall(2, 2);

@@ -33,7 +33,7 @@ impl Renderer {
     /// [`Renderer::closest_hits_async`].
     pub async fn occlusions_async(&self, scene: &UploadedScene, pair: &StereoPair) -> Result<Occlusions, Error> {
         if pair.pose.convergence == Convergence::ToeIn {
-            let reason = "its eyes are toed in: where points leave the other picture goes by rows, which are no epipolar lines there";
+            let reason = "its eyes are toed in, so rows are not epipolar lines, which occlusion needs";
             return Err(Error::Rig { reason: reason.into() });
         }
         let left = self.occlusion_of(scene, &pair.left, &pair.pose, -0.5).await?;

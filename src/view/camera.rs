@@ -368,7 +368,7 @@ impl StereoCamera {
             Aperture::Lenses(lenses) => lenses.checked()?,
             Aperture::VerticalFov(degrees) => Lenses::of_fov(f64::from(half_fov(degrees)?), [w, h]),
             Aperture::ScreenWidth(width) => {
-                let reason = "it takes a screen distance that is given, and finite; take a field of view or intrinsics";
+                let reason = "give a finite screen distance with it, or use a field of view or intrinsics";
                 return fault("screen_width", width.to_string(), reason);
             }
         };
@@ -403,8 +403,8 @@ impl StereoCamera {
                 Ok((e, offset, distance))
             }
             (_, Interaxial::Pixels(_)) => {
-                let reason = "in pixels it is the parallax at infinity, which principal points say, and which parallel cameras have none \
-                              of: give it in world units";
+                let reason = "in pixels it is the parallax at infinity, which principal points set, and which is 0 for \
+                              parallel cameras: give it in world units";
                 fault("interaxial", self.interaxial_text(), reason)
             }
         }
@@ -414,11 +414,11 @@ impl StereoCamera {
     fn check_offset(&self, offset: f64, distance: f64) -> Result<(), Error> {
         if offset.is_nan() || offset < 0.0 {
             let reason =
-                "cx1 must be cx0 or more: what is infinitely far would stand farther to the left for the right eye";
+                "cx1 must be at least cx0: otherwise points at infinity would be farther left in the right view";
             return fault("doffs", offset.to_string(), reason);
         }
         if offset > 0.0 && self.convergence == Convergence::ToeIn {
-            let reason = "eyes that are toed in have their principal points in one place: give a screen distance after the intrinsics";
+            let reason = "toed-in eyes have equal principal points: give a screen distance after the intrinsics";
             return fault("doffs", offset.to_string(), reason);
         }
         if !distance.is_finite() && offset == 0.0 {
@@ -426,8 +426,9 @@ impl StereoCamera {
         }
         check_screen_distance(distance as f32).map_err(|_| Error::Camera {
             field: "screen_distance",
-            value: format!("{:?}, by principal points {offset} px apart", distance as f32),
-            reason: "fx times interaxial over their distance must lie between 1e-6 and 1e9; for parallel cameras they are equal",
+            value: format!("{:?}, from principal points {offset} px apart", distance as f32),
+            reason: "fx times interaxial over their distance must lie between 1e-6 and 1e9; parallel cameras have \
+                     equal principal points",
         })
     }
 

@@ -37,7 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let provenance = Provenance::of(&gpu);
     println!("{provenance}\n");
     println!(
-        "| object in the hall | primitives | moved by, of its size | refit ms | rebuild ms | upload anew ms | cost of a refitted pair, rebuilt = 1 | nodes | tests |"
+        "| object in the hall | primitives | moved by, of its size | refit ms | rebuild ms | upload anew ms | cost of \
+        a refitted pair, rebuilt = 1 | nodes | tests |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut renderer = Renderer::new(gpu);

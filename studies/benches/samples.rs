@@ -1,5 +1,5 @@
-//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench -p stereotrace-studies --bench samples` prints
-//! tables.
+//! What many samples a pixel cost, and what of it the second eye is spared: `cargo bench -p stereotrace-studies --bench
+//! samples` prints tables.
 //!
 //! Naive and bracket take turns at every number of samples in one run, without depths and ids, so that all rays are
 //! samples. Times are the passes', medians of the rounds; the filter on the host is not among them. Counts and pictures
@@ -135,7 +135,8 @@ fn measure(
     let reference = render(Method::Naive, REFERENCE, false)?;
     println!("{}\n", scenes::title(name));
     println!(
-        "| samples | naive pair ms | bracket pair ms | ratio by time | m by counters | right's nodes and tests a sample, naive | bracket | \
+        "| samples | naive pair ms | bracket pair ms | ratio by time | m by counters | right's nodes and tests a \
+        sample, naive | bracket | \
          identical % | error of naive's | of bracket's |\n|---|---|---|---|---|---|---|---|---|---|"
     );
     for (index, &samples) in arguments.samples.iter().enumerate() {

@@ -1,10 +1,12 @@
-//! What soft light costs and how exact the second eye is: `cargo bench -p stereotrace-studies --bench soft` prints a table.
+//! What soft light costs and how exact the second eye is: `cargo bench -p stereotrace-studies --bench soft` prints a
+//! table.
 //!
 //! Naive and bracket by both rules of `Penumbra` take turns in one run; times are the passes', medians of the rounds.
 //! Errors are the right view's mean and root mean square distance from a converged picture, the mean of naive's over
 //! many seeds with 32 rays each, in linear light; naive's own is noise. Counts and errors are those of half the width
-//! and height. `cargo bench -p stereotrace-studies --bench soft -- NAME…` takes other scenes: built-in ones, those of the stability suite
-//! (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all else.
+//! and height. `cargo bench -p stereotrace-studies --bench soft -- NAME…` takes other scenes: built-in ones, those of
+//! the stability suite (cables, foliage, …), or folders of OBJ files. `--counts` leaves out the times, `--times` all
+//! else.
 
 #[path = "../../benches/common/mod.rs"]
 mod common;
@@ -70,7 +72,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         seeds * MAX_SOFT_RAYS
     );
     println!(
-        "| scene | light | method | pair ms | pair of naive | speed-up | second eye by time | by counters | shadow rays of naive's | identical % | error of naive's, mean | root mean square |"
+        "| scene | light | method | pair ms | pair of naive | speed-up | second eye by time | by counters | shadow \
+        rays of naive's | identical % | error of naive's, mean | root mean square |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut renderer = Renderer::new(gpu);

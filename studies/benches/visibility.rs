@@ -1,4 +1,5 @@
-//! What finding first hits costs, by rays and by a T-buffer: `cargo bench -p stereotrace-studies --bench visibility` prints a table a scene.
+//! What finding first hits costs, by rays and by a T-buffer: `cargo bench -p stereotrace-studies --bench visibility`
+//! prints a table a scene.
 //!
 //! Both ways take turns in one run, each at several sizes of one picture, since a T-buffer's price has a share that
 //! goes with primitives and one that goes with pixels. Scenes have no lights unless some are asked for, so that hardly
@@ -80,7 +81,8 @@ fn measure(
     let uploaded = renderer.upload(&bench.scene)?;
     println!("\n{}, {} primitives\n", scenes::title(&bench.name), bench.scene.primitive_count());
     println!(
-        "| size | by | ms | min..max | of rays | nodes a pixel | tests a pixel | of rays, by counters | rays | passes, ms |"
+        "| size | by | ms | min..max | of rays | nodes a pixel | tests a pixel | of rays, by counters | rays | passes, \
+        ms |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for &[width, height] in sizes {

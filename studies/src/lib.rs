@@ -1,4 +1,5 @@
-//! Studies of the papers that stereotrace builds on. They are benchmarks with reports, and tests of what the reports say:
+//! Studies of the papers that stereotrace builds on. They are benchmarks with reports, and tests of what the reports
+//! say:
 //!
 //! - `thesis`: Al-Hagri 2012 (THESIS.md).
 //! - `adelson-hodges`: Adelson & Hodges 1993 (ADELSON-HODGES.md).

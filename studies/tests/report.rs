@@ -123,7 +123,8 @@ fn sources_are_shown_with_their_shares_and_records() -> Result<(), Box<dyn Error
         "<b>99.9993%</b>", // one pixel is not rounded away
         // second eye by time and by counters, re-traced, shadow rays, differing and wrong surface, each of surfaces
         // too, MSE
-        "<tr><td>bracket</td><td>fixed spheres</td><td class=\"n\">600x600</td><td class=\"n\">0.454</td><td class=\"n\">0.131</td><td \
+        "<tr><td>bracket</td><td>fixed spheres</td><td class=\"n\">600x600</td><td class=\"n\">0.454</td><td \
+        class=\"n\">0.131</td><td \
          class=\"n\">0.63</td><td class=\"n\">58.00</td><td class=\"n\">0.01</td><td class=\"n\">0.03</td><td \
          class=\"n\">0.00</td><td class=\"n\">0.25</td><td class=\"n\">0.0175</td></tr>",
     ] {
@@ -240,14 +241,18 @@ fn times_have_bars_and_counts_have_none() -> Result<(), Box<dyn Error>> {
 }
 
 /// A triangle, a camera at (0, 0, 5) and a light, as another program would write them.
-const GLTF: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}], "extensionsUsed": ["KHR_lights_punctual"],
+const GLTF: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+"extensionsUsed": ["KHR_lights_punctual"],
 "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 10}]}},
-"nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 5]}, {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+"nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 5]},
+{"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
 "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-"buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+"buffers": [{"byteLength": 36, "uri":
+"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
 "bufferViews": [{"buffer": 0, "byteLength": 36}],
-"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]}"#;
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+"min": [0, 0, 0], "max": [1, 1, 0]}]}"#;
 
 #[test]
 fn benchmarks_take_any_scene_file() -> Result<(), Box<dyn Error>> {

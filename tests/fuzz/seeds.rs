@@ -17,11 +17,14 @@ fn png() -> Vec<u8> {
 }
 
 pub(crate) fn obj() -> Vec<Files> {
-    let obj = "mtllib scene.mtl\no first\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.2 0.1\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 \
-               1\nvn 0 1 0\nusemtl skin\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1 2 3 4\ng wing\nf 1/1 2/2 5/3 4/1\nusemtl glass\ns \
+    let obj = "mtllib scene.mtl\no first\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.2 0.1\nv 0 0 1\nvt 0 0\nvt 1 \
+        0\nvt 1 1\nvn 0 0 \
+               1\nvn 0 1 0\nusemtl skin\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1 2 3 4\ng wing\nf 1/1 2/2 5/3 4/1\nusemtl \
+                   glass\ns \
                off\nf -1 -2 -3 -4 \\\n-5\no second\nf 1//1 3//2 6//2\nl 1 2\np 3\n";
     let colored = "v 0 0 0 1 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 0 0 2\nf 1 2 3\n";
-    let mtl = "newmtl skin\nKd 0.5 0.4 0.3\nKs 0.1 0.1 0.1\nNs 20\nKe 0 0 0\nmap_Kd -s 2 2 -o 0.5 0 skin.png\nmap_d skin.png\nillum \
+    let mtl = "newmtl skin\nKd 0.5 0.4 0.3\nKs 0.1 0.1 0.1\nNs 20\nKe 0 0 0\nmap_Kd -s 2 2 -o 0.5 0 skin.png\nmap_d \
+        skin.png\nillum \
                2\nnewmtl glass\nTf 0.9 0.9 0.9\nNi 1.5\nd 0.5\nillum 7\n";
     vec![
         vec![("scene.obj".into(), obj.into()), ("scene.mtl".into(), mtl.into()), ("skin.png".into(), png())],
@@ -32,9 +35,12 @@ pub(crate) fn obj() -> Vec<Files> {
 pub(crate) fn ply() -> Vec<Files> {
     let header = |format: &str| {
         format!(
-            "ply\nformat {format} 1.0\ncomment a square\nelement vertex 5\nproperty float x\nproperty double y\nproperty float \
-             z\nproperty short nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar \
-             blue\nproperty float s\nproperty float t\nelement note 1\nproperty list uchar float values\nelement face 2\nproperty \
+            "ply\nformat {format} 1.0\ncomment a square\nelement vertex 5\nproperty float x\nproperty double \
+            y\nproperty float \
+             z\nproperty short nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar \
+                 green\nproperty uchar \
+             blue\nproperty float s\nproperty float t\nelement note 1\nproperty list uchar float values\nelement face \
+                 2\nproperty \
              list uchar int vertex_indices\nproperty uchar flags\nend_header\n"
         )
     };
@@ -107,7 +113,10 @@ pub(crate) fn gltf() -> Vec<Files> {
         "materials",
         json!({
             "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorTexture": { "index": wrapped } },
-            "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.5 }, "KHR_materials_ior": { "ior": 1.4 } }
+            "extensions": {
+                "KHR_materials_transmission": { "transmissionFactor": 0.5 },
+                "KHR_materials_ior": { "ior": 1.4 }
+            }
         }),
     );
     let unlit = all.push("materials", json!({ "extensions": { "KHR_materials_unlit": {} } }));
@@ -120,7 +129,11 @@ pub(crate) fn gltf() -> Vec<Files> {
     let bytes = all.accessor(&[0, 1, 2, 3], 5121, "SCALAR", 4);
     let first = all.mesh(
         &square,
-        json!({ "material": skin, "indices": indices, "attributes": { "TEXCOORD_0": uv, "NORMAL": normals, "COLOR_0": colors } }),
+        json!({
+            "material": skin,
+            "indices": indices,
+            "attributes": { "TEXCOORD_0": uv, "NORMAL": normals, "COLOR_0": colors }
+        }),
     );
     let strip = all
         .mesh(&square, json!({ "material": glass, "indices": bytes, "mode": 5, "attributes": { "TEXCOORD_0": uv } }));

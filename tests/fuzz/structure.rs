@@ -525,10 +525,17 @@ fn gltf_sparse(random: &mut Random, size: &Size) -> Files {
     let mut builder = Builder::triangle(json!({}));
     let view = builder.view(&[0; 16]);
     let count = [3 * size.triangles, size.triangles, 1 << 40][below(random, 3)];
-    let accessor = builder.push("accessors", json!({
-        "componentType": 5126, "type": "VEC3", "count": count,
-        "sparse": { "count": 1, "indices": { "bufferView": view, "componentType": 5123 }, "values": { "bufferView": view } }
-    }));
+    let accessor = builder.push(
+        "accessors",
+        json!({
+            "componentType": 5126, "type": "VEC3", "count": count,
+            "sparse": {
+                "count": 1,
+                "indices": { "bufferView": view, "componentType": 5123 },
+                "values": { "bufferView": view }
+            }
+        }),
+    );
     let attribute = one_of(random, &["POSITION", "NORMAL", "COLOR_0"]);
     builder.json["meshes"][0]["primitives"][0]["attributes"][attribute] = json!(accessor);
     let primitive = builder.json["meshes"][0]["primitives"][0].clone();
@@ -703,7 +710,8 @@ const VERTICES: &str = "property float x\nproperty float y\nproperty float z\n";
 /// A text of three corners, with these lines in its header and these before the face.
 fn ply(header: &str, vertex: &str, body: &str) -> Files {
     let text = format!(
-        "ply\nformat ascii 1.0\nelement vertex 3\n{VERTICES}{vertex}{header}element face 1\nproperty list uchar int vertex_indices\nend_header\n{body}3 0 1 2\n"
+        "ply\nformat ascii 1.0\nelement vertex 3\n{VERTICES}{vertex}{header}element face 1\nproperty list uchar int \
+        vertex_indices\nend_header\n{body}3 0 1 2\n"
     );
     vec![("scene.ply".into(), text.into())]
 }
@@ -731,7 +739,8 @@ fn binary_ply(random: &mut Random, count: &str, faces: &str, body: &[u8]) -> Fil
     let more = "nx ny nz red green blue u v".split(' ').map(|name| format!("property float {name}\n"));
     let more: String = if random.unit() < 0.5 { more.collect() } else { String::new() };
     let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\nelement vertex 256\n{VERTICES}{more}element face {faces}\nproperty list {count} uchar vertex_indices\nend_header\n"
+        "ply\nformat binary_little_endian 1.0\nelement vertex 256\n{VERTICES}{more}element face {faces}\nproperty list \
+        {count} uchar vertex_indices\nend_header\n"
     )
     .into_bytes();
     for _ in 0..256 * if more.is_empty() { 3 } else { 11 } {

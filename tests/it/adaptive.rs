@@ -103,7 +103,7 @@ fn bracket_rays_are_naive_to_the_last_bit() {
             let bounds = if index == 1 { 1.0..1.5 } else { 0.0..0.08 };
             assert!(primary.iter().all(|share| bounds.contains(share)), "{levels}, view {index}: {primary:?}");
             let shadow = bracket.work.rays.shadow as f64 / naive.work.rays.shadow as f64;
-            // Measured: at most .574. Divided cells lie at edges, where shadows are narrow and lights are asked anew.
+            // Measured: at most .574. Divided cells lie at edges, where shadows are narrow and lights are traced again.
             println!("{levels}, view {index}: {shadow:.3} of the shadow rays");
             assert!(index == 1 || shadow < 0.7, "{levels}, view {index}: {shadow}");
         }
@@ -214,21 +214,24 @@ fn what_it_does_not_go_with_is_refused_by_name() {
     };
     let with = |levels, tolerance| Options::new(Method::BRACKET).adaptive(Adaptive::new(levels, tolerance));
     for (options, says) in [
-        (with(1, 4.0), "1 levels; there can be 2 to 5"),
+        (with(1, 4.0), "1 levels; it must be 2 to 5"),
         (with(6, 4.0), "6 levels"),
         (with(3, -1.0), "a tolerance of -1; it must be 0 to 255"),
         (with(3, f32::NAN), "a tolerance of NaN"),
-        (with(3, 4.0).samples(4), "4 samples a pixel besides; take 1"),
-        (with(3, 4.0).filter(Filter::Tent), "the filter tent; take box"),
-        (with(3, 4.0).method(Method::ATOMIC), "the method atomic; take naive, ideal, a bracket or auto"),
+        (with(3, 4.0).samples(4), "it does not support 4 samples per pixel; use 1"),
+        (with(3, 4.0).filter(Filter::Tent), "it does not support the filter tent; use box"),
+        (
+            with(3, 4.0).method(Method::ATOMIC),
+            "it does not support the method atomic; use naive, ideal, a bracket method or auto",
+        ),
     ] {
         let message = refused(options);
         assert!(message.contains("adaptive") && message.contains(says), "{message}");
     }
     let mut encoder = renderer.gpu().clone().device().create_command_encoder(&Default::default());
     let encoded = renderer.encode(&uploaded, &Rig::pair(camera(16, 16)), &with(3, 4.0), &mut encoder);
-    assert!(encoded.unwrap_err().to_string().contains("a pixel of several samples can't be encoded ahead"));
+    assert!(encoded.unwrap_err().to_string().contains("several samples per pixel can't be encoded in advance"));
     let far = camera(400, 300).screen_width(0.01);
     let message = renderer.render(&uploaded, &far, &with(4, 4.0)).unwrap_err().to_string();
-    assert!(message.contains("64 a pixel; those of 400x300 pixels are"), "{message}");
+    assert!(message.contains("64 per pixel; for 400x300 pixels they are"), "{message}");
 }

@@ -55,7 +55,7 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (parallel().interaxial_pixels(4.0), "interaxial is 4.0 px; in pixels it is the parallax at infinity"),
         (parallel().interaxial_pixels(0.0), "interaxial is 0.0 px; in pixels it is the parallax at infinity"),
         (parallel().interaxial(f32::NAN), "interaxial is NaN; it must be a number of at least 0"),
-        (parallel().screen_width(2.0), "screen_width is 2; it takes a screen distance"),
+        (parallel().screen_width(2.0), "screen_width is 2; give a finite screen distance"),
         (parallel().vertical_fov_degrees(0.01), "vertical_fov is 0.01, and pixels of 100x80 span 2.2e-6 radians"),
         (
             parallel().eye(Vec3::splat(1e7)).target(Vec3::ZERO).interaxial(0.3),
@@ -79,12 +79,12 @@ fn cameras_beyond_the_ranges_are_refused_by_field_value_and_range() {
         (lenses(1e-9, 1e-9), "intrinsics is fx 0.000000001"),
         (lenses(1e300, 90.0), "intrinsics is fx 1"),
         (lenses(90.0, 1e-300), "intrinsics is fx 90, fy 0.0"),
-        (doffs(-0.5), "doffs is -0.5; cx1 must be cx0 or more"),
-        (doffs(5.0).interaxial(0.0), "screen_distance is 0.0, by principal points 5 px apart"),
-        (doffs(1e-12), "screen_distance is 11977658000000.0, by principal points"),
+        (doffs(-0.5), "doffs is -0.5; cx1 must be at least cx0"),
+        (doffs(5.0).interaxial(0.0), "screen_distance is 0.0, from principal points 5 px apart"),
+        (doffs(1e-12), "screen_distance is 11977658000000.0, from principal points"),
         (doffs(5.0).interaxial_pixels(5.0), "interaxial is 5.0 px; in pixels it is the parallax at infinity"),
-        (doffs(5.0).convergence(Convergence::ToeIn), "doffs is 5; eyes that are toed in have"),
-        (doffs(5.0).screen_width(3.0), "screen_width is 3; it takes a screen distance"),
+        (doffs(5.0).convergence(Convergence::ToeIn), "doffs is 5; toed-in eyes have"),
+        (doffs(5.0).screen_width(3.0), "screen_width is 3; give a finite screen distance"),
         (
             calibrated(Intrinsics::new([90.0; 2], [-1e6, 40.0]).right_cx(1e6)).interaxial(1e4),
             "interaxial is 10000.0, and pixels span",
@@ -372,7 +372,7 @@ fn a_scene_that_is_taken_is_framed_and_what_is_too_small_is_refused_by_name() {
     let uploaded = renderer.upload(&far).unwrap();
     let camera = StereoCamera::fitting(far.bounds().unwrap(), 48, 48);
     let message = renderer.render(&uploaded, &camera, &Options::default()).unwrap_err().to_string();
-    assert!(message.contains("an origin of the scene that is nearer"), "{message}");
+    assert!(message.contains("a scene origin nearer to the camera"), "{message}");
     let mut far = triangle(shape.map(|corner| 8.0 * corner));
     far.set_origin(Vec3::splat(5e7)).unwrap();
     let seen = framed(&mut renderer, &far).left.primitive.iter().filter(|&&primitive| primitive == 0).count();

@@ -89,8 +89,8 @@ fn where_there_is_no_room_the_reasons_are_said() {
     let refused = |poses: FreePoses<'_>| poses.find(&renderer, &uploaded, 3).unwrap_err().to_string();
     let poses = || FreePoses::new(&scene, camera(), 0).unwrap();
     let near = refused(poses().clearance(6.0));
-    assert!(near.contains("no free place for item 3 among 2000: 2000 too near a surface"), "{near}");
+    assert!(near.contains("no free camera position for item 3 in 2000 tries: 2000 too near a surface"), "{near}");
     let aside = refused(poses().disparity(1e-3));
     assert!(aside.contains("with too large disparities") && !aside.contains(" 0 with too large"), "{aside}");
-    assert!(FreePoses::new(&Scene::new(), camera(), 0).unwrap_err().to_string().contains("nothing of a size"));
+    assert!(FreePoses::new(&Scene::new(), camera(), 0).unwrap_err().to_string().contains("cameras can't be placed"));
 }

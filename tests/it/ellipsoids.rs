@@ -325,7 +325,7 @@ fn changed_ellipsoids_look_as_uploaded_anew() {
     }
     scene.add_ellipsoid(scene.ellipsoids()[0]).unwrap();
     let message = renderer.update(&mut refitted, &scene, Update::Refit).unwrap_err().to_string();
-    assert!(message.contains("40 spheres and 12 ellipsoids, and these are"), "{message}");
+    assert!(message.contains("40 spheres and 12 ellipsoids, but the scene now has"), "{message}");
     scene.add_sphere(Sphere::new(Vec3::ZERO, 0.1, MaterialId(0))).unwrap();
     renderer.update(&mut refitted, &scene, Update::Rebuild(BvhBuild::Fast)).unwrap();
 }

@@ -79,8 +79,8 @@ fn what_is_farther_off_is_warned_of_once_a_renderer_with_the_remedy() {
     Renderer::new(gpu()).upload(&still_life(1e6 * DIRECTION)).unwrap();
     let text = |near: &str, step: &str, side: &str| {
         format!(
-            "the scene's coordinates near {near} are rounded to steps of {step}, and its longest side is {side}: detail and \
-             shadows break up; give it an origin that is nearer"
+            "the scene's coordinates near {near} are rounded to steps of {step}, and its longest side is {side}: \
+             detail and shadows break up; set an origin nearer to it"
         )
     };
     let expected = [text("1.1005e3", "0.00012207031", "1"), text("1.0000005e6", "0.0625", "1")];
@@ -274,7 +274,8 @@ fn scene_files_far_from_the_origin_lose_nothing() {
             let home = at_home.get_or_insert_with(|| pair.left.rgba8.clone());
             let others = home.iter().zip(&pair.left.rgba8).filter(|(a, b)| a != b).count();
             println!(
-                "{} at {place}, origin {}: disparity {of_disparity:.6} px, rows {of_row:.6} px, {missed} missed, {others} other pixels",
+                "{} at {place}, origin {}: disparity {of_disparity:.6} px, rows {of_row:.6} px, {missed} missed, \
+                {others} other pixels",
                 model.name,
                 scene.origin()
             );

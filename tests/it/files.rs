@@ -117,10 +117,10 @@ fn a_file_over_the_limit_is_refused_unread_and_the_limit_can_be_raised() {
     let limit = text.len() as u64;
     let message = refused(&obj, Scene::from_obj_within(&obj, &Limits::default().file_bytes(limit - 1)));
     assert!(message.contains(&format!("the file has {limit} bytes, over the limit of {}", limit - 1)), "{message}");
-    assert!(message.ends_with("raise it by Limits, if it is right"), "{message}");
+    assert!(message.ends_with("raise it with Limits if the size is intended"), "{message}");
     let limits = Limits::default().file_bytes(limit - 1).option_names("--max-file", "--max-sky");
     let message = refused(&obj, Scene::from_obj_within(&obj, &limits));
-    assert!(message.ends_with("raise it by --max-file, if it is right"), "{message}");
+    assert!(message.ends_with("raise it with --max-file if the size is intended"), "{message}");
     // MTL files have the limit together.
     let material = |name: &str| format!("newmtl {name}\n{}\n", "#".repeat(40));
     folder.write("a.mtl", material("a"));
@@ -160,7 +160,7 @@ fn a_sky_takes_at_most_16_bytes_a_pixel_and_one_over_the_limit_none() {
     assert!(mib < 8, "{mib} MiB for what is refused");
     let message =
         refused(&path, SkyMap::open_within(&path, &Limits::default().option_names("--max-file", "--max-sky")));
-    assert!(message.ends_with("raise it by --max-sky, up to what the adapter holds"), "{message}");
+    assert!(message.ends_with("raise it with --max-sky, up to the adapter's limit"), "{message}");
     let pipe = pipe(&folder);
     assert!(refused(&pipe, SkyMap::open(&pipe)).contains("only regular files"));
     let message = refused(&path, SkyMap::open_within(&path, &Limits::default().file_bytes(100)));
@@ -199,7 +199,7 @@ fn cameras_and_lights_are_read_within_limits_too() {
     assert!(message.contains("over the limit of 2"), "{message}");
     folder.write("cameras.json", b"\xff\xfe{\0}\0");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));
-    assert!(message.ends_with("it is UTF-16 text, by its byte order mark; save it as UTF-8"), "{message}");
+    assert!(message.ends_with("it is UTF-16 text, judging by its byte order mark; save it as UTF-8"), "{message}");
     // A name of the file in an error steers no terminal.
     folder.write("cameras.json", "{ \"\\u001b[2J\": 1 }");
     let message = refused(&path, StereoCamera::from_json(&path, "a", 1, 1));

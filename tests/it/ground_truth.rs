@@ -241,10 +241,13 @@ fn what_no_ground_truth_can_be_made_of_is_refused_by_name() {
     }
     for method in [Method::ATOMIC, Method::ES_ISLER, Method::Ideal] {
         let found = message(&scene, &Options::new(method)).unwrap_err();
-        assert!(found.contains(&format!("{method} shows points up to half a pixel aside")), "{found}");
+        assert!(found.contains(&format!("{method} shows points up to half a pixel off")), "{found}");
     }
     let found = message(&Builtin::Hall.scene(), &naive).unwrap_err();
-    assert!(found.contains("the scene of a ground truth: it, or what it was cloned from, was not uploaded"), "{found}");
+    assert!(
+        found.contains("the ground truth's scene: neither it nor the scene it was cloned from was uploaded"),
+        "{found}"
+    );
     let mut moved = scene.clone();
     moved.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap();
     assert!(message(&moved, &naive).is_err());

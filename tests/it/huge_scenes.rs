@@ -140,8 +140,8 @@ fn pebbles_on_a_huge_ground_cost_no_more_tests_than_on_a_small_one() {
                 let ratios = [huge_left / left, huge_right / right];
                 let wrong = wrong_hits(&huge, &pair);
                 let line = format!(
-                    "{kind:?} on ±{half_side} by {name}: {huge_left:.1} tests a ray on the left, {huge_right:.1} on the \
-                     right, {:.2} and {:.2} times those on ±1; {wrong} of 4096 hits wrong",
+                    "{kind:?} on ±{half_side} by {name}: {huge_left:.1} tests a ray on the left, {huge_right:.1} on \
+                     the right, {:.2} and {:.2} times those on ±1; {wrong} of 4096 hits wrong",
                     ratios[0], ratios[1]
                 );
                 println!("{line}");

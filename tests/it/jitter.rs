@@ -239,7 +239,7 @@ fn centres_that_fill_memory_are_refused_with_a_remedy() {
     let error = renderer.render_rows(&uploaded, &Rig::pair(camera), &options, &mut |_| Ok(())).unwrap_err();
     let message = error.to_string();
     assert!(
-        matches!(error, Error::Limit { .. }) && message.ends_with("without jitter, or colours alone (GBuffer::None)"),
+        matches!(error, Error::Limit { .. }) && message.ends_with("without jitter, or only colours (GBuffer::None)"),
         "{message}"
     );
 }

@@ -38,6 +38,7 @@ mod numbers;
 mod obj;
 mod planes;
 mod ply;
+mod prose;
 mod rays;
 mod rooms;
 mod rows_and_textures;

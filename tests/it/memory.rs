@@ -133,11 +133,13 @@ fn gltf_files_with_files_beside_them_and_in_one_are_the_same_scene() {
 
 #[test]
 fn a_ply_file_is_the_same_scene_with_the_same_warnings() {
-    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float w\n\
-               element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 7\n1 0 0 7\n0 1 0 7\n3 0 1 2\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty \
+        float w\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 7\n1 0 0 7\n0 1 0 7\n3 0 1 \
+                   2\n";
     let Outcome { result, warnings, .. } = both(&[("a.PLY", ply.as_bytes())], &SceneOptions::default());
     assert_eq!(result.unwrap().scene.triangles().len(), 1);
-    assert_eq!(warnings, ["a.PLY: left out: unknown properties of vertices on line 7"]);
+    assert_eq!(warnings, ["a.PLY: ignored: unknown properties of vertices on line 7"]);
 }
 
 #[test]
@@ -150,16 +152,16 @@ fn faults_are_named_as_those_of_files_on_the_disk_are() {
     let mtl = mtl.as_bytes();
     let cases: [(Files, &str); 14] = [
         (&[("a.obj", at_line_8.as_bytes())], "a.obj:8: "),
-        (&[("a.obj", &utf_16)], "a.obj: it is UTF-16 text or none at all"),
+        (&[("a.obj", &utf_16)], "a.obj: it is UTF-16 text or binary data"),
         (&[("a.obj", b"")], "a.obj: no faces and 0 vertices"),
         (&[("a.stl", b"solid")], "unknown ending of a scene file 'stl'"),
         (&[("a.ply", b"ply\nformat binary 1.0\n")], "a.ply:2: "),
-        (&[("a.gltf", b"{\n\"asset\": 7 }")], "a.gltf:2: no JSON of glTF"),
+        (&[("a.gltf", b"{\n\"asset\": 7 }")], "a.gltf:2: invalid glTF JSON"),
         (&[("a.glb", b"glTF\x02\0\0\0\x0c\0\0\0")], "a.glb: it has no JSON chunk"),
         (&[("a.gltf", text), ("a.png", &picture)], "a.gltf: buffers[0]: a.bin: no such file"),
         (&[("a.gltf", text), ("a.bin", short), ("a.png", &picture)], "a.gltf: buffers[0]: its byteLength is"),
         (&[("a.gltf", text), ("a.bin", &buffer)], "baseColorTexture: a.png: no such file"),
-        (&[("a.gltf", text), ("a.bin", &buffer), ("a.png", &picture[..30])], "no picture of a texture"),
+        (&[("a.gltf", text), ("a.bin", &buffer), ("a.png", &picture[..30])], "can't read the texture"),
         (
             &[("a.obj", mtl), ("a.mtl", b"newmtl a\nmap_Kd tex\\a.png")],
             "a.mtl:2: map_Kd 'tex\\a.png' of material 'a': no",
@@ -184,10 +186,11 @@ fn what_is_left_out_is_warned_of_as_on_the_disk() {
     assert_eq!(result.unwrap().scene.textures().len(), 0);
     let expected = [
         "none.mtl: no such file among those in memory; its materials are grey (line 1 of a.obj)",
-        "wide.mtl: it is UTF-16 text or none at all",
-        "a.mtl:2: map_Kd 'gone.png' of material 'a': no such file among those in memory; the material is without it",
-        "a.mtl: left out: unknown statements on line 4",
-        "a.obj: left out: lines (l) on line 12",
+        "wide.mtl: it is UTF-16 text or binary data",
+        "a.mtl:2: map_Kd 'gone.png' of material 'a': no such file among those in memory; the material is rendered \
+         without it",
+        "a.mtl: ignored: unknown statements on line 4",
+        "a.obj: ignored: lines (l) on line 12",
     ];
     assert_eq!(warnings.len(), expected.len(), "{warnings:?}");
     for (found, expected) in warnings.iter().zip(expected) {
@@ -196,7 +199,7 @@ fn what_is_left_out_is_warned_of_as_on_the_disk() {
     let (text, buffer, _) = gltf_files("a.bin", "gone.png");
     let Outcome { result, warnings, .. } = both(&[("a.gltf", text.as_bytes()), ("a.bin", &buffer)], &warn);
     assert_eq!(result.unwrap().scene.textures().len(), 0);
-    assert!(warnings[0].ends_with("gone.png: no such file among those in memory; the material is without it"));
+    assert!(warnings[0].ends_with("gone.png: no such file among those in memory; the material is rendered without it"));
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn limits_hold_as_they_do_on_the_disk() {
         [("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes()), ("b.mtl", mtl.as_bytes()), ("a.png", &picture)];
     let message = said(&files, limit(obj.len() - 1));
     let expected = format!("a.obj: the file has {} bytes, over the limit of {}", obj.len(), obj.len() - 1);
-    assert!(message.starts_with(&expected) && message.contains("raise it by --max-file"), "{message}");
+    assert!(message.starts_with(&expected) && message.contains("raise it with --max-file"), "{message}");
     // All MTL files share one limit.
     let warnings = both(&files, &SceneOptions::default().limits(limit(mtl.len() + 9))).warnings;
     assert!(warnings[0].starts_with("b.mtl: the file has 122 bytes, over the limit of 9"), "{warnings:?}");
@@ -227,7 +230,7 @@ fn limits_hold_as_they_do_on_the_disk() {
     let message = said(&files, limit(text.len()));
     assert!(message.starts_with(&format!("a.bin: the file has {} bytes", buffer.len())), "{message}");
     let message = said(&files, limit(1 << 20).json_bytes(9));
-    assert!(message.contains("beside its strings, over the limit of 9"), "{message}");
+    assert!(message.contains("outside strings, over the limit of 9"), "{message}");
 }
 
 #[test]
@@ -298,7 +301,7 @@ fn pictures_are_read_from_bytes() {
     };
     assert!(said(&Limits::default().file_bytes(9)).starts_with("a.png: the file has"));
     assert!(said(&Limits::default().texture_pixels(1)).starts_with("a.png: the picture has 2x1 pixels"));
-    assert!(read(b"", &Limits::default()).unwrap_err().to_string().starts_with("a.png: no picture of a texture"));
+    assert!(read(b"", &Limits::default()).unwrap_err().to_string().starts_with("a.png: can't read the texture"));
     #[cfg(feature = "sky")]
     {
         use stereotrace::SkyMap;

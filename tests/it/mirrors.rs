@@ -307,7 +307,7 @@ fn veils_mix_with_what_is_behind_and_mirrors_in_mirrors_end() {
     let uploaded = renderer.upload(&scene).unwrap();
     let options = Options::default().bounces(MAX_BOUNCES + 1);
     let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
-    assert_eq!(message, "invalid options: bounces: 9; there can be 0 to 8");
+    assert_eq!(message, "invalid options: bounces: 9; it must be 0 to 8");
 }
 
 #[test]

@@ -221,7 +221,10 @@ fn a_refit_refuses_what_its_tree_does_not_hold_and_leaves_the_scene_as_it_was() 
     let before = scene();
     let mut uploaded = renderer.upload(&before).unwrap();
     let cases: [Refused; 3] = [
-        (|scene| scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap(), "12 spheres, and these are"),
+        (
+            |scene| scene.add_sphere(Sphere::new(Vec3::ZERO, 1.0, MaterialId(0))).unwrap(),
+            "12 spheres, but the scene now has",
+        ),
         (|scene| scene.set_mesh(FLAT, &ball(Vec3::ZERO, 1.0, 3)).unwrap(), "triangles and 12 spheres"),
         (
             |scene| {
@@ -229,7 +232,7 @@ fn a_refit_refuses_what_its_tree_does_not_hold_and_leaves_the_scene_as_it_was() 
                 mesh.triangles[2] = [1, 2, 3];
                 scene.set_mesh(GROUND, &mesh).unwrap();
             },
-            "triangle 2: the tree to refit has none, since it was without area",
+            "triangle 2: the tree to refit does not contain it, because it had no area",
         ),
     ];
     for (change, words) in cases {
@@ -259,7 +262,7 @@ fn copies_are_refitted_as_long_as_they_are_copies() {
     assert_as_new(&mut renderer, &uploaded, &scene, &[Method::Naive, Method::BRACKET], "both move");
     scene.transform_object(copy, &shift(0.0, 0.0, 0.01)).unwrap();
     let message = refusal(renderer.update(&mut uploaded, &scene, Update::Refit));
-    assert!(message.contains("since it was an exact copy of primitive "), "{message}");
+    assert!(message.contains("because it was an exact copy of primitive "), "{message}");
     // What a copy without area was a copy of may be anywhere.
     scene.transform_object(copy, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
     renderer.update(&mut uploaded, &scene, Update::Refit).unwrap();

@@ -121,7 +121,7 @@ fn numbers_that_make_no_scene_are_refused_by_name() {
         assert_eq!(scene.add_mesh(&mesh).is_ok(), number.abs() <= 1e8, "{number}");
     }
     let unknown = Sphere::new(Vec3::ZERO, 1.0, MaterialId(u32::MAX));
-    assert!(scene.add_sphere(unknown).unwrap_err().to_string().contains("material 4294967295 of 1"));
+    assert!(scene.add_sphere(unknown).unwrap_err().to_string().contains("no material 4294967295; the scene has 1"));
     assert!(scene.add_mesh(&Mesh::new(vec![Vec3::ZERO], vec![[0, 0, u32::MAX]])).is_err());
     scene.add_mesh(&Mesh::new(Vec::new(), Vec::new())).unwrap();
     assert_eq!((scene.object_of(MISS), scene.object_name(MISS)), (MISS, ""));
@@ -133,11 +133,11 @@ fn more_lights_than_a_scene_can_have_are_refused() {
     let mut scene = Builtin::Near.scene();
     for count in [MAX_LIGHTS + 1, usize::MAX] {
         let message = scene.place_lights(count, &camera).unwrap_err().to_string();
-        assert!(message.contains(&format!("lights: {count} of them; it can have at most 1048576")), "{message}");
+        assert!(message.contains(&format!("lights: {count} lights; a scene can have at most 1048576")), "{message}");
     }
     assert_eq!(scene.lights.len(), 5, "a refused number changes nothing");
     scene.lights = vec![Light::point(Vec3::Y, Vec3::ZERO); MAX_LIGHTS + 1];
-    assert!(renderer().upload(&scene).unwrap_err().to_string().contains("1048577 of them"));
+    assert!(renderer().upload(&scene).unwrap_err().to_string().contains("1048577 lights"));
 }
 
 #[test]

@@ -175,13 +175,13 @@ fn what_cannot_be_encoded_is_refused_by_name() {
     for method in ["buffer", "buffer-8", "adelson-hodges"] {
         let message = refused(small, Options::new(method.parse().unwrap()));
         assert!(
-            message.starts_with(&format!("{method} can't be encoded ahead: a part of it is the host's")),
+            message.starts_with(&format!("{method} can't be encoded in advance: a part of it runs on the host")),
             "{message}"
         );
     }
     let naive = Options::new(Method::Naive);
     assert!(refused(small, naive.clone().linear(true)).starts_with("linear colour can't be"));
-    assert!(refused(small, naive.clone().cost_map(true)).starts_with("a map of costs can't be"));
+    assert!(refused(small, naive.clone().cost_map(true)).starts_with("a cost map can't be"));
     let side = gpu.device().limits().max_texture_dimension_2d;
     let message = refused(camera().size(8, side + 1), naive);
     assert!(message.contains("max_texture_dimension_2d") && message.contains("render_rows"), "{message}");

@@ -350,21 +350,21 @@ fn what_cannot_be_sampled_is_refused_by_name() {
     };
     for samples in [0, 5, 65] {
         let message = refused(camera(16, 16), samples);
-        assert_eq!(message, format!("invalid samples: {samples} a pixel; take 1, 4, 9, 16, 25, 36, 49 or 64"));
+        assert_eq!(message, format!("invalid samples: {samples} per pixel; use 1, 4, 9, 16, 25, 36, 49 or 64"));
     }
     let message = refused(camera(4, 20_000).screen_width(0.001), 64);
     assert!(
-        message.starts_with("invalid samples: 64 a pixel; of 4x20000 pixels they are a grid of 32x160000"),
+        message.starts_with("invalid samples: 64 per pixel; for 4x20000 pixels they form a grid of 32x160000"),
         "{message}"
     );
     let message = refused(camera(400, 300).screen_width(0.01), 16);
-    assert!(message.contains("16 a pixel; those of 400x300 pixels are 1.2e-6 radians apart"), "{message}");
+    assert!(message.contains("16 per pixel; for 400x300 pixels they are 1.2e-6 radians apart"), "{message}");
     let gpu = renderer.gpu().clone();
     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     let options = Options::new(Method::Naive).samples(4);
     let message =
         renderer.encode(&uploaded, &Rig::pair(camera(16, 16)), &options, &mut encoder).unwrap_err().to_string();
-    assert!(message.starts_with("a pixel of several samples can't be encoded ahead"), "{message}");
+    assert!(message.starts_with("several samples per pixel can't be encoded in advance"), "{message}");
 }
 
 #[test]
@@ -378,6 +378,6 @@ fn a_limit_that_only_samples_reach_is_said_to_be_theirs() {
     };
     render(1).unwrap();
     let message = render(4).unwrap_err().to_string();
-    let about = message.starts_with("4 samples a pixel: ") && message.contains("max_texture_dimension_2d");
-    assert!(about && message.ends_with("take fewer samples or pixels"), "{message}");
+    let about = message.starts_with("4 samples per pixel: ") && message.contains("max_texture_dimension_2d");
+    assert!(about && message.ends_with("use fewer samples or pixels"), "{message}");
 }

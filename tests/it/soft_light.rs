@@ -318,9 +318,9 @@ fn what_can_not_be_rendered_is_refused_by_name() {
     let plain = || Options::new(Method::Naive);
     for (options, text) in [
         (plain().shadow_rays(0), "shadow_rays"),
-        (plain().shadow_rays(33), "33; there can be 1 to 32"),
+        (plain().shadow_rays(33), "33; it must be 1 to 32"),
         (plain().occlusion(AmbientOcclusion::new(0, 1.0)), "occlusion"),
-        (plain().occlusion(AmbientOcclusion::new(4, f32::NAN)), "radius of occlusion"),
+        (plain().occlusion(AmbientOcclusion::new(4, f32::NAN)), "occlusion radius"),
         (plain().occlusion(AmbientOcclusion::new(4, -1.0)), "-1; it must be above 0"),
         (plain().penumbra(Penumbra::Shared { deviations: f32::NAN }), "deviations"),
     ] {

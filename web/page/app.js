@@ -21,9 +21,12 @@ const QUILT = { columns: 8, rows: 6, size: [420, 560], interaxialPixels: 3 };
 const ROUNDS = 3;
 const VIEWS = [...element("view").options].map((option) => option.value);
 const LEGENDS = {
-    retrace: "Of the right eye: green was taken over, or found no deeper than the left eye says; red and yellow were traced; grey was traced without asking the left eye.",
-    shadows: "Of the right eye, by bracket: green took over what the left eye knows of its lights, red traced shadow rays.",
-    difference: "Of the right eye, against naive's: dark is alike, yellow to red differs.",
+    retrace: "The map shows the source of each right pixel. Green pixels were reused from the left view, or found "
+        + "within the left view's depth bound. Red and yellow pixels were traced because reuse failed. Grey pixels were "
+        + "traced without reuse.",
+    shadows: "The map shows the source of the right view's shadows with bracket. Green pixels reused visibility bits of "
+        + "the left view. Red pixels traced shadow rays.",
+    difference: "The right view is compared with naive. Equal pixels are dark, and different pixels are yellow to red.",
 };
 /** Passes that are the left eye's alone, and those that both eyes share; all others are the right eye's. */
 const LEFT_PASSES = ["trace_left"];
@@ -126,7 +129,7 @@ function label() {
     element("e-value").value = `${short(interaxial)}, ${short(interaxial * width / across)} px`;
     element("d-value").value = short(screenDistance);
     element("samples-value").value = String(settings().options.samples);
-    element("lights-value").value = settings().lights || "the scene's own";
+    element("lights-value").value = settings().lights || "from the scene";
     element("glasses-row").hidden = settings().view !== "anaglyph";
     const legend = LEGENDS[settings().view];
     element("legend").hidden = !legend;
@@ -263,21 +266,22 @@ setInterval(() => {
 function figures({ ms, statistics, deviceMs }, pictureSize, scale) {
     const { method, choice, retracedShare, passes, left, right } = statistics;
     const rays = (eye) => eye.primary + eye.verification + eye.shadow + eye.secondary;
+    const compiled = ms > 4 * (deviceMs ?? ms) + 300 ? ", mostly compilation" : "";
     const rows = [
-        ["both eyes", `${ms.toFixed(ms < 100 ? 1 : 0)} ms${ms > 4 * (deviceMs ?? ms) + 300 ? ", most of it to compile" : ""}`],
-        ["right eye traced anew", `${(100 * retracedShare).toFixed(1)} %`],
-        ["right eye's rays, of the left's", `${(100 * rays(right) / Math.max(1, rays(left))).toFixed(0)} %`],
+        ["time, both eyes", `${ms.toFixed(ms < 100 ? 1 : 0)} ms${compiled}`],
+        ["right pixels re-traced", `${(100 * retracedShare).toFixed(1)} %`],
+        ["rays, right relative to left", `${(100 * rays(right) / Math.max(1, rays(left))).toFixed(0)} %`],
     ];
     const shared = passes?.some(({ name, ms }) => ms > 0 && name !== "pack" && SHARED_PASSES.includes(name));
     if (passes && !shared) {
         const sum = (of) => passes.filter(of).reduce((total, pass) => total + pass.ms, 0);
         const [first, second] = [sum(({ name }) => LEFT_PASSES.includes(name)), sum(({ name }) => ![...LEFT_PASSES, ...SHARED_PASSES].includes(name))];
-        rows.push(["left + right, on the device", `${first.toFixed(1)} + ${second.toFixed(1)} ms`]);
-        if (first > 0) rows.push(["second eye's time, of the first's", `${(100 * second / first).toFixed(0)} %`]);
+        rows.push(["device time, left + right", `${first.toFixed(1)} + ${second.toFixed(1)} ms`]);
+        if (first > 0) rows.push(["device time, right relative to left", `${(100 * second / first).toFixed(0)} %`]);
     } else if (deviceMs !== undefined) {
-        rows.push(["on the device", `${deviceMs.toFixed(1)} ms`]);
+        rows.push(["device time", `${deviceMs.toFixed(1)} ms`]);
     }
-    rows.push(["method", method], ["picture", `${pictureSize.join("x")}${scale < 1 ? ", a draft" : ""}`]);
+    rows.push(["method", method], ["picture", `${pictureSize.join("x")}${scale < 1 ? ", draft" : ""}`]);
     element("figures").replaceChildren(...rows.map(([name, value]) => {
         const group = document.createElement("div");
         group.append(Object.assign(document.createElement("dt"), { textContent: name }), Object.assign(document.createElement("dd"), { textContent: value }));
@@ -294,8 +298,10 @@ function compared(found) {
         return;
     }
     const { difference: { identicalPercent, wrongSurfacePercent, psnr, largestParallaxError }, naiveMs } = found;
-    text.textContent = `${identicalPercent.toFixed(3)} % of the right eye's pixels are identical to naive's; ${wrongSurfacePercent.toFixed(3)} % show another surface.\n`
-        + `PSNR ${Number.isFinite(psnr) ? `${psnr.toFixed(1)} dB` : "∞: no difference"}; largest error of a parallax ${short(largestParallaxError)} px.\n`
+    text.textContent = `${identicalPercent.toFixed(3)} % of the right pixels are identical to naive; `
+        + `${wrongSurfacePercent.toFixed(3)} % show another surface.\n`
+        + `The PSNR is ${Number.isFinite(psnr) ? `${psnr.toFixed(1)} dB` : "∞, since nothing differs"}. `
+        + `The largest parallax error is ${short(largestParallaxError)} px.\n`
         + `naive took ${naiveMs.toFixed(0)} ms for both eyes.`;
 }
 
@@ -321,7 +327,8 @@ async function failed(error) {
     engine = new Engine("engine.js");
     lost = 0;
     await openScene({ builtin: element("scene").options[0].value });
-    notice(`The engine broke off (${error.message}), for want of memory or by a defect. It was started anew, with another scene.`);
+    notice(`The engine stopped (${error.message}): it ran out of memory or has a defect. `
+        + "It was restarted with another scene.");
 }
 
 /** @param {any} source */
@@ -339,7 +346,8 @@ async function openScene(source) {
         const others = info.primitives - info.triangles;
         element("about").textContent = [source.builtin ? "" : open.name, counted(info.triangles, "triangle", "triangles"), others ? counted(others, "other shape", "other shapes") : ""].filter(Boolean).join(", ");
         element("warnings").hidden = !warnings.length;
-        element("warnings").firstElementChild.textContent = `${counted(warnings.length, "thing is", "things are")} not shown as the file says`;
+        const parts = counted(warnings.length, "part of the file is", "parts of the file are");
+        element("warnings").firstElementChild.textContent = `${parts} not shown as specified`;
         element("warnings").lastElementChild.replaceChildren(...warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
         notice("");
         label();
@@ -536,7 +544,7 @@ element("copy").addEventListener("click", async () => {
         element("copied").textContent = "copied";
     } catch {
         element("json").select();
-        element("copied").textContent = "select and copy the text below";
+        element("copied").textContent = "copying failed; copy the selected text below";
     }
 });
 let resized = 0;
@@ -549,9 +557,13 @@ addEventListener("resize", () => {
 
 /** What is missing, where nothing can be rendered. */
 function missing() {
-    if (!isSecureContext) return "This page renders by WebGPU, which browsers give to pages over https or on localhost alone. Open it by such an address.";
+    if (!isSecureContext) {
+        return "This page needs WebGPU, which browsers offer only over https and on localhost. "
+            + "Open the page at such an address.";
+    }
     if (!("gpu" in navigator)) {
-        return "This browser has no WebGPU, by which this page renders. Chrome and Edge have it from version 113 on, Safari from 26, Firefox from 141 on Windows (elsewhere it may have to be switched on).";
+        return "This browser has no WebGPU, which this page needs. Chrome and Edge have it from version 113, "
+            + "Safari from 26, and Firefox from 141 on Windows. In Firefox on other systems you may have to enable it.";
     }
     return "";
 }
@@ -568,7 +580,8 @@ async function begin() {
     engine = new Engine("engine.js");
     const { adapter: found, builtins, methods, anaglyphs, version } = await engine.ask("begin");
     if (!found) {
-        return nothing("This browser has WebGPU, but no graphics adapter for it: the driver may be too old or blocked, or hardware acceleration switched off in the browser's settings.");
+        return nothing("This browser has WebGPU, but found no graphics adapter for it. The driver may be too old or "
+            + "blocked, or hardware acceleration may be disabled in the browser's settings.");
     }
     adapter = found;
     fill(element("scene"), builtins, query.get("scene") ?? "hall");
@@ -581,10 +594,10 @@ async function begin() {
         element("size").value = asked;
     }
     const { vendor, architecture, device, description, software, timestamps } = found;
-    const name = [vendor, architecture, device, description].filter(Boolean).join(" ") || "an adapter that the browser does not name";
+    const name = [vendor, architecture, device, description].filter(Boolean).join(" ") || "an unnamed adapter";
     element("adapter").textContent = `stereotrace ${version} on ${name}.`
-        + (software ? " It is a software adapter: pictures take a second or more, where a GPU takes milliseconds." : "")
-        + (timestamps ? "" : " It has no timestamps: times are those of whole frames, with what the browser adds.");
+        + (software ? " It is a software adapter. Pictures take a second or more, but milliseconds on a GPU." : "")
+        + (timestamps ? "" : " It has no timestamps, so times are of whole frames and include the browser's overhead.");
     await openScene({ builtin: element("scene").value });
 }
 

@@ -30,7 +30,8 @@ export function plot(figures) {
     for (let share = 0; share <= most; share += most > 3 ? 1 : 0.2) {
         svg.append(node("text", { x: x(share), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle", class: "axis" }, share.toFixed(most > 3 ? 0 : 1)));
     }
-    svg.append(node("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" }, "time of the pair, of naive's (pixels that differ from naive's upwards)"));
+    svg.append(node("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 8, "text-anchor": "middle", class: "axis" },
+        "time of the pair relative to naive (vertical axis: share of right pixels that differ from naive)"));
     // Labels that would cover one another are moved down, with a line to their points.
     /** @type {number[][]} */
     const taken = [];
@@ -51,12 +52,12 @@ export function tabulate(figures, table) {
     const columns = [
         ["method", (row) => row.method],
         ["ms", (row) => row.ms.toFixed(1)],
-        ["of naive", (row) => row.msOfNaive.toFixed(3)],
-        ["device, ms", (row) => row.deviceMs?.toFixed(1) ?? "–"],
+        ["relative to naive", (row) => row.msOfNaive.toFixed(3)],
+        ["device ms", (row) => row.deviceMs?.toFixed(1) ?? "–"],
         ["2nd eye", (row) => row.secondEye?.toFixed(3) ?? "–"],
         ["traced", (row) => `${(100 * row.retracedShare).toFixed(1)} %`],
-        ["wrong", (row) => `${(100 - row.identicalPercent).toFixed(3)} %`],
-        ["surface", (row) => `${row.wrongSurfacePercent.toFixed(3)} %`],
+        ["wrong colour", (row) => `${(100 - row.identicalPercent).toFixed(3)} %`],
+        ["wrong surface", (row) => `${row.wrongSurfacePercent.toFixed(3)} %`],
         ["PSNR", (row) => row.psnr === null ? "∞" : `${row.psnr.toFixed(1)} dB`],
     ];
     const line = (cells, kind) => {

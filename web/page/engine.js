@@ -62,7 +62,7 @@ function pictures(view, glasses) {
         case "retrace": return [pair.retraceMap()];
         case "shadows": return [pair.shadowMap() ?? pair.retraceMap()];
         case "difference": return [truth ? pair.differenceMap(truth) : pair.view("right")];
-        default: throw new Error(`no view '${view}'`);
+        default: throw new Error(`unknown view '${view}'`);
     }
 }
 

@@ -33,15 +33,18 @@ async function inside(entry) {
 /** What the engine opens. Throws where that is not plain. @param {{ path: string, file: File }[]} files */
 export function source(files) {
     const bytes = files.reduce((sum, { file }) => sum + file.size, 0);
-    if (bytes > MOST_BYTES) throw new Error(`the files have ${Math.round(bytes / 2 ** 20)} MiB; a page can take ${MOST_BYTES / 2 ** 20}`);
+    if (bytes > MOST_BYTES) {
+        const [found, most] = [Math.round(bytes / 2 ** 20), MOST_BYTES / 2 ** 20];
+        throw new Error(`the files have ${found} MiB in total; the page can open at most ${most} MiB`);
+    }
     const scenes = files.filter(({ path }) => SCENES.test(path));
     if (!scenes.length) {
         const names = files.map(({ path }) => path).slice(0, 5).join(", ");
-        throw new Error(`${names || "nothing"}: no .obj, .gltf, .glb or .ply among what was dropped`);
+        throw new Error(`${names || "no files"}: no .obj, .gltf, .glb or .ply file was given`);
     }
     if (scenes.length > 1) {
         const names = scenes.map(({ path }) => path).slice(0, 5).join(", ");
-        throw new Error(`${names}: one model at a time, with its own files`);
+        throw new Error(`${names}: open one model at a time, with its own files`);
     }
     const main = scenes[0].path;
     return { files, main, name: main.replace(/^.*\//, "").replace(SCENES, "") };

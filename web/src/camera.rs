@@ -40,7 +40,7 @@ pub(crate) fn read(value: JsValue) -> Result<StereoCamera, JsValue> {
         values::read("camera", value)?;
     let mut camera = StereoCamera::look_at(DVec3::from_array(eye), DVec3::from_array(target));
     if interaxial.is_some() && interaxial_pixels.is_some() {
-        return Err(refused("camera: interaxial and interaxialPixels say the same; give one of them"));
+        return Err(refused("camera: interaxial and interaxialPixels set the same value; give one of them"));
     }
     camera = up.map_or(camera, |up| camera.up(Vec3::from_array(up)));
     camera = size.map_or(camera, |[width, height]| camera.size(width, height));

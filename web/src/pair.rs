@@ -52,8 +52,8 @@ impl Pair {
         image(&self.0.packed(named(packing)?))
     }
 
-    /// Returns a picture of where right pixels came from: green ones were reused from the left view, red and yellow
-    /// ones traced because reuse failed, grey ones traced without reuse.
+    /// Returns a picture of the sources of right pixels. Green pixels were reused from the left view. Red and yellow
+    /// ones were traced because reuse failed, and grey ones were traced without reuse.
     #[wasm_bindgen(js_name = retraceMap)]
     pub fn retrace_map(&self) -> Result<ImageData, JsValue> {
         image(&self.0.retrace_picture())
@@ -123,7 +123,7 @@ impl Pair {
         match eye {
             "left" => Ok(&self.0.left),
             "right" => Ok(&self.0.right),
-            other => Err(refused(&format!("eye: '{other}' is none; there are left and right"))),
+            other => Err(refused(&format!("eye: unknown '{other}'; use left or right"))),
         }
     }
 }

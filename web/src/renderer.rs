@@ -57,9 +57,13 @@ impl Renderer {
 
     /// Renders a pair. The default camera is the scene's own, at 640x480.
     ///
-    /// Rejects with an error whose `name` is `NoAdapterError` if the browser has no WebGPU or no adapter, `LimitError`
-    /// if the picture or scene exceeds the adapter's limits, `AbortError` if `options.signal` was aborted,
-    /// `DeviceLostError` if the device was lost twice, and `TypeError` for a wrong field. The message names the value.
+    /// Rejects with an error. Its `name` is:
+    ///
+    /// - `NoAdapterError` if the browser has no WebGPU or no adapter;
+    /// - `LimitError` if the picture or scene exceeds the adapter's limits;
+    /// - `AbortError` if `options.signal` was aborted;
+    /// - `DeviceLostError` if the device was lost twice;
+    /// - `TypeError` for a wrong field. The message names the value.
     #[wasm_bindgen(unchecked_return_type = "Pair")]
     pub async fn render(
         &self,
@@ -128,7 +132,7 @@ impl Renderer {
                     if again {
                         return Err(raised(Error::DeviceLost(reason)));
                     }
-                    log::warn!("the graphics device was lost ({reason}); it is opened again");
+                    log::warn!("the graphics device was lost ({reason}); opening it again");
                     again = true;
                 }
                 done => return done.map_err(raised),

@@ -142,8 +142,8 @@ impl Scene {
         })
     }
 
-    /// Returns the scene's camera for pictures of this size in pixels: that of a built-in scene, the first one of its
-    /// file, or one that shows the whole scene.
+    /// Returns the scene's camera for pictures of this size in pixels. It is that of a built-in scene, or the first one
+    /// of a file. Otherwise it shows the whole scene.
     #[wasm_bindgen(unchecked_return_type = "Camera")]
     pub fn camera(&self, width: u32, height: u32) -> Result<JsValue, JsValue> {
         camera::written(&self.own_camera(width, height)?)
@@ -301,7 +301,7 @@ fn main_file(files: &BTreeMap<String, Vec<u8>>) -> Result<String, JsValue> {
     let scenes: Vec<&String> = files.keys().filter(is_scene).collect();
     match scenes[..] {
         [one] => Ok(one.clone()),
-        [] => Err(refused("files: none is a scene: its name ends in .obj, .gltf, .glb or .ply")),
+        [] => Err(refused("files: none is a scene, whose name must end in .obj, .gltf, .glb or .ply")),
         _ => {
             let names: Vec<&str> = scenes.iter().map(|path| path.as_str()).collect();
             Err(refused(&format!("files: {} are scenes; give one of them", names.join(", "))))
@@ -350,7 +350,7 @@ fn material_of(given: GivenMaterial) -> Result<Material, JsValue> {
         Some(_) => return Err(refused("material.finish: it must be matte, mirror or glass")),
     };
     if index.is_some() && !matches!(material.finish, Finish::Glass { .. }) {
-        return Err(refused("material.index: it is of glass; set finish to glass"));
+        return Err(refused("material.index: it applies to glass; set finish to glass"));
     }
     Ok(material)
 }
@@ -397,7 +397,7 @@ fn mesh_of(given: &JsValue) -> Result<Mesh, JsValue> {
     mesh = mesh.materials(vec![MaterialId(rest.material.unwrap_or(0))]);
     if let Some(normals) = floats("normals")? {
         if rest.crease_angle.is_some() {
-            return Err(refused("mesh: normals are given, and creaseAngle would make others; give one of them"));
+            return Err(refused("mesh: normals are given, but creaseAngle would replace them; give one of them"));
         }
         mesh = mesh.normals(of_corners("normals", &points("mesh.normals", &normals)?, positions.len(), &triangles)?);
     }

@@ -38,7 +38,7 @@ fn check_fields<T: DeserializeOwned>(what: &str, value: &JsValue) -> Result<(), 
     let (Some(known), Some(object)) = (fields.0, value.dyn_ref::<Object>()) else { return Ok(()) };
     let keys = Object::keys(object).into_iter().filter_map(|key| key.as_string());
     match keys.into_iter().find(|key| !known.contains(&&**key)) {
-        Some(key) => Err(refused(&format!("{what}: unknown field '{key}'; there are {}", known.join(", ")))),
+        Some(key) => Err(refused(&format!("{what}: unknown field '{key}'; the fields are {}", known.join(", ")))),
         None => Ok(()),
     }
 }
@@ -64,8 +64,8 @@ impl<'de> Deserializer<'de> for &mut Fields {
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct newtype_struct seq tuple
-        tuple_struct map enum identifier ignored_any
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }
 
@@ -111,7 +111,7 @@ pub(crate) fn corners(what: &str, array: &Uint32Array) -> Result<Vec<[u32; 3]>, 
 fn groups<T: Copy, const N: usize>(what: &str, all: &[T]) -> Result<Vec<[T; N]>, JsValue> {
     match all.as_chunks::<N>() {
         (groups, []) => Ok(groups.to_vec()),
-        _ => Err(refused(&format!("{what}: {} numbers, and not {N} each", all.len()))),
+        _ => Err(refused(&format!("{what}: {} numbers are not a multiple of {N}", all.len()))),
     }
 }
 

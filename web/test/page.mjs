@@ -296,7 +296,7 @@ function triangle() {
     return Buffer.concat([Buffer.from(new Uint32Array([0x46546c67, 2, 12 + chunks.length]).buffer), chunks]);
 }
 
-await test("a .glb is shown by its own camera, and again after the engine broke off", async () => {
+await test("a .glb is shown by its own camera, and again after the engine stopped", async () => {
     const trap = async (page) => {
         await page.route("**/engine.js", async (route) => {
             const response = await route.fetch();
@@ -316,7 +316,7 @@ await test("a .glb is shown by its own camera, and again after the engine broke 
     const middle = 4 * (96 * 36 + 48);
     assert.notDeepEqual(before.data.slice(middle, middle + 3), before.data.slice(0, 3), "the triangle stands before the sky");
     await page.selectOption("#view", "right");
-    await page.waitForFunction(() => /broke off/.test(document.querySelector("#message p").textContent));
+    await page.waitForFunction(() => /engine stopped/.test(document.querySelector("#message p").textContent));
     await whole(page);
     await page.click("#message button");
     await drop(page, [glb]);
@@ -436,7 +436,7 @@ await test("wrong values are refused by name", async () => {
         return [...found, both.map((pair) => pair.width).join()];
     });
     figures.refused = messages;
-    const expected = [/camera\.eye/, /fof/, /200/, /ambientOcclusion: unknown field 'reach'/, /lights\[0\]: unknown field 'raduis'/, /magic/, /10 a pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
+    const expected = [/camera\.eye/, /fof/, /200/, /ambientOcclusion: unknown field 'reach'/, /lights\[0\]: unknown field 'raduis'/, /magic/, /10 per pixel/, /signal/, /^AbortError/, /a\.obj.*Uint8Array/, /positions.*Float32Array/, /3 vertices/, /nothing to look at/, /^64,64$/];
     messages.forEach((message, index) => assert.match(message, expected[index]));
     await context.close();
 });

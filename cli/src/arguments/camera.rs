@@ -53,7 +53,12 @@ pub(crate) struct CameraArguments {
     calib_scale: f32,
     /// Choose interaxial and screen distance for a display of WIDTH metres seen from DISTANCE metres: the strongest
     /// depth that is comfortable
-    #[arg(long, value_name = "WIDTH:DISTANCE", value_parser = display, conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"])]
+    #[arg(
+        long,
+        value_name = "WIDTH:DISTANCE",
+        value_parser = display,
+        conflicts_with_all = ["screen", "interaxial", "interaxial_px", "calib"]
+    )]
     pub(super) comfort: Option<Display>,
 }
 
@@ -82,7 +87,7 @@ impl CameraArguments {
         // The message lists at most 20 names.
         let names: Vec<&str> = cameras.iter().take(20).map(|(name, _)| &**name).collect();
         match &*names {
-            [] => Err(format!("--camera {name}: the scene has no cameras of its own; --cameras gives a file of some")),
+            [] => Err(format!("--camera {name}: the scene has no cameras; give a file of cameras with --cameras")),
             names => Err(format!("--camera {name}: the scene file has {}", names.join(", "))),
         }
     }
@@ -156,7 +161,7 @@ impl CameraArguments {
         let is_middlebury = text.lines().any(|line| line.trim_start().starts_with("cam0"));
         let calibrated = match (is_middlebury, size) {
             (true, Some(_)) => {
-                return Err(format!("{}: it says how large pictures are; leave --size out", shown(file)).into());
+                return Err(format!("{}: it sets the picture size; leave out --size", shown(file)).into());
             }
             (true, None) => StereoCamera::from_middlebury_within(file, self.calib_scale, limits)?,
             (false, size) => {

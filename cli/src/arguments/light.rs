@@ -12,7 +12,13 @@ use super::values::{above_zero, ambient, light};
 pub(crate) struct LightArguments {
     /// Replace the scene's lights by this one: position in world units, colour in linear light. A radius makes it a
     /// sphere with soft shadows. Repeat the option for more lights
-    #[arg(long, value_name = "X,Y,Z[:R,G,B[:RADIUS]]", value_parser = light, allow_hyphen_values = true, conflicts_with = "lights")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z[:R,G,B[:RADIUS]]",
+        value_parser = light,
+        allow_hyphen_values = true,
+        conflicts_with = "lights"
+    )]
     light: Vec<Light>,
     /// Replace the scene's lights by N lights around the eyes [default: the scene's own; for a file without lights one
     /// soft light, or 5 with --plain or --cameras]

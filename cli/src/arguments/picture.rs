@@ -28,7 +28,13 @@ pub(crate) struct PictureArguments {
     pub(crate) samples: Option<u32>,
     /// Adaptive antialiasing in place of --samples: divide a pixel if samples in its corners differ by more than TOL
     /// of 255. LEVELS is 2 to 5 [default levels: 4]
-    #[arg(long, value_name = "TOL[:LEVELS]", value_parser = adaptive, conflicts_with = "samples", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "TOL[:LEVELS]",
+        value_parser = adaptive,
+        conflicts_with = "samples",
+        allow_hyphen_values = true
+    )]
     pub(crate) adaptive: Option<Adaptive>,
     /// Filter that weights the samples of a pixel: box, tent or gauss
     #[arg(long, value_name = "KIND", default_value_t)]
@@ -37,7 +43,12 @@ pub(crate) struct PictureArguments {
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
     jitter: bool,
     /// Maximum number of reflections and refractions along a ray: 0 to 8
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES)))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_BOUNCES))
+    )]
     bounces: u32,
     /// Exposure in stops, -64 to 64: each stop doubles the brightness
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true)]

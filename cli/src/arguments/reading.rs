@@ -23,7 +23,13 @@ pub(crate) struct ReadingArguments {
     /// World position that a scene file's coordinates are stored relative to. none is 0,0,0. auto is 0,0,0 too, unless
     /// the file lies farther away than 8 times its longest side: then the rounded middle of the file. Cameras, lights
     /// and ground truth stay in world coordinates
-    #[arg(long, value_name = "auto|none|X,Y,Z", default_value = "auto", value_parser = origin, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "auto|none|X,Y,Z",
+        default_value = "auto",
+        value_parser = origin,
+        allow_hyphen_values = true
+    )]
     origin: Origin,
     /// Files that a scene names outside its own folder, such as ../textures: refuse, or allow if you trust the scene
     #[arg(long, value_name = "refuse|allow", default_value = "refuse", value_parser = outside_files)]

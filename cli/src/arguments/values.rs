@@ -49,12 +49,12 @@ pub(crate) fn light(text: &str) -> Result<Light, String> {
     let mut parts = text.split(':');
     let (position, intensity, radius) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
     if parts.next().is_some() {
-        return Err("it must be a place like 1,4,2, then :R,G,B, then :RADIUS".into());
+        return Err("it must be a position like 1,4,2, optionally followed by :R,G,B and :RADIUS".into());
     }
     let position = point(position)?;
     let intensity = intensity.map_or(Ok(Vec3::splat(INTENSITY)), ambient)?;
     if !position.is_finite() {
-        return Err("its place must be finite".into());
+        return Err("its position must be finite".into());
     }
     Ok(match radius {
         None => Light::point(position, intensity),
@@ -78,7 +78,7 @@ pub(crate) fn display(text: &str) -> Result<Display, String> {
 pub(crate) fn frames(text: &str) -> Result<Range<u32>, String> {
     let ends = text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
     let range = ends.map(|(first, end)| first..end).filter(|range| !range.is_empty());
-    range.ok_or_else(|| "it must be like 0..24, which are the frames 0 to 23".into())
+    range.ok_or_else(|| "it must be like 0..24, which means frames 0 to 23".into())
 }
 
 pub(crate) fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
@@ -114,7 +114,7 @@ pub(crate) fn shadow_buffer(text: &str) -> Result<ShadowBuffer, String> {
     let rows = rows.parse().map_err(|_| "it must be a number of rows like 400, or with a rule like 400:object")?;
     let (name, setting) = rule.split_once('=').map_or((rule, None), |(name, setting)| (name, Some(setting)));
     let setting =
-        setting.map(|setting| setting.parse().map_err(|_| format!("{setting}: a rule's setting is a number")));
+        setting.map(|setting| setting.parse().map_err(|_| format!("{setting}: a rule's setting must be a number")));
     let rule = match (name, setting.transpose()?) {
         ("object", None) => ShadowRule::Object,
         ("depth", bias) => bias.map_or(ShadowRule::DEPTH, |bias| ShadowRule::Depth { bias }),

@@ -114,8 +114,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let rounds = counted(arguments.rounds, "picture", "pictures");
     writeln!(
         text,
-        "\nTimes are medians of {rounds}, the methods by turns. 2nd eye: its cost over the first's by counters (nodes and primitive tests).\n\
-         traced: share of its pixels that were. identical, wrong (another surface) and PSNR: against naive's."
+        "\nTimes are medians of {rounds}; the methods take turns. 2nd eye: its cost divided by the first eye's, by \
+         counters (nodes and primitive tests).\ntraced: share of its pixels that were traced. identical, wrong \
+         (another surface) and PSNR: compared with naive."
     )?;
     let listed = rows.iter().map(|row| {
         json!({

@@ -43,7 +43,12 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t)]
     layout: Layout,
     /// Number of pairs, from random cameras in the scene's free space. --seed selects the cameras [default: 20]
-    #[arg(long, value_name = "N", conflicts_with_all = ["orbit", "path"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["orbit", "path"],
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000)
+    )]
     pairs: Option<u32>,
     /// Reject cameras with a disparity of PX pixels or more, before or behind the screen [default: a fifth of the
     /// width; at most 256 for kitti]
@@ -70,7 +75,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let Target::Folder(folder) = Target::of(&arguments.out)? else {
-        return Err(format!("{}: a data set is a folder", shown(&arguments.out)).into());
+        return Err(format!("{}: a data set needs a folder", shown(&arguments.out)).into());
     };
     let mut stage = arguments.subject.open(global)?;
     if !arguments.subject.screen_is_said() {
@@ -119,7 +124,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     }
     let kept = range.len() - made;
     let each = if made > 0 { format!(", {:.2} s each", seconds / made as f64) } else { String::new() };
-    let kept_too = if kept > 0 { format!("; {kept} were there already") } else { String::new() };
+    let kept_too = if kept > 0 { format!("; {kept} already existed") } else { String::new() };
     let text = format!(
         "{} in {} as {}: {seconds:.1} s{each}{kept_too}\n",
         counted(made, "pair", "pairs"),
@@ -271,7 +276,7 @@ impl Manifest {
         let file = opened.map_err(|error| self.fault(&error))?;
         if let Err(error) = fs4::FileExt::lock(&file) {
             // Some network file systems have no locks. A single command needs none.
-            log::warn!("{}: it can't be locked ({error}); let no other command write there", shown(&self.path));
+            log::warn!("{}: it can't be locked ({error}); do not let another command write there", shown(&self.path));
         }
         Ok(file)
     }
@@ -295,7 +300,7 @@ impl Manifest {
             if let (0, Some(head)) = (self.lines, head)
                 && !line.as_ref().is_ok_and(|line| line == head)
             {
-                let advice = "was made with other files, settings or another version; take another folder";
+                let advice = "was made with different files, settings or version; use another folder";
                 return Err(format!("{}: the data set there {advice}", shown(&self.path)).into());
             }
             self.lines += 1;

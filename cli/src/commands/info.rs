@@ -55,11 +55,11 @@ fn machine(stage: &Stage, text: &mut String) -> Result<Value, Box<dyn Error>> {
     let names = Vec::from_iter(names);
     writeln!(text, "adapter    {}", escaped(&own))?;
     let (binding, side) = (limits.max_storage_buffer_binding_size, limits.max_texture_dimension_2d);
-    writeln!(text, "           a scene may take {} MiB, a view {side} pixels a side", binding >> 20)?;
+    writeln!(text, "           a scene can have {} MiB, a view {side} pixels per side", binding >> 20)?;
     let timestamps = gpu.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
-    writeln!(text, "           {}", if timestamps { "it times each pass" } else { "it has no timestamps" })?;
+    writeln!(text, "           {}", if timestamps { "timestamps for each pass" } else { "no timestamps" })?;
     for (index, name) in names.iter().enumerate() {
-        writeln!(text, "{:<11}{name}", if index == 0 { "there are" } else { "" })?;
+        writeln!(text, "{:<11}{name}", if index == 0 { "available" } else { "" })?;
     }
     Ok(json!({
         "adapter": own,
@@ -110,7 +110,7 @@ fn scene(stage: &mut Stage, arguments: &Arguments, text: &mut String) -> Result<
         pose.eye, pose.forward
     )?;
     let reach = if far == f32::INFINITY { "the sky".into() } else { format!("{far:.4}") };
-    writeln!(text, "           it sees what is {near:.4} to {reach} off")?;
+    writeln!(text, "           visible depths from {near:.4} to {reach}")?;
     let comfort = pose.comfort(near, far, arguments.display_width);
     let (near_percent, far_percent) = (comfort.negative_parallax_percent, comfort.positive_parallax_percent);
     writeln!(

@@ -14,7 +14,12 @@ const MOST: u32 = 1_000_000;
 #[command(next_help_heading = "Motion")]
 pub(super) struct MotionArguments {
     /// Move the camera once around its target in N pictures
-    #[arg(long, value_name = "N", conflicts_with = "path", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with = "path",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST))
+    )]
     pub(super) orbit: Option<u32>,
     /// JSON file with a list of cameras, in the format of --cameras. With `frame` a camera is a key frame; without it,
     /// each camera makes one picture
@@ -37,7 +42,7 @@ impl MotionArguments {
         let [width, height] = subject.picture.size();
         let path = CameraPath::from_json_within(file, width, height, &subject.reading.limits())?;
         match path.frames() {
-            count if count > MOST => Err(format!("{}: {count} frames; there can be {MOST}", shown(file)).into()),
+            count if count > MOST => Err(format!("{}: {count} frames; the maximum is {MOST}", shown(file)).into()),
             _ => Ok(Some(Motion::Path(path))),
         }
     }

@@ -61,7 +61,7 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let target = Target::of(&arguments.out)?;
     if let (Target::File(_), Some(option)) = (&target, arguments.folder_option()) {
-        return Err(format!("{option} writes many files; give --out a folder").into());
+        return Err(format!("{option} writes many files; --out must be a folder").into());
     }
     if arguments.watch {
         return watch(arguments, &target, global);
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 fn watch(arguments: &Arguments, target: &Target, global: &Global) -> Result<Summary, Box<dyn Error>> {
     let files = arguments.subject.files();
     if files.is_empty() {
-        return Err("--watch: no file is read of which one could wait for a change".into());
+        return Err("--watch: no input file is read, so there is nothing to watch".into());
     }
     let changed = || -> Vec<Option<SystemTime>> {
         files.iter().map(|file| file.metadata().and_then(|data| data.modified()).ok()).collect()

@@ -57,12 +57,12 @@ impl Display for Report<'_> {
             difference_lines(f, difference)?;
         }
         if self.pair.left.primitive.iter().all(|id| *id == MISS) {
-            line(f, "warning", "the left eye sees nothing but sky: see --eye and --target")?;
+            line(f, "warning", "the left eye sees only sky: check --eye and --target")?;
         }
 
         self.comfort_lines(f)?;
         if self.arguments.eyes.packing.is_none() {
-            let swapped = if self.arguments.eyes.swap { ", worn the other way round (--swap)" } else { "" };
+            let swapped = if self.arguments.eyes.swap { ", worn reversed (--swap)" } else { "" };
             line(f, "glasses", format!("{}{swapped}", self.arguments.eyes.anaglyph.glasses()))?;
         }
         for (index, file) in self.files.iter().enumerate() {
@@ -176,7 +176,7 @@ impl Report<'_> {
             0 => method.to_string(),
             slots => {
                 let lost = counted(statistics.lost_candidates, "candidate", "candidates");
-                format!("{method}: {} a pixel, {lost} lost", counted(slots, "slot", "slots"))
+                format!("{method}: {} per pixel, {lost} lost", counted(slots, "slot", "slots"))
             }
         }
     }
@@ -244,8 +244,8 @@ fn difference_lines(f: &mut Formatter<'_>, difference: &Difference) -> fmt::Resu
     let text = format!("{identical:.2}% of the right eye identical, {wrong:.3}% wrong surface");
     line(f, "to naive", format!("{text}, MSE {:.2}, PSNR {:.1} dB", difference.mse, difference.psnr))?;
     let (identical, wrong) = (down(difference.identical_of_surfaces_percent), difference.wrong_of_surfaces_percent);
-    let text = format!("{identical:.2}% identical of surfaces, {wrong:.3}% wrong of surfaces");
-    line(f, "", format!("{text}, which {:.2}% of the pixels show", difference.surface_percent))
+    let text = format!("{identical:.2}% of surface pixels identical, {wrong:.3}% wrong surface");
+    line(f, "", format!("{text}; surfaces cover {:.2}% of the pixels", difference.surface_percent))
 }
 
 fn milliseconds(time: Duration) -> f64 {

@@ -99,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     if made > 0 {
         write!(text, ", {:.0} ms each", 1e3 * seconds / made as f64)?;
     }
-    text += &if kept > 0 { format!("; {kept} were there already\n") } else { "\n".into() };
+    text += &if kept > 0 { format!("; {kept} already existed\n") } else { "\n".into() };
     if names == Names::Stdout {
         let [width, height] = size;
         writeln!(text, "ffmpeg reads them with -f rawvideo -pixel_format rgb24 -video_size {width}x{height} -i -")?;
@@ -142,8 +142,8 @@ impl Names {
             digits.filter(|digits| *digits <= 9).map(|digits| (before.to_owned(), digits, behind.to_owned()))
         });
         let Some((before, digits, behind)) = parts else {
-            let advice = "give a name with the number's place in it, like frame_%04d.png, or a folder";
-            return Err(format!("{}: many pictures can't have one name; {advice}", shown(&file)).into());
+            let advice = "give a name with a number format, like frame_%04d.png, or a folder";
+            return Err(format!("{}: several pictures can't share one name; {advice}", shown(&file)).into());
         };
         Ok(Self::Numbered { folder: file.parent().unwrap_or(Path::new("")).to_owned(), before, digits, behind })
     }
@@ -213,7 +213,7 @@ fn keep(
     }
     for picture in there().into_iter().filter(|picture| picture.exists()) {
         if !overwrite {
-            let advice = "was made with other files, settings or another version; take another folder, or --overwrite";
+            let advice = "was made with different files, settings or version; use another folder, or --overwrite";
             return Err(format!("{}: it {advice}", shown(&picture)).into());
         }
         fs::remove_file(&picture).map_err(|error| format!("{}: {error}", shown(&picture)))?;

@@ -74,7 +74,9 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
         }
         (None, Target::File(file)) => match &*views.views {
             [only] => add_picture(&mut batch, file, &only.view.picture(), arguments.quality)?,
-            _ => return Err(format!("{}: one file holds one view, or --quilt CxR", shown(file)).into()),
+            _ => {
+                return Err(format!("{}: a file holds only one view; use a folder, or --quilt CxR", shown(file)).into());
+            }
         },
     }
     let files = batch.commit()?;
@@ -87,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let mut text = format!("{} of which {traced} traced, in {written}: {ms:.1} ms\n", counted(count, "view", "views"));
     let others = (stage.options.count && traced < views.views.len()).then(|| views.other_views());
     if let Some(others) = others {
-        writeln!(text, "each other view costs {others:.3} of a traced one, by counters")?;
+        writeln!(text, "each other view costs {others:.3} of a traced view, by counters")?;
     }
     let mut difference = None;
     if arguments.compare {
@@ -123,7 +125,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
 fn count(arguments: &Arguments) -> Result<u32, String> {
     let Some([columns, rows]) = arguments.quilt else { return Ok(arguments.views.unwrap_or(VIEWS)) };
     let places = columns.checked_mul(rows).filter(|places| (1..=1024).contains(places));
-    let places = places.ok_or(format!("a quilt of {columns}x{rows}: there can be 1 to 1024 views"))?;
+    let places = places.ok_or(format!("a quilt of {columns}x{rows}: it must have 1 to 1024 views"))?;
     match arguments.views {
         Some(count) if count != places => {
             Err(format!("a quilt of {columns}x{rows} is not filled by {}", counted(count, "view", "views")))

@@ -43,8 +43,8 @@ impl Place {
         let most = 1e-3 * middle[0].max(middle[1]);
         if (x - middle[0]).abs().max((y - middle[1]).abs()) > most || (fx / fy - 1.0).abs() > 1e-3 {
             return Err(
-                "a calibrated camera whose pixels are not square, or whose principal point is off the picture's \
-                        middle, can't be moved: `stereotrace render` shows what it sees"
+                "a calibrated camera with pixels that are not square, or a principal point off the picture's middle, \
+                 can't be moved: use `stereotrace render`"
                     .into(),
             );
         }

@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, global: &Global) -> Result<Summary, Box
     let subject = &arguments.subject;
     let size = subject.picture.size();
     if size.iter().any(|side| *side > MOST) {
-        return Err(format!("--size {}x{}: a window has at most {MOST} pixels a side", size[0], size[1]).into());
+        return Err(format!("--size {}x{}: a window can have at most {MOST} pixels per side", size[0], size[1]).into());
     }
     let origin = Origin::new(std::env::args_os(), subject.lights_stand_by_camera())?;
     // Opened first, so that a missing display is reported before the scene is read.

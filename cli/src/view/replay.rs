@@ -7,7 +7,8 @@
 //! drag left 120 -30       a drag by a button (left, right, middle), right and down in pixels
 //! wheel 2                 steps of the wheel, nearer
 //! fly w 0.5               a key (w, a, s, d, q, e) held for so many seconds
-//! key m                   a key by its name: a character, left, right, up, down, f1, tab, escape, ctrl+s; shift+ before it
+//! key m                   a key by its name: a character, left, right, up, down, f1, tab, escape, ctrl+s;
+//!                         shift+ before it
 //! size 640x360            the window's size in pixels
 //! shot FILE               what the window shows, as PNG
 //! lose device             take the renderer's device away, or the window's: lose window
@@ -60,25 +61,25 @@ fn step(line: &str) -> Result<Step, String> {
     let words = Vec::from_iter(line.split_whitespace());
     let number = |word: &str| {
         let number = word.parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| format!("{} is no number", stereotrace::message::escaped(word)))
+        number.ok_or_else(|| format!("{} is not a number", stereotrace::message::escaped(word)))
     };
     Ok(match *words {
         ["wait"] => Step::Wait,
         ["drag", button, x, y] => Step::Drag(self::button(button)?, [number(x)?, number(y)?]),
         ["wheel", steps] => Step::Wheel(number(steps)?),
         ["fly", key, seconds] => {
-            let direction = key.parse().ok().and_then(flight_of).ok_or("keys that fly are w, a, s, d, q and e")?;
+            let direction = key.parse().ok().and_then(flight_of).ok_or("the key must be w, a, s, d, q or e")?;
             Step::Fly(direction, number(seconds)?)
         }
         ["key", name] => {
             let (plain, shift) = name.strip_prefix("shift+").map_or((name, false), |name| (name, true));
-            Step::Key(action(plain, shift).ok_or("that key does nothing")?)
+            Step::Key(action(plain, shift).ok_or("the key has no action")?)
         }
         ["size", size] => Step::Size(self::size(size)?),
         ["shot", file] => Step::Shot(file.into()),
         ["lose", "device"] => Step::LoseDevice,
         ["lose", "window"] => Step::LoseWindow,
-        _ => return Err("no such step; there are wait, drag, wheel, fly, key, size, shot and lose".into()),
+        _ => return Err("unknown step; use wait, drag, wheel, fly, key, size, shot or lose".into()),
     })
 }
 
@@ -87,7 +88,7 @@ fn button(name: &str) -> Result<Button, String> {
         "left" => Ok(Button::Left),
         "right" => Ok(Button::Right),
         "middle" => Ok(Button::Middle),
-        _ => Err("buttons are left, right and middle".into()),
+        _ => Err("the button must be left, right or middle".into()),
     }
 }
 

@@ -188,7 +188,7 @@ pub(super) fn write(
     name: &str,
 ) -> Result<PathBuf, Box<dyn Error>> {
     fs::create_dir_all(folder)
-        .map_err(|error| format!("{}: the folder can't be made: {error}", crate::shown(folder)))?;
+        .map_err(|error| format!("{}: the folder can't be created: {error}", crate::shown(folder)))?;
     let of_both = !matches!(settings.mode, Mode::Wiggle | Mode::Left | Mode::Right);
     let ending = if of_both { ".png" } else { "" };
     let paths = (1..).map(|number: u64| folder.join(format!("{name}-{number:03}{ending}")));
@@ -285,8 +285,9 @@ mod tests {
     const PYRAMID: &str =
         "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1.5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 1 4 3 2\n";
 
-    const CAMERAS: &str = r#"{ "one": { "eye": [3, 2, 4], "target": [0, 0.5, 0], "up": [0, 1, 0], "vfov_deg": 47, "screen_distance": 5,
-        "eye_separation": 0.2, "lights": [{ "position": [4, 5, 6], "intensity": [0.6, 0.6, 0.5] }] } }"#;
+    const CAMERAS: &str = r#"{ "one": { "eye": [3, 2, 4], "target": [0, 0.5, 0], "up": [0, 1, 0], "vfov_deg": 47,
+        "screen_distance": 5, "eye_separation": 0.2,
+        "lights": [{ "position": [4, 5, 6], "intensity": [0.6, 0.6, 0.5] }] } }"#;
 
     #[test]
     fn built_in_scenes_are_made_again_by_the_command_that_is_printed() {
@@ -347,7 +348,9 @@ mod tests {
             assert!(["left.png", "right.png", "anaglyph.png"].iter().all(|name| path.join(name).is_file()));
         }
         fs::write(folder.file("taken"), "").unwrap();
-        assert!(write(&settings, &pair, &folder.file("taken"), "x").unwrap_err().to_string().contains("can't be made"));
+        assert!(
+            write(&settings, &pair, &folder.file("taken"), "x").unwrap_err().to_string().contains("can't be created")
+        );
     }
 
     #[test]

@@ -69,7 +69,7 @@ impl Screen {
         let (flag, wake) = (lost.clone(), Arc::downgrade(&window));
         device.set_device_lost_callback(move |reason, message| {
             // Also called when the device is dropped. Then nobody reads the flag.
-            log::info!("the window's device is gone ({reason:?}): {message}");
+            log::info!("the window's device was lost ({reason:?}): {message}");
             flag.store(true, Ordering::Relaxed);
             if let Some(window) = wake.upgrade() {
                 window.request_redraw();
@@ -79,7 +79,7 @@ impl Screen {
 
         let offered = surface.get_capabilities(&adapter).formats;
         let format = FORMATS.into_iter().find(|format| offered.contains(format));
-        let format = format.ok_or("the window takes no format of 8 bits a channel")?;
+        let format = format.ok_or("the window supports no format with 8 bits per channel")?;
         let mut config = surface.get_default_config(&adapter, 1, 1).ok_or("the adapter can't draw into this window")?;
         (config.format, config.present_mode) = (format, wgpu::PresentMode::AutoVsync);
         let show = Show::new(device.clone(), queue.clone(), format);

@@ -37,7 +37,7 @@ impl Mode {
             None => Ok(Self::Anaglyph),
             Some(Packing::SideBySide) => Ok(Self::SideBySide),
             Some(Packing::CrossEyed) => Ok(Self::CrossEyed),
-            Some(other) => Err(format!("--packing {other}: a window shows side-by-side and cross-eyed")),
+            Some(other) => Err(format!("--packing {other}: a window can show only side-by-side and cross-eyed")),
         }
     }
 

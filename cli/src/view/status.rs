@@ -29,13 +29,13 @@ pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
     let settings = status.settings;
     let mut lines = vec![shown(settings)];
     let Some(frame) = status.frame else {
-        lines.push("the scene goes to the device ...".into());
+        lines.push("uploading the scene ...".into());
         return lines;
     };
     let (pair, ms) = (&frame.pair, 1e3 * frame.time.as_secs_f64());
     let state = match (frame.whole, status.is_current) {
         (true, true) => "",
-        (_, false) => ", the next is under way",
+        (_, false) => ", rendering the next",
         (false, true) => ", a draft",
     };
     let (w, h) = (pair.left.width, pair.left.height);
@@ -57,7 +57,7 @@ pub(super) fn lines(status: &Status<'_>) -> Vec<String> {
 }
 
 fn shown(settings: &Settings) -> String {
-    let swapped = if settings.eyes.swap { ", eyes exchanged" } else { "" };
+    let swapped = if settings.eyes.swap { ", eyes swapped" } else { "" };
     match settings.mode {
         Mode::Anaglyph => {
             let kind = settings.eyes.anaglyph;

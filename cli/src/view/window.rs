@@ -234,7 +234,7 @@ impl App {
             Drawn::Again => screen.window.request_redraw(),
             Drawn::Hidden => {}
             Drawn::Lost if self.losses == MOST_LOSSES => {
-                self.fail(event_loop, "the window's device is lost again and again".into());
+                self.fail(event_loop, "the window's device was lost too often".into());
             }
             Drawn::Lost => {
                 self.losses += 1;
@@ -325,7 +325,7 @@ impl App {
             Action::Help => self.help = !self.help,
             Action::Write => {
                 self.write = true;
-                self.note = Some("the picture is written once it is whole".into());
+                self.note = Some("the picture will be written when it is complete".into());
                 self.write_if_whole();
             }
             Action::Quit => event_loop.exit(),
@@ -424,7 +424,7 @@ impl App {
         match self.waiting {
             Some(since) if since.elapsed() > PATIENCE => {
                 let [[width, height], [w, h]] = [self.settings.window, size];
-                Err(format!("the window is {width}x{height} and does not become {w}x{h}"))
+                Err(format!("the window is {width}x{height} and can't be resized to {w}x{h}"))
             }
             Some(_) => Ok(false),
             None => {

@@ -105,7 +105,7 @@ impl Worker {
         let run = move || {
             // Without this message the window would wait for the thread for ever.
             if panic::catch_unwind(AssertUnwindSafe(|| work.run(uploaded, &say))).is_err() {
-                say(Said::Ended("the thread that renders has ended by a fault of its own".into()));
+                say(Said::Ended("the render thread has panicked".into()));
             }
         };
         let thread = thread::Builder::new().name("render".into()).spawn(run)?;
@@ -241,7 +241,7 @@ impl Work {
         }
         match self.try_render(uploaded, wanted, stage) {
             Err(Error::DeviceLost(reason)) => {
-                log::warn!("the device was lost ({reason}); another one is opened");
+                log::warn!("the device was lost ({reason}); opening another one");
                 self.renderer = Renderer::new(self.global.gpu()?);
                 *uploaded = self.renderer.upload(&self.scene)?;
                 self.try_render(uploaded, wanted, stage)

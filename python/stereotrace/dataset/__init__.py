@@ -5,9 +5,9 @@
     spec = dataset.Spec.load("rooms.yaml")     # or a dict
     report = dataset.make(spec, "rooms/")      # or on Ray: dataset.make_on_ray(spec, "s3://bucket/rooms", workers=100)
 
-A pair depends only on the spec and its number, so it can be made again anywhere, bit for bit on the same kind of
-adapter. Shards are written whole or not at all, and a stopped run resumes with the missing ones. The command line is
-``python -m stereotrace.dataset spec.yaml out/``.
+A pair depends only on the spec and its number, so it can be made again anywhere. It is equal bit for bit on the same
+kind of adapter. Shards are written whole or not at all, and a stopped run resumes with the missing ones. The command
+line is ``python -m stereotrace.dataset spec.yaml out/``.
 """
 
 from __future__ import annotations

@@ -22,23 +22,48 @@ from .worker import SCENE_MEMORY, Worker
 def parser() -> argparse.ArgumentParser:
     found = argparse.ArgumentParser(
         prog="python -m stereotrace.dataset",
-        description="Makes a data set of stereo pairs from a spec, or goes on with one. A shard is there whole or not at all.",
+        description="Makes a data set of stereo pairs from a spec, or resumes one. "
+        "Shards are written whole or not at all.",
     )
-    found.add_argument("spec", help="YAML file: docs/DATA-SETS.md has its keys")
-    found.add_argument("out", help="folder, or any place that fsspec knows, as s3://bucket/folder")
-    found.add_argument("--shards", metavar="FROM..TO", type=_range, help="make these alone, as 0..4 for the first four")
-    found.add_argument("--item", metavar="N", type=int, help="make this pair alone: its files go to OUT as they would into a shard")
-    found.add_argument("--retry-errors", action="store_true", help="make shards again in which a pair is missing")
-    found.add_argument("--adapter", metavar="NAME", help="graphics adapter: software, fastest, or a part of its name [default: STEREOTRACE_ADAPTER, or the fastest]")
-    found.add_argument("--storage-option", metavar="KEY=VALUE", action="append", default=[], type=_pair, help="of the fsspec file system; may be given again")
-    found.add_argument("--scene-memory", metavar="MIB", type=_memory, default=SCENE_MEMORY, help=f"keep scenes up to this memory, of each worker [default: {SCENE_MEMORY >> 20}]")
-    found.add_argument("--quiet", action="store_true", help="no progress bar")
+    found.add_argument("spec", help="YAML file; docs/DATA-SETS.md lists its keys")
+    found.add_argument("out", help="folder, or any URL that fsspec supports, such as s3://bucket/folder")
+    found.add_argument(
+        "--shards", metavar="FROM..TO", type=_range, help="make only these shards, such as 0..4 for the first four"
+    )
+    found.add_argument(
+        "--item", metavar="N", type=int, help="make only this pair; its files go to OUT as they would go into a shard"
+    )
+    found.add_argument("--retry-errors", action="store_true", help="make shards with missing pairs again")
+    found.add_argument(
+        "--adapter",
+        metavar="NAME",
+        help="graphics adapter: software, fastest, or a part of its name "
+        "[default: STEREOTRACE_ADAPTER, else the fastest]",
+    )
+    found.add_argument(
+        "--storage-option",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        type=_pair,
+        help="option of the fsspec file system; can be repeated",
+    )
+    found.add_argument(
+        "--scene-memory",
+        metavar="MIB",
+        type=_memory,
+        default=SCENE_MEMORY,
+        help=f"memory for the scenes that each worker keeps [default: {SCENE_MEMORY >> 20}]",
+    )
+    found.add_argument("--quiet", action="store_true", help="show no progress bar")
     ray = found.add_argument_group("on Ray")
-    ray.add_argument("--ray", action="store_true", help="make shards by workers of Ray: of a Ray that is started on this machine, or of a cluster")
-    ray.add_argument("--address", metavar="ADDRESS", help="the cluster's; auto for the one that this machine is part of")
-    ray.add_argument("--workers", type=int, default=2, metavar="N", help="workers [default: 2]")
-    ray.add_argument("--cpus", type=float, default=1, metavar="N", help="cores a worker [default: 1]")
-    ray.add_argument("--gpus", type=float, default=0, metavar="N", help="GPUs a worker [default: 0]")
+    ray.add_argument("--ray", action="store_true", help="make shards with Ray workers, on this machine or on a cluster")
+    ray.add_argument(
+        "--address", metavar="ADDRESS", help="address of the cluster; auto for the cluster that includes this machine"
+    )
+    ray.add_argument("--workers", type=int, default=2, metavar="N", help="number of workers [default: 2]")
+    ray.add_argument("--cpus", type=float, default=1, metavar="N", help="CPU cores per worker [default: 1]")
+    ray.add_argument("--gpus", type=float, default=0, metavar="N", help="GPUs per worker [default: 0]")
     return found
 
 
@@ -80,17 +105,31 @@ def main(arguments: list[str] | None = None) -> int:
         storage = dict(given.storage_option)
         if given.item is not None:
             return _one_item(spec, given, storage)
-        common = {"adapter": given.adapter, "retry_errors": given.retry_errors, "storage_options": storage, "progress": not given.quiet, "scene_memory": given.scene_memory}
+        common = {
+            "adapter": given.adapter,
+            "retry_errors": given.retry_errors,
+            "storage_options": storage,
+            "progress": not given.quiet,
+            "scene_memory": given.scene_memory,
+        }
         if not given.ray:
             if given.address is not None:
-                raise ValueError("--address: it is that of a cluster of Ray; give --ray too")
+                raise ValueError("--address: it is the address of a Ray cluster; give --ray too")
             report = make(spec, given.out, shards=given.shards, **common)
         else:
             if given.shards is not None:
-                raise ValueError("--shards: Ray makes all that are missing")
-            report = make_on_ray(spec, given.out, address=given.address, workers=given.workers, num_cpus=given.cpus, num_gpus=given.gpus, **common)
+                raise ValueError("--shards: with --ray, all missing shards are made")
+            report = make_on_ray(
+                spec,
+                given.out,
+                address=given.address,
+                workers=given.workers,
+                num_cpus=given.cpus,
+                num_gpus=given.gpus,
+                **common,
+            )
     except KeyboardInterrupt:
-        print("interrupted; the same command goes on with it", file=sys.stderr)
+        print("interrupted; run the same command again to resume", file=sys.stderr)
         return 130
     except (ImportError, ValueError, OSError, AdapterError) as error:
         print(f"error: {error}", file=sys.stderr)

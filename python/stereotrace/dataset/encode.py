@@ -77,7 +77,10 @@ class Parquet:
     def _write(self, named: dict[str, list[Any]], files: dict[str, list[bytes]]) -> None:
         import pyarrow
 
-        columns = {"item": pyarrow.array(named["item"], pyarrow.int64()), "key": pyarrow.array(named["key"], pyarrow.string())}
+        columns = {
+            "item": pyarrow.array(named["item"], pyarrow.int64()),
+            "key": pyarrow.array(named["key"], pyarrow.string()),
+        }
         columns |= {name: pyarrow.array(data, pyarrow.binary()) for name, data in files.items()}
         table = pyarrow.table(columns)
         if self._writer is None:
@@ -90,4 +93,3 @@ class Parquet:
         if self._writer is None:  # no pair could be made
             self._write({"item": [], "key": []}, {})
         self._writer.close()
-

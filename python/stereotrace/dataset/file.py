@@ -29,7 +29,7 @@ def shown(value: Any) -> str:
     try:
         text = _SHORT.repr(value)
     except ValueError:  # Python refuses to format a number of thousands of digits
-        text = "a number of too many digits"
+        text = "a number with too many digits"
     return text if len(text) <= 80 else text[:79] + "…"
 
 
@@ -38,16 +38,16 @@ def read(path: Path) -> Any:
 
     Raises ``SpecError``, which names the line, for invalid content, and ``OSError`` if the file can't be read."""
     if not path.is_file() and path.exists():
-        raise SpecError("it is no regular file")
+        raise SpecError("it is not a regular file")
     with path.open("rb") as file:
         data = file.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
-        raise SpecError(f"it is over {MOST_BYTES >> 20} MiB large")
+        raise SpecError(f"it is larger than {MOST_BYTES >> 20} MiB")
     is_json = path.suffix.lower() == ".json"
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SpecError(f"no {'JSON' if is_json else 'YAML'}: {error}") from error
+        raise SpecError(f"invalid {'JSON' if is_json else 'YAML'}: {error}") from error
     return _json(text) if is_json else _yaml(text)
 
 
@@ -56,7 +56,8 @@ def _json(text: str) -> Any:
         found = dict(pairs)
         if len(found) < len(pairs):
             keys = [key for key, _ in pairs]
-            raise SpecError(f"the key {shown(next(key for key in keys if keys.count(key) > 1))} stands twice in one mapping")
+            twice = next(key for key in keys if keys.count(key) > 1)
+            raise SpecError(f"the key {shown(twice)} occurs twice in one mapping")
         return found
 
     try:
@@ -64,9 +65,9 @@ def _json(text: str) -> Any:
     except SpecError:
         raise
     except ValueError as error:  # also for a number of thousands of digits
-        raise SpecError(f"no JSON: {error}") from error
+        raise SpecError(f"invalid JSON: {error}") from error
     except RecursionError:
-        raise SpecError(f"its lists and mappings are nested over {MOST_LEVELS} levels deep") from None
+        raise SpecError(f"its lists and mappings are nested more than {MOST_LEVELS} levels deep") from None
 
 
 def _yaml(text: str) -> Any:
@@ -74,11 +75,12 @@ def _yaml(text: str) -> Any:
     try:
         return yaml.load(text, Loader=_loader(yaml))
     except yaml.YAMLError as error:
-        raise SpecError(f"no YAML: {error}") from error
+        raise SpecError(f"invalid YAML: {error}") from error
 
 
 def _loader(yaml: Any) -> Any:
     """Returns a YAML loader for the core schema of YAML 1.2: ``1:30`` and ``no`` are strings, ``010`` is ten."""
+
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}
         level = 0
@@ -87,7 +89,7 @@ def _loader(yaml: Any) -> Any:
             self.level += 1
             if self.level > MOST_LEVELS + 1:  # values in the deepest list are one level more
                 line = self.peek_event().start_mark.line + 1
-                raise SpecError(f"line {line}: lists and mappings are nested over {MOST_LEVELS} levels deep")
+                raise SpecError(f"line {line}: lists and mappings are nested more than {MOST_LEVELS} levels deep")
             try:
                 return super().compose_node(parent, index)
             finally:
@@ -101,7 +103,8 @@ def _loader(yaml: Any) -> Any:
                 if not isinstance(key, yaml.ScalarNode) or key.tag == "tag:yaml.org,2002:merge":
                     continue
                 if (key.tag, key.value) in seen:
-                    raise SpecError(f"line {key.start_mark.line + 1}: the key {shown(key.value)} stands twice in one mapping")
+                    line = key.start_mark.line + 1
+                    raise SpecError(f"line {line}: the key {shown(key.value)} occurs twice in one mapping")
                 seen.add((key.tag, key.value))
             return node
 
@@ -115,7 +118,11 @@ def _loader(yaml: Any) -> Any:
     for tag, pattern, first in (
         ("bool", "true|True|TRUE|false|False|FALSE", "tTfF"),
         ("int", "[-+]?[0-9][0-9_]*|0o[0-7]+|0x[0-9a-fA-F]+", "-+0123456789"),
-        ("float", r"[-+]?(?:\.[0-9]+|[0-9][0-9_]*(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", "-+.0123456789"),
+        (
+            "float",
+            r"[-+]?(?:\.[0-9]+|[0-9][0-9_]*(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+            "-+.0123456789",
+        ),
         ("merge", "<<", "<"),
         ("null", "~|null|Null|NULL|", ["~", "n", "N", ""]),
     ):

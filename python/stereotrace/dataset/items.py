@@ -41,7 +41,9 @@ class Item:
         if isinstance(low, int):  # the spec's checks keep whole numbers as int
             drawn = low + unit * (high + 1 - low) if kind == "uniform" else low * ((high + 1) / low) ** unit
             return min(int(drawn), high)
-        drawn = low + unit * (high - low) if kind == "uniform" else math.exp(math.log(low) + unit * math.log(high / low))
+        drawn = (
+            low + unit * (high - low) if kind == "uniform" else math.exp(math.log(low) + unit * math.log(high / low))
+        )
         # Rounded to f32's digits, since the last bits of exp and log differ between machines.
         return float(f"{drawn:.7g}")
 
@@ -158,7 +160,9 @@ class Item:
             return own
         fields: dict[str, Any] = {}
         if "albedo" in drawn:
-            fields["albedo"] = tuple(self.draw(drawn["albedo"], f"materials.{place}.albedo.{channel}") for channel in "rgb")
+            fields["albedo"] = tuple(
+                self.draw(drawn["albedo"], f"materials.{place}.albedo.{channel}") for channel in "rgb"
+            )
         if "tint" in drawn:
             tints = (self.draw(drawn["tint"], f"materials.{place}.tint.{channel}") for channel in "rgb")
             fields["albedo"] = tuple(min(1.0, tint * value) for tint, value in zip(tints, own.albedo))

@@ -32,7 +32,18 @@ class ShardMaker:
 
     The first call opens its device. The actor keeps the device and the scenes that it has read."""
 
-    def __init__(self, values: dict[str, Any], folder: str, hashes: list[str | None], out: str, storage_options: dict[str, Any], adapter: str | None, cpus: float, run: str, scene_memory: int) -> None:
+    def __init__(
+        self,
+        values: dict[str, Any],
+        folder: str,
+        hashes: list[str | None],
+        out: str,
+        storage_options: dict[str, Any],
+        adapter: str | None,
+        cpus: float,
+        run: str,
+        scene_memory: int,
+    ) -> None:
         # Limits drivers and tree builds to the worker's cores. Mesa's software driver would take all cores otherwise.
         threads = str(max(1, round(cpus)))
         for variable in ("LP_NUM_THREADS", "RAYON_NUM_THREADS"):
@@ -54,7 +65,7 @@ class ShardMaker:
         try:
             tries = self._count_try(name)
             if tries > MOST_TRIES:
-                reason = f"given up after {MOST_TRIES} tries: each time its worker died, as one does that is out of memory"
+                reason = f"given up after {MOST_TRIES} tries: its worker died each time, possibly for lack of memory"
                 return {"shard": name, "error": reason, "kind": "WorkerDied"}
             if tries > 1:
                 self._store.remove_parts([name])
@@ -157,7 +168,17 @@ def make(
     shards = ray.data.from_items([{"shard": shard} for shard in pending], override_num_blocks=len(pending))
     records = shards.map_batches(
         ShardMaker,
-        fn_constructor_args=(spec.values, str(spec.folder), data_set.hashes, out, store.options, adapter, num_cpus, run, scene_memory),
+        fn_constructor_args=(
+            spec.values,
+            str(spec.folder),
+            data_set.hashes,
+            out,
+            store.options,
+            adapter,
+            num_cpus,
+            run,
+            scene_memory,
+        ),
         batch_size=1,
         # A worker gets one shard at a time. A queued shard would wait behind a slow one while other workers are idle.
         compute=ray.data.ActorPoolStrategy(size=workers, max_tasks_in_flight_per_actor=1),

@@ -63,19 +63,21 @@ class Report:
     def summary(self) -> str:
         text = f"{self.pairs} pairs in {self.made} shards: {self.seconds:.1f} s"
         if self.pairs and self.seconds:
-            text += f", {60 * self.pairs / self.seconds:.1f} pairs a minute"
+            text += f", {60 * self.pairs / self.seconds:.1f} pairs per minute"
         if self.first_pair_seconds is not None:
             text += f", the first after {self.first_pair_seconds:.1f} s"
         if memory := [memory for memory in self.workers.values() if self.pairs and memory]:
-            text += f"; workers took up to {max(memory) / 2**20:.0f} MiB"
+            text += f"; workers used up to {max(memory) / 2**20:.0f} MiB"
         if self.kept:
-            text += f"; {self.kept} shards were there already"
+            text += f"; {self.kept} shards already existed"
         if self.retried:
-            text += f"; {self.retried} were made again, their workers having died"
+            text += f"; {self.retried} were made again, because their workers died"
         if self.errors:
-            text += f"; {len(self.errors)} pairs are missing that could not be made, the first is item {self.errors[0]['item']}: {self.errors[0]['error']}"
+            first = self.errors[0]
+            text += f"; {len(self.errors)} pairs could not be made, the first is item {first['item']}: {first['error']}"
         if self.failed:
-            text += f"; {len(self.failed)} shards failed, the first is {self.failed[0]['shard']}: {self.failed[0]['error']}"
+            first = self.failed[0]
+            text += f"; {len(self.failed)} shards failed, the first is {first['shard']}: {first['error']}"
         return text
 
 
@@ -108,9 +110,9 @@ class DataSet:
             fits = there["version"] == stereotrace.__version__ and there["spec_sha256"] == self.spec.sha256()
             hashes = [scene.get("sha256") for scene in there["scenes"]]
             if fits and len(hashes) != len(self.spec["scenes"]):
-                raise ValueError(f"it has {len(hashes)} scenes, and its spec {len(self.spec['scenes'])}")
+                raise ValueError(f"it has {len(hashes)} scenes, but its spec has {len(self.spec['scenes'])}")
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
+            raise OtherDataSet(f"{self.store.place(HEAD)}: it does not belong to a data set: {error}") from error
         return dict(there)
 
     def _head(self, there: dict[str, Any] | None) -> tuple[dict[str, Any], list[str | None]]:
@@ -120,7 +122,11 @@ class DataSet:
         scenes: list[dict[str, Any]] = []
         files: list[str | None] = []
         known_files: list[Any] = []
-        if there is not None and there["version"] == stereotrace.__version__ and there["spec_sha256"] == self.spec.sha256():
+        if (
+            there is not None
+            and there["version"] == stereotrace.__version__
+            and there["spec_sha256"] == self.spec.sha256()
+        ):
             known_files = there.get("scene_files") or []
         own = Path(self.store.url).resolve() if self.store.is_local else None
         for index in range(len(self.spec["scenes"])):
@@ -159,14 +165,17 @@ class DataSet:
         try:
             differing = self._differing(there)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise OtherDataSet(f"{self.store.place(HEAD)}: it is no data set's: {error}") from error
+            raise OtherDataSet(f"{self.store.place(HEAD)}: it does not belong to a data set: {error}") from error
         if differing:
-            raise OtherDataSet(f"{self.store.place(HEAD)}: the data set there has another {differing}; take another folder")
+            place = self.store.place(HEAD)
+            raise OtherDataSet(f"{place}: the data set there has a different {differing}; use another folder")
         # A scene that can't be read now keeps its old hash. One that could not be read before gets its hash now.
         for then, now in zip(there["scenes"], self.head["scenes"]):
             if "sha256" in then:
                 now["sha256"] = then["sha256"]
-        if [scene.get("sha256") for scene in there["scenes"]] != self.hashes or there.get("scene_files") != self._scene_files:
+        if [scene.get("sha256") for scene in there["scenes"]] != self.hashes or there.get(
+            "scene_files"
+        ) != self._scene_files:
             self._write_head()
 
     def _write_head(self) -> None:
@@ -182,7 +191,7 @@ class DataSet:
             return f"spec: {', '.join(other)}"
         for then, now in zip(there["scenes"], self.head["scenes"]):
             if "sha256" in then and "sha256" in now and then["sha256"] != now["sha256"]:
-                return f"scene: {now['scene']} shows something else now"
+                return f"scene: {now['scene']} has changed"
         return None
 
     @property
@@ -207,9 +216,17 @@ class DataSet:
 
         With ``retry_errors`` this includes shards in which a pair is missing."""
         names, asked = self.store.names(), list(shards)
-        there = [shard for shard in asked if self.spec.data_name(shard) in names and f"{self.spec.shard_name(shard)}.json" in names]
+        there = [
+            shard
+            for shard in asked
+            if self.spec.data_name(shard) in names and f"{self.spec.shard_name(shard)}.json" in names
+        ]
         if retry_errors:
-            there = [shard for shard, record in zip(there, self.records(there)) if record is not None and not record["errors"]]
+            there = [
+                shard
+                for shard, record in zip(there, self.records(there))
+                if record is not None and not record["errors"]
+            ]
         kept = set(there)
         return [shard for shard in asked if shard not in kept]
 
@@ -221,8 +238,8 @@ class DataSet:
     def write_manifest(self, failed: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Builds the manifest from the shards' records, and writes it if it changed.
 
-        It has one line of JSON for the data set, each shard, each pair, each pair that could not be made, and each
-        failed shard that does not exist yet. Returns the lines of all pairs that could not be made."""
+        It has one line of JSON for the data set, each shard and each pair. Pairs that could not be made and failed
+        shards that do not exist yet have a line too. Returns the lines of all pairs that could not be made."""
         missing: list[dict[str, Any]] = []
         before = self._stamps()
         for _ in range(ROUNDS):
@@ -245,7 +262,11 @@ class DataSet:
         found = {}
         for name, stamp in self.store.stamps().items():
             number = name.removesuffix(".json").rpartition("-")[2]
-            if number.isdecimal() and int(number) < self.spec.shards and name == f"{self.spec.shard_name(int(number))}.json":
+            if (
+                number.isdecimal()
+                and int(number) < self.spec.shards
+                and name == f"{self.spec.shard_name(int(number))}.json"
+            ):
                 found[int(number)] = stamp
         return found
 
@@ -347,9 +368,9 @@ def make(
     ``shards`` limits the run to some shards; other runs may make the others. ``scene_memory`` limits the scenes that
     are kept, in bytes, here and on the device together. The current scene is always kept.
 
-    Raises ``OtherDataSet`` if another data set is in the folder, ``OSError`` if it can't be written, ``AdapterError``
-    if there is no adapter, and ``ValueError`` for shards out of range. The report and the manifest contain errors of
-    pairs and shards."""
+    Raises ``OtherDataSet`` if another data set is in the folder, and ``OSError`` if the folder can't be written. Raises
+    ``AdapterError`` if there is no adapter, and ``ValueError`` for shards out of range. The report and the manifest
+    contain errors of pairs and shards."""
     began = time.monotonic()
     asked = list(range(spec.shards) if shards is None else shards)
     if wrong := [shard for shard in asked if not 0 <= shard < spec.shards]:

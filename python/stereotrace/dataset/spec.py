@@ -122,7 +122,8 @@ def _keys(value: Any, at: str, known: Mapping[str, tuple[Check, Any]]) -> dict[s
         raise SpecError(f"{at or 'the spec'}: {_shown(value)} must be a mapping of keys to values")
     unknown = [key for key in value if key not in known]
     if unknown:
-        raise SpecError(f"{at + ': ' if at else ''}unknown key {_shown(unknown[0])}; there are {', '.join(known)}")
+        prefix = f"{at}: " if at else ""
+        raise SpecError(f"{prefix}unknown key {_shown(unknown[0])}; the keys are {', '.join(known)}")
     found: dict[str, Any] = {}
     for key, (check, default) in known.items():
         given = value.get(key, default)
@@ -180,7 +181,9 @@ def _within(low: float, high: float = math.inf) -> Check:
     def check(value: Any, at: str) -> float:
         number = _finite(value, at)
         if not low <= number <= high:
-            raise SpecError(f"{at}: {_shown(value)} must be " + (f"{low:g} or more" if high == math.inf else f"{low:g} to {high:g}"))
+            raise SpecError(
+                f"{at}: {_shown(value)} must be " + (f"{low:g} or more" if high == math.inf else f"{low:g} to {high:g}")
+            )
         return number
 
     return check
@@ -192,7 +195,9 @@ def _above(low: float, high: float = math.inf) -> Check:
     def check(value: Any, at: str) -> float:
         number = _finite(value, at)
         if not low < number < high:
-            raise SpecError(f"{at}: {_shown(value)} must be above {low:g}" + ("" if high == math.inf else f" and below {high:g}"))
+            raise SpecError(
+                f"{at}: {_shown(value)} must be above {low:g}" + ("" if high == math.inf else f" and below {high:g}")
+            )
         return number
 
     return check
@@ -209,7 +214,11 @@ def _one_of(*known: str) -> Check:
 
 def _list(count: int | None, of: Check) -> Check:
     def check(value: Any, at: str) -> list[Any]:
-        if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence) or (count is not None and len(value) != count):
+        if (
+            isinstance(value, (str, Mapping))
+            or not isinstance(value, Sequence)
+            or (count is not None and len(value) != count)
+        ):
             expected = "a list" if count is None else f"a list of {count}"
             raise SpecError(f"{at}: {_shown(value)} must be {expected}")
         return [of(item, f"{at}[{index}]") for index, item in enumerate(value)]
@@ -238,7 +247,9 @@ def _drawn(of: Check) -> Check:
                 raise SpecError(f"{at}.choice: there is nothing to choose from")
             return {kind: choices}
         low, high = given = _list(2, lambda end, _: end)(given, f"{at}.{kind}")
-        if _finite(low, f"{at}.{kind}[0]") > _finite(high, f"{at}.{kind}[1]") or (kind == "log_uniform" and _finite(low, at) <= 0):
+        if _finite(low, f"{at}.{kind}[0]") > _finite(high, f"{at}.{kind}[1]") or (
+            kind == "log_uniform" and _finite(low, at) <= 0
+        ):
             positive = " above 0" if kind == "log_uniform" else ""
             raise SpecError(f"{at}.{kind}: {_shown(given)} must be a low and a high number{positive}")
         # Both ends must be valid values.
@@ -261,7 +272,7 @@ def _flag(value: Any, at: str) -> bool:
 
 def _name(value: Any, at: str) -> str:
     if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", value):
-        raise SpecError(f"{at}: {_shown(value)} must be letters, digits, - and _, at most 64 of them")
+        raise SpecError(f"{at}: {_shown(value)} must be at most 64 letters, digits, - and _")
     return value
 
 
@@ -281,11 +292,11 @@ def _camera(value: Any, at: str) -> dict[str, Any]:
     }
     found = _keys(value, at, known)
     if ("eye" in found) != ("target" in found):
-        raise SpecError(f"{at}: eye and target go together")
+        raise SpecError(f"{at}: give both eye and target, or none of them")
     if "name" in found and "eye" in found:
-        raise SpecError(f"{at}: name is of one of the file's own cameras; it has its eye and target")
+        raise SpecError(f"{at}: name selects a camera of the file, which has its own eye and target; leave these out")
     if "eye" in found and found["eye"] == found["target"]:
-        raise SpecError(f"{at}.target: {_shown(found['target'])} is the eye too")
+        raise SpecError(f"{at}.target: {_shown(found['target'])} must differ from the eye")
     if "up" in found and not any(found["up"]):
         raise SpecError(f"{at}.up: it must not be 0")
     return found
@@ -300,7 +311,7 @@ def _light(value: Any, at: str) -> dict[str, Any]:
     }
     found = _keys(value, at, known)
     if ("position" in found) == ("towards" in found):
-        raise SpecError(f"{at}: give a position, or towards for a light that is infinitely far off")
+        raise SpecError(f"{at}: give a position, or towards for a light at infinity")
     if "towards" in found and not any(found["towards"]):
         raise SpecError(f"{at}.towards: it must not be 0")
     if "towards" in found and found.get("radius", 0) > 1.5:
@@ -352,14 +363,14 @@ def _scene(value: Any, at: str) -> dict[str, Any]:
     if ("file" in found) == ("builtin" in found):
         raise SpecError(f"{at}: give a file, or the name of a built-in scene")
     if "builtin" in found and (refused := [key for key in _OF_FILES if key in found]):
-        raise SpecError(f"{at}: {refused[0]} is an option of files, and this scene is built in")
+        raise SpecError(f"{at}: {refused[0]} is an option for files, but this scene is built in")
     return found
 
 
 def _scenes(value: Any, at: str) -> list[dict[str, Any]]:
     scenes: list[dict[str, Any]] = _list(None, _scene)(value, at)
     if not any(scene["weight"] for scene in scenes):
-        raise SpecError(f"{at}: there is no scene to choose")
+        raise SpecError(f"{at}: at least one scene must have a weight above 0")
     return scenes
 
 
@@ -367,7 +378,11 @@ def _poses(value: Any, at: str) -> dict[str, Any]:
     kind = value.get("kind", "free") if isinstance(value, Mapping) else "free"
     known: dict[str, tuple[Check, Any]] = {"kind": (_one_of(*POSES), "free")}
     if kind == "free":
-        known |= {"clearance": (_drawn(_within(0)), None), "max_disparity": (_above(0), None), "min_surfaces": (_within(0, 1), None)}
+        known |= {
+            "clearance": (_drawn(_within(0)), None),
+            "max_disparity": (_above(0), None),
+            "min_surfaces": (_within(0, 1), None),
+        }
     if kind == "orbit":
         known |= {
             "turn": (_drawn(_finite), {"uniform": [0, 360]}),
@@ -393,10 +408,10 @@ def _rig(value: Any, at: str) -> dict[str, Any]:
     for same in (("interaxial", "interaxial_px", "baseline"), ("fov", "fx")):
         given = [key for key in same if key in found]
         if len(given) > 1:
-            raise SpecError(f"{at}: {' and '.join(given)} say the same; give one of them")
+            raise SpecError(f"{at}: {' and '.join(given)} set the same value; give one of them")
     for key in ("fy", "cx", "cy"):
         if key in found and "fx" not in found:
-            raise SpecError(f"{at}.{key}: it goes with fx")
+            raise SpecError(f"{at}.{key}: it needs fx")
     return found
 
 
@@ -420,7 +435,7 @@ def _random_materials(value: Any, at: str) -> dict[str, Any]:
     }
     found = _keys(value, at, known)
     if "albedo" in found and "tint" in found:
-        raise SpecError(f"{at}: albedo replaces what tint would multiply; give one of them")
+        raise SpecError(f"{at}: albedo replaces the colour that tint multiplies; give one of them")
     return found
 
 
@@ -439,7 +454,7 @@ def _render(value: Any, at: str) -> dict[str, Any]:
         raise SpecError(f"{at}: {_shown(value)} must be a mapping of options to values")
     for key, instead in (("outputs", "outputs"), ("exposure", "randomise.exposure"), ("count", None)):
         if key in value:
-            raise SpecError(f"{at}.{key}: " + (f"it is the key {instead}" if instead else "data sets have no counters"))
+            raise SpecError(f"{at}.{key}: " + (f"use the key {instead}" if instead else "data sets have no counters"))
     try:
         stereotrace.check_options(**value)
     except (ValueError, TypeError) as error:
@@ -457,11 +472,12 @@ def _outputs(value: Any, at: str) -> list[str]:
         eye, dot, output = name.rpartition(".")
         if output not in stereotrace.OUTPUTS or (dot and eye not in EYES):
             known = ", ".join(stereotrace.OUTPUTS)
-            raise SpecError(f"{at}[{index}]: unknown {_shown(name)}; use one of {known}, for one eye with left. or right. before it")
+            prefixes = "for one eye with the prefix left. or right."
+            raise SpecError(f"{at}[{index}]: unknown {_shown(name)}; use one of {known}, {prefixes}")
         if output in _OF_RIGHT and eye == "left":
-            raise SpecError(f"{at}[{index}]: {output} is of the right view")
+            raise SpecError(f"{at}[{index}]: {output} exists only for the right view")
     if not names:
-        raise SpecError(f"{at}: there are none")
+        raise SpecError(f"{at}: it must not be empty")
     return names
 
 
@@ -476,7 +492,7 @@ def _check_extent(value: Any) -> None:
         if isinstance(part, (str, bytes)) or not isinstance(part, (Mapping, Sequence)):
             continue
         if level > MOST_LEVELS:
-            raise SpecError(f"its lists and mappings are nested over {MOST_LEVELS} levels deep")
+            raise SpecError(f"its lists and mappings are nested more than {MOST_LEVELS} levels deep")
         if len(part) > MOST_VALUES - count - len(waiting):
             raise SpecError(f"it has over {MOST_VALUES} values")
         waiting += [(inner, level + 1) for inner in (part.values() if isinstance(part, Mapping) else part)]
@@ -503,12 +519,12 @@ def _checked(value: Mapping[str, Any]) -> dict[str, Any]:
     layout = found["format"] in stereotrace.LAYOUTS
     for key in ("outputs", "compress"):
         if layout and key in found:
-            raise SpecError(f"{key}: the layout {found['format']} says which files there are")
+            raise SpecError(f"{key}: the layout {found['format']} sets the files; leave this key out")
     if not layout:
         found = {"outputs": ["color", "disparity", "occlusion"], "compress": False, **found}
     _check_together(found)
     if found["format"] == "sceneflow" and found["pairs"] > 10_000:
-        raise SpecError("pairs: the files of sceneflow have numbers of four digits: at most 10000")
+        raise SpecError("pairs: sceneflow numbers its files with four digits: at most 10000")
     return found
 
 
@@ -523,17 +539,22 @@ def _check_together(found: Mapping[str, Any]) -> None:
     outputs = [name.rpartition(".")[2] for name in found.get("outputs", ["occlusion"])]
     truth = [output for output in outputs if output in _TRUTH]
     if truth and method not in EXACT_METHODS:
-        raise SpecError(f"render.method: {method} shows points up to half a pixel aside, and {truth[0]} is that of pixels' centres; use one of {', '.join(EXACT_METHODS)}")
+        reason = f"{method} shows points up to half a pixel off, but {truth[0]} is for pixel centres"
+        raise SpecError(f"render.method: {reason}; use one of {', '.join(EXACT_METHODS)}")
     if "shadow_source" in outputs and (method == "naive" or method not in EXACT_METHODS):
-        raise SpecError(f"outputs: shadow_source is known by brackets, not by {method}")
+        raise SpecError(f"outputs: shadow_source needs a bracket method, not {method}")
     rig = found["rig"]
     # Cameras with one cx for both eyes are parallel, unless a screen distance is given.
     distance = rig.get("screen_distance", "inf" if found["format"] in stereotrace.LAYOUTS or "fx" in rig else None)
     distances = distance["choice"] if isinstance(distance, dict) and "choice" in distance else [distance]
     if found["format"] in PARALLEL_LAYOUTS and any(one != "inf" for one in distances):
-        raise SpecError(f"rig.screen_distance: the cameras of {found['format']} are parallel: leave it out, or say inf")
+        raise SpecError(
+            f"rig.screen_distance: the cameras of {found['format']} are parallel: leave it out, or set it to inf"
+        )
     if "interaxial_px" in rig and any(one == "inf" for one in distances):
-        raise SpecError("rig.interaxial_px: it is the parallax at infinity, which parallel cameras have none of; give interaxial")
+        raise SpecError(
+            "rig.interaxial_px: it is the parallax at infinity, which is 0 for parallel cameras; give interaxial"
+        )
 
 
 def eye_outputs(outputs: Sequence[str]) -> list[tuple[str, str]]:

@@ -99,7 +99,10 @@ class Store:
         except FileNotFoundError:
             return {}
         tags = ("size", "mtime", "LastModified", "ETag", "etag", "updated", "last_modified", "created")
-        return {posixpath.basename(str(one["name"]).rstrip("/")): " ".join(str(one.get(tag)) for tag in tags) for one in found}
+        return {
+            posixpath.basename(str(one["name"]).rstrip("/")): " ".join(str(one.get(tag)) for tag in tags)
+            for one in found
+        }
 
     def exists(self, name: str) -> bool:
         self._files.invalidate_cache()

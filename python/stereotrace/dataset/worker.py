@@ -104,7 +104,7 @@ class Stage:
     def __init__(self, spec: Spec, scene: int, sha256: str | None, opened: Scene | None) -> None:
         self.scene = open_scene(spec, scene) if opened is None else opened
         if opened is None and sha256 is not None and scene_hash(spec, scene, self.scene) != sha256:
-            raise SceneChanged(f"{spec.scene_path(scene)}: it shows something else than when the data set was begun")
+            raise SceneChanged(f"{spec.scene_path(scene)}: it has changed since the data set was begun")
         self._materials: list[Material] = self.scene.materials
         self._shown = list(self._materials)
         self._lights = self.scene.lights
@@ -187,7 +187,10 @@ class Worker:
                 self._faults[scene] = error  # avoids reading it again for every pair
                 raise
         self._stages[scene] = stage
-        while len(self._stages) > 1 and COPIES * sum(one.scene.memory for one in self._stages.values()) > self._scene_memory:
+        while (
+            len(self._stages) > 1
+            and COPIES * sum(one.scene.memory for one in self._stages.values()) > self._scene_memory
+        ):
             self.renderer.release(self._stages.pop(next(iter(self._stages))).scene)
         return stage
 
@@ -237,7 +240,7 @@ class Worker:
         try:
             return self.pair(number)
         except DeviceLostError as error:
-            log.warning("item %d: %s; trying it again on a new device", number, error)
+            log.warning("item %d: %s; retrying on a new device", number, error)
             self.renderer = self._new_renderer()
             return self.pair(number)
 
@@ -275,7 +278,11 @@ class Worker:
         return sorted(scenes, key=lambda item: (scenes[item] not in self._stages, first[scenes[item]], item))
 
     def _each(
-        self, number: int, record: dict[str, Any], done: Callable[[int], None], use: Callable[[int, StereoPair, dict[str, Any]], Any]
+        self,
+        number: int,
+        record: dict[str, Any],
+        done: Callable[[int], None],
+        use: Callable[[int, StereoPair, dict[str, Any]], Any],
     ) -> Iterator[tuple[int, Any]]:
         """Makes each pair of a shard, scene by scene, and yields the result of ``use``.
 
@@ -310,7 +317,9 @@ class Worker:
         log.warning("item %d: %s", item, text)
         record["errors"].append({"item": item, "error": text, "kind": type(error).__name__})
 
-    def _file_shard(self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]) -> dict[str, Any]:
+    def _file_shard(
+        self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]
+    ) -> dict[str, Any]:
         def use(item: int, pair: StereoPair, of_pair: dict[str, Any]) -> dict[str, bytes]:
             return encode.files(pair, self.spec, of_pair)
 
@@ -332,7 +341,9 @@ class Worker:
             shard.close()
         return {"file": file, "bytes": written.bytes, "sha256": written.sha256()}
 
-    def _layout_shard(self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]) -> dict[str, Any]:
+    def _layout_shard(
+        self, number: int, store: Store, record: dict[str, Any], done: Callable[[int], None]
+    ) -> dict[str, Any]:
         name = self.spec.shard_name(number)
         with tempfile.TemporaryDirectory(prefix="stereotrace-") as folder:
 

@@ -23,7 +23,7 @@ const REACH: f32 = 1.2e8;
 pub(super) fn tree(count: usize) -> Result<Bvh2, Error> {
     if count > BvhBuild::MAX_FLAT {
         let reason = format!(
-            "{count} primitives, over the {} that BvhBuild::Flat takes, since every ray is tested against each; build a tree",
+            "{count} primitives, over the limit of {} for BvhBuild::Flat, where every ray tests each one; build a tree",
             BvhBuild::MAX_FLAT
         );
         return Err(Error::Scene { element: "geometry".into(), reason });

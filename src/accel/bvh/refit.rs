@@ -150,21 +150,25 @@ impl TreeShape {
         let now = counts(scene);
         if now != self.counts {
             let (now, then) = (count(now), count(self.counts));
-            return fault("geometry".into(), format!("the tree to refit was built of {then}, and these are {now}"));
+            return fault(
+                "geometry".into(),
+                format!("the tree to refit was built from {then}, but the scene now has {now}"),
+            );
         }
         let mut held = vec![false; boxes.len()];
         self.ids.iter().for_each(|&id| held[id as usize] = true);
         for &(copy, of) in &*self.copies {
             held[copy as usize] = true;
             if !is_empty(&boxes[copy as usize]) && geometry(scene, copy) != geometry(scene, of) {
-                let reason = format!("the tree to refit has none, since it was an exact copy of primitive {of}");
+                let reason =
+                    format!("the tree to refit does not contain it, because it was an exact copy of primitive {of}");
                 return fault(format!("primitive {copy}"), reason);
             }
         }
         match (0..boxes.len()).find(|&id| !held[id] && !is_empty(&boxes[id])) {
             None => Ok(()),
             Some(id) => {
-                let reason = "the tree to refit has none, since it was without area".into();
+                let reason = "the tree to refit does not contain it, because it had no area".into();
                 fault(format!("triangle {id}"), reason)
             }
         }

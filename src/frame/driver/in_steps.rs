@@ -277,7 +277,7 @@ mod tests {
         assert!(pair.statistics.in_steps);
         renderer.steps = in_steps_of(1 << 30);
         let message = renderer.render(&uploaded, &camera, &options).unwrap_err().to_string();
-        assert!(message.contains("threads needs more rounds of its loops"), "{message}");
+        assert!(message.contains("threads needs more loop iterations"), "{message}");
     }
 
     #[test]

@@ -41,7 +41,7 @@ impl<'a> Slots<'a> {
     ) -> Result<(u32, &wgpu::Buffer), Error> {
         let row_bytes = u64::from(width) * u64::from(depth) * 4;
         let allowed = gpu.binding_limit();
-        check_bytes(&format!("one row of a 3D buffer {depth} deep"), row_bytes, allowed, "use a smaller depth")?;
+        check_bytes(&format!("one row of a 3D buffer of depth {depth}"), row_bytes, allowed, "use a smaller depth")?;
         let rows = (allowed / row_bytes).min(u64::from(rows)) as u32;
         self.bytes = u64::from(rows) * row_bytes;
         if self.buffer.as_ref().is_none_or(|slots| slots.size() < self.bytes) {

@@ -55,7 +55,7 @@ impl StereoCamera {
         if file.values.contains_key("doffs") {
             let [stated] = file.numbers("doffs")?;
             if (stated - doffs).abs() > 0.01 {
-                return Err(file.fault("doffs", format!("is {stated}, but cx of cam1 less that of cam0 is {doffs}")));
+                return Err(file.fault("doffs", format!("is {stated}, but cx of cam1 minus cx of cam0 is {doffs}")));
             }
         }
         let [baseline] = file.numbers("baseline")?;
@@ -115,7 +115,7 @@ impl StereoCamera {
                 let [w, h] = file.numbers::<2>(&name)?;
                 if [w, h] != size.map(f64::from) {
                     return Err(
-                        file.fault(&name, format!("is {w}x{h}, but the picture is to be {}x{}", size[0], size[1]))
+                        file.fault(&name, format!("is {w}x{h}, but the requested picture is {}x{}", size[0], size[1]))
                     );
                 }
             }
@@ -124,13 +124,14 @@ impl StereoCamera {
         let askew = (to[1] - from[1]).hypot(to[2] - from[2]);
         if askew > MOST_ASKEW * baseline.abs() {
             let reason = format!(
-                "stands {askew} m above, below, before or behind {a}, over a hundredth of their distance along x, {baseline} m: rows would be no epipolar lines"
+                "is {askew} m off the x axis of {a}, over 1% of the baseline of {baseline} m: rows would not be \
+                 epipolar lines"
             );
             return Err(file.fault(b, reason));
         }
         if askew > 0.0 {
             let path = file.path.display();
-            log::warn!("{path}: {b} stands {askew:.2e} m askew of {a}, which is left out");
+            log::warn!("{path}: {b} is {askew:.2e} m off the x axis of {a}; this offset is ignored");
         }
         file.camera(left, right[2], baseline, size, scale)
     }
@@ -150,7 +151,7 @@ impl<'a> File<'a> {
     fn read(path: &'a Path, between: char, limits: &Limits) -> Result<Self, Error> {
         let bytes = input::read(path, limits.json_bytes, limits.option_names[0])?;
         let text =
-            String::from_utf8(bytes).map_err(|error| Error::parse_from(path, None, "it is no UTF-8 text", error))?;
+            String::from_utf8(bytes).map_err(|error| Error::parse_from(path, None, "it is not UTF-8 text", error))?;
         let mut values = HashMap::new();
         for (line, text) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
             let text = text.trim();
@@ -158,11 +159,11 @@ impl<'a> File<'a> {
                 continue;
             }
             let Some((name, value)) = text.split_once(between) else {
-                return Err(Error::parse(path, Some(line), format!("'{text}' is no name, {between} and value")));
+                return Err(Error::parse(path, Some(line), format!("'{text}' is not a name, {between} and a value")));
             };
             let name = name.trim().to_owned();
             if let Some((before, _)) = values.get(&name) {
-                return Err(Error::parse(path, Some(line), format!("{name} is given again; line {before} has it")));
+                return Err(Error::parse(path, Some(line), format!("{name} is already given on line {before}")));
             }
             values.insert(name, (line, value.trim().to_owned()));
         }
@@ -223,7 +224,7 @@ impl<'a> File<'a> {
     fn check_shared(&self, names: [&str; 2], fields: [(&str, f64, f64); 3]) -> Result<(), Error> {
         match fields.into_iter().find(|(_, a, b)| a != b) {
             Some((field, a, b)) => {
-                let reason = format!("has {field} {b} and {} {a}; both eyes must share one", names[0]);
+                let reason = format!("has {field} {b}, but {} has {a}; both eyes must have the same", names[0]);
                 Err(self.fault(names[1], reason))
             }
             None => Ok(()),
@@ -242,7 +243,7 @@ impl<'a> File<'a> {
             return Err(Error::Options { option: "scale", reason: format!("it is {scale}; it must be above 0") });
         }
         if baseline.is_nan() || baseline <= 0.0 {
-            let reason = format!("the baseline is {baseline}; it must be above 0, the left camera first");
+            let reason = format!("the baseline is {baseline}; it must be above 0, so give the left camera first");
             return Err(Error::parse(self.path, None, reason));
         }
         let [fx, fy, cx, cy] = left;
@@ -269,13 +270,15 @@ mod tests {
     use crate::folder::Folder;
 
     /// Middlebury 2014, Motorcycle.
-    const MOTORCYCLE: &str = "cam0=[3979.911 0 1244.772; 0 3979.911 1019.507; 0 0 1]\ncam1=[3979.911 0 1369.115; 0 3979.911 1019.507; 0 0 1]\n\
+    const MOTORCYCLE: &str = "cam0=[3979.911 0 1244.772; 0 3979.911 1019.507; 0 0 1]\n\
+        cam1=[3979.911 0 1369.115; 0 3979.911 1019.507; 0 0 1]\n\
         doffs=124.343\nbaseline=193.001\nwidth=2964\nheight=1988\nndisp=270\nisint=0\nvmin=23\nvmax=245\ndyavg=0\ndymax=0\n";
     /// KITTI 2012, object 000000, without P1.
     const KITTI: &str = "P0: 7.215377e+02 0 6.095593e+02 0 0 7.215377e+02 1.728540e+02 0 0 0 1 0\n\
         P1: 7.215377e+02 0 6.095593e+02 -3.875744e+02 0 7.215377e+02 1.728540e+02 0 0 0 1 0\n\
         P2: 7.215377e+02 0 6.095593e+02 4.485728e+01 0 7.215377e+02 1.728540e+02 2.163791e-01 0 0 1 2.745884e-03\n\
-        P3: 7.215377e+02 0 6.095593e+02 -3.395242e+02 0 7.215377e+02 1.728540e+02 2.199936e+00 0 0 1 2.729905e-03\n\nTr: 1 0 0 0\n";
+        P3: 7.215377e+02 0 6.095593e+02 -3.395242e+02 0 7.215377e+02 1.728540e+02 2.199936e+00 0 0 1 2.729905e-03\n\n\
+        Tr: 1 0 0 0\n";
 
     fn middlebury(text: &str, scale: f32) -> Result<StereoCamera, Error> {
         let folder = Folder::new("calib");
@@ -334,13 +337,18 @@ mod tests {
             ("", "", [1, 0], "the baseline is -0.53715"),
             ("", "", [0, 7], "P_rect_07 is missing"),
             ("-3.875744e+02 0 7", "-3.875744e+02 0.1 7", [0, 1], ":2: P1 has a skew of 0.1"),
-            ("2.199936e+00", "9.199936e+00", [2, 3], ":4: P3 stands 0.0"),
-            ("P1: 7.215377e+02", "P1: 7.3e+02", [0, 1], ":2: P1 has fx 730 and P0 721.5377; both eyes must share one"),
+            ("2.199936e+00", "9.199936e+00", [2, 3], ":4: P3 is 0.0"),
+            (
+                "P1: 7.215377e+02",
+                "P1: 7.3e+02",
+                [0, 1],
+                ":2: P1 has fx 730, but P0 has 721.5377; both eyes must have the same",
+            ),
             (
                 "Tr: ",
                 "S_rect_00: 1224 370\nTr: ",
                 [0, 1],
-                ":6: S_rect_00 is 1224x370, but the picture is to be 1242x375",
+                ":6: S_rect_00 is 1224x370, but the requested picture is 1242x375",
             ),
         ] {
             let message = kitti(&KITTI.replacen(from, to, 1), cameras).unwrap_err().to_string();
@@ -351,17 +359,21 @@ mod tests {
     #[test]
     fn what_can_t_be_rendered_is_refused_with_its_line() {
         for (from, to, expected) in [
-            ("cam1=[3979.911", "cam1=[3980", ":2: cam1 has fx 3980 and cam0 3979.911; both eyes must share one"),
+            (
+                "cam1=[3979.911",
+                "cam1=[3980",
+                ":2: cam1 has fx 3980, but cam0 has 3979.911; both eyes must have the same",
+            ),
             (
                 "3979.911 1019.507; 0 0 1]\ndoffs",
                 "3979.911 1020; 0 0 1]\ndoffs",
-                ":2: cam1 has cy 1020 and cam0 1019.507",
+                ":2: cam1 has cy 1020, but cam0 has 1019.507",
             ),
             ("3979.911 0 1244", "3979.911 0.5 1244", ":1: cam0 has a skew of 0.5; it must be 0"),
             ("1019.507; 0 0 1]\ncam1", "1019.507; 0 1 1]\ncam1", ":1: cam0 ends in 0 1 1; its last row"),
             ("[3979.911 0 1244", "[NaN 0 1244", ":1: cam0 is '[NaN"),
             ("[3979.911 0 1244.772;", "[3979.911 0;", ":1: cam0 is '[3979.911 0; 0"),
-            ("doffs=124.343", "doffs=124", ":3: doffs is 124, but cx of cam1 less that of cam0 is 124.34"),
+            ("doffs=124.343", "doffs=124", ":3: doffs is 124, but cx of cam1 minus cx of cam0 is 124.34"),
             ("1369.115", "1000", ":3: doffs is 124.343, but"),
             ("baseline=193.001", "baseline=0", "the baseline is 0; it must be above 0"),
             ("baseline=193.001\n", "", "baseline is missing"),
@@ -369,8 +381,8 @@ mod tests {
             ("width=2964", "width=296400", "calib.txt: invalid camera: size is 296400x1988"),
             ("isint=0", "k1=-0.1", ":8: k1 is '-0.1'; lens distortion can't be rendered"),
             ("isint=0", "distortion=[0 0 1e-3 0]", ":8: distortion is '[0 0 1e-3 0]'"),
-            ("isint=0", "doffs=124.343", ":8: doffs is given again; line 3 has it"),
-            ("isint=0", "isint", ":8: 'isint' is no name, = and value"),
+            ("isint=0", "doffs=124.343", ":8: doffs is already given on line 3"),
+            ("isint=0", "isint", ":8: 'isint' is not a name, = and a value"),
         ] {
             let message = middlebury(&MOTORCYCLE.replacen(from, to, 1), 1.0).unwrap_err().to_string();
             assert!(message.contains(expected), "{message} should say {expected}");

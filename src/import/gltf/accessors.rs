@@ -59,7 +59,9 @@ impl Document<'_> {
         let elements = self.elements(index, &[Type::Scalar], by)?;
         let component = elements.component;
         if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
-            return Err(self.fault(format!("{}: indices of type {component:?}; they have no sign", elements.name)));
+            return Err(
+                self.fault(format!("{}: indices of type {component:?}; they must be unsigned integers", elements.name))
+            );
         }
         self.values(&elements, 0, |bytes| number(component, bytes) as u32)
     }
@@ -72,7 +74,7 @@ impl Document<'_> {
         // Elements without bytes are zeros, so a short file could declare millions of them.
         let bytes = self.bytes_read();
         if accessor.buffer_view.is_none() && count > bytes {
-            let reason = "elements without a bufferView; there can be as many as the files have bytes,";
+            let reason = "elements without a bufferView; the maximum is the files' size in bytes,";
             return Err(self.fault(format!("{name}: {count} {reason} {bytes}")));
         }
         Ok(accessor.count.0 as usize)
@@ -88,10 +90,10 @@ impl Document<'_> {
         let accessor = self.item(("accessors", &self.root.accessors), index.value(), by)?;
         let name = format!("accessors[{}]", index.value());
         let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_) else {
-            return Err(self.fault(format!("{name}: its type or componentType is none that there is")));
+            return Err(self.fault(format!("{name}: its type or componentType is unknown")));
         };
         if !types.contains(&kind) {
-            return Err(self.fault(format!("{name}: it is {kind:?}, where {by} takes {types:?}")));
+            return Err(self.fault(format!("{name}: it is {kind:?}, but {by} needs {types:?}")));
         }
         Ok(Elements { accessor, name, component: component.0, width: kind.multiplicity() })
     }
@@ -114,7 +116,7 @@ impl Document<'_> {
         if let Some(sparse) = &accessor.sparse {
             let sparse_count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
             let Checked::Valid(kind) = sparse.indices.component_type else {
-                return Err(self.fault(format!("{name}, sparse.indices: its componentType is none that there is")));
+                return Err(self.fault(format!("{name}, sparse.indices: its componentType is unknown")));
             };
             let (from, at) = (&sparse.values, &sparse.indices);
             let [by_indices, by_values] = ["indices", "values"].map(|part| format!("{name}, sparse.{part}"));
@@ -124,8 +126,9 @@ impl Document<'_> {
                 let place = number(kind.0, place);
                 let value = if place >= 0.0 { values.get_mut(place as usize) } else { None };
                 let elements = counted(count, "element", "elements");
-                *value.ok_or_else(|| self.fault(format!("{name}, sparse.indices: {place}, of {elements}")))? =
-                    parse(replacement);
+                *value.ok_or_else(|| {
+                    self.fault(format!("{name}, sparse.indices: {place} is out of range for {elements}"))
+                })? = parse(replacement);
             }
         }
         Ok(values)
@@ -143,7 +146,7 @@ impl Document<'_> {
         let (description, bytes) = self.view(view, by)?;
         let stride = description.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0).unwrap_or(size);
         if stride < size {
-            let reason = format!("{by}: a byteStride of {stride} for elements of {size} bytes");
+            let reason = format!("{by}: a byteStride of {stride} is too small for elements of {size} bytes");
             return Err(self.fault(reason));
         }
         let needed = count.checked_sub(1).map_or(Some(0), |steps| steps.checked_mul(stride)?.checked_add(size));
@@ -154,7 +157,8 @@ impl Document<'_> {
             let length = description.byte_length.0;
             let view = view.value();
             self.fault(format!(
-                "{by}: {what} of {size} bytes from byte {offset} on, in bufferViews[{view}] of {length}"
+                "{by}: bufferViews[{view}] of {length} bytes is too small for {what} of {size} bytes from byte \
+                 {offset} on"
             ))
         })?;
         Ok(bytes.chunks(stride).take(count).map(move |chunk| &chunk[..size]))

@@ -41,7 +41,7 @@ pub(super) fn read(
                 warnings.left_out("orthographic cameras", Place::Item("cameras", index));
                 continue;
             }
-            Checked::Invalid => return Err(fault("its type is none that there is".into())),
+            Checked::Invalid => return Err(fault("its type is unknown".into())),
         }
         let perspective = description.perspective.as_ref().ok_or_else(|| fault("it has no perspective".into()))?;
         let (eye, forward) = (place.translation, place.transform_vector3(DVec3::NEG_Z).normalize_or_zero());

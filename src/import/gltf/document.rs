@@ -77,12 +77,11 @@ impl<'a> Document<'a> {
         let (json, chunk) = if is_binary { chunks(&bytes).map_err(fault)? } else { (0..bytes.len(), None) };
         let json = without_mark(&bytes[json]);
         let root = parse(path, json, is_binary, &limits)?;
-        let shifts = shifts(json).map_err(|error| fault(format!("no JSON of glTF: {error}")))?;
+        let shifts = shifts(json).map_err(|error| fault(format!("invalid glTF JSON: {error}")))?;
         #[cfg(feature = "more-textures")]
         let webp = match root.extensions_used.iter().any(|name| name == WEBP) {
-            true => webp_images(json).map_err(|error| {
-                Error::parse_from(path, None, format!("textures of {WEBP} are wrong: {error}"), error)
-            })?,
+            true => webp_images(json)
+                .map_err(|error| Error::parse_from(path, None, format!("invalid {WEBP} textures: {error}"), error))?,
             false => Vec::new(),
         };
         let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
@@ -105,7 +104,9 @@ impl<'a> Document<'a> {
         };
         match document.root.asset.version.split('.').next() {
             Some("2") => Ok(document),
-            _ => Err(document.fault(format!("it is glTF {}; version 2 is read", document.root.asset.version))),
+            _ => {
+                Err(document.fault(format!("it is glTF {}; only version 2 is supported", document.root.asset.version)))
+            }
         }
     }
 
@@ -116,12 +117,13 @@ impl<'a> Document<'a> {
         };
         let required = unknown(&self.root.extensions_required);
         if !required.is_empty() {
-            let reason = format!("it requires {}; what is known is {}", required.join(", "), EXTENSIONS.join(", "));
+            let reason =
+                format!("it requires {}; the supported extensions are {}", required.join(", "), EXTENSIONS.join(", "));
             return Err(self.fault(reason));
         }
         let used = unknown(&self.root.extensions_used);
         if !used.is_empty() {
-            warnings.warn_once(format!("extensions that are left out: {}", used.join(", ")));
+            warnings.warn_once(format!("ignored extensions: {}", used.join(", ")));
         }
         Ok(())
     }
@@ -137,7 +139,9 @@ impl<'a> Document<'a> {
         index: usize,
         by: impl Display,
     ) -> Result<&'b T, Error> {
-        items.get(index).ok_or_else(|| self.fault(format!("{by}: there is no {list}[{index}], of {}", items.len())))
+        items.get(index).ok_or_else(|| {
+            self.fault(format!("{by}: there is no {list}[{index}]; the list has length {}", items.len()))
+        })
     }
 
     /// Returns the image that a texture has by a supported extension.
@@ -157,7 +161,7 @@ impl<'a> Document<'a> {
         let bytes = range(start, length).and_then(|range| buffer.get(range));
         let bytes = bytes.ok_or_else(|| {
             let size = counted(buffer.len(), "byte", "bytes");
-            self.fault(format!("{name}: {length} bytes from byte {start} on, in a buffer of {size}"))
+            self.fault(format!("{name}: {length} bytes from byte {start} on exceed its buffer of {size}"))
         })?;
         Ok((view, bytes))
     }
@@ -183,7 +187,7 @@ impl<'a> Document<'a> {
         let length = buffer.byte_length.0;
         content.get(..usize::try_from(length).unwrap_or(usize::MAX)).ok_or_else(|| {
             let found = counted(content.len(), "byte", "bytes");
-            self.fault(format!("{name}: its byteLength is {length}, and it has {found}"))
+            self.fault(format!("{name}: its byteLength is {length}, but it has {found}"))
         })
     }
 
@@ -226,7 +230,7 @@ impl<'a> Document<'a> {
         let text = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")).map(|(_, text)| text);
         let text = text.ok_or_else(|| self.fault(format!("{by}: its data URI is not base64")))?;
         let bytes = BASE64.decode(text).map_err(|error| {
-            Error::parse_from(self.path, None, format!("{by}: its data URI is no base64: {error}"), error)
+            Error::parse_from(self.path, None, format!("{by}: its data URI is not valid base64: {error}"), error)
         })?;
         Ok(Some(bytes))
     }
@@ -238,7 +242,7 @@ impl<'a> Document<'a> {
             scheme.len() > 1 && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
         });
         if let Some(scheme) = scheme {
-            return Err(self.fault(format!("{by}: URIs of '{scheme}:' are not read; files and base64 data are")));
+            return Err(self.fault(format!("{by}: '{scheme}:' URIs are not supported; use a file or base64 data")));
         }
         let name: Cow<'_, str> = percent_decode_str(uri).decode_utf8_lossy();
         let located = self.files.locate(self.path.parent().unwrap_or(Path::new("")), &name);
@@ -254,19 +258,20 @@ fn range(start: u64, length: u64) -> Option<Range<usize>> {
 /// Returns the ranges of the JSON and the buffer in a binary file.
 fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> {
     let word = |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
-    let (Some(version), Some(length)) = (word(4), word(8)) else { return Err("the file ends in its header".into()) };
+    let (Some(version), Some(length)) = (word(4), word(8)) else {
+        return Err("the file ends within its header".into());
+    };
     if version != 2 {
-        return Err(format!("it is binary glTF {version}; version 2 is read"));
+        return Err(format!("it is binary glTF {version}; only version 2 is supported"));
     }
     if length as usize > bytes.len() {
         let found = counted(bytes.len(), "byte", "bytes");
-        return Err(format!("it has {found} of the {length} that its header says"));
+        return Err(format!("it has {found}, but its header states {length}"));
     }
     let (mut at, mut json, mut buffer) = (12, None, None);
     while let (Some(size), Some(kind)) = (word(at), word(at + 4)) {
         let content = range(at as u64 + 8, size.into()).filter(|content| content.end <= length as usize);
-        let content =
-            content.ok_or_else(|| format!("the chunk at byte {at} has {size} bytes, beyond the file's end"))?;
+        let content = content.ok_or_else(|| format!("the chunk at byte {at} has {size} bytes and exceeds the file"))?;
         at = content.end;
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(content),
@@ -286,7 +291,7 @@ fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<R
     let (bytes, objects) = structure(json);
     if bytes.max(OBJECT_BYTES * objects) > limits.json_bytes {
         let size = match bytes > limits.json_bytes {
-            true => format!("its JSON has {} beside its strings", counted(bytes, "byte", "bytes")),
+            true => format!("its JSON has {} outside strings", counted(bytes, "byte", "bytes")),
             false => format!(
                 "its JSON has {objects} objects, which count as {OBJECT_BYTES} bytes each, {} in all",
                 OBJECT_BYTES * objects
@@ -296,12 +301,12 @@ fn parse(path: &Path, json: &[u8], is_binary: bool, limits: &Limits) -> Result<R
             path: path.into(),
             size,
             limit: limits.json_bytes,
-            remedy: format!("raise it by {}, if it is right", limits.option_names[0]),
+            remedy: format!("raise it with {} if the size is intended", limits.option_names[0]),
         });
     }
     Root::from_slice(json).map_err(|error| {
         let line = Some(error.line()).filter(|&line| line > 0 && !is_binary);
-        Error::parse_from(path, line, format!("no JSON of glTF: {error}"), error)
+        Error::parse_from(path, line, format!("invalid glTF JSON: {error}"), error)
     })
 }
 

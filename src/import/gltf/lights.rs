@@ -35,19 +35,19 @@ pub(super) fn read(
         let description = document.item(("lights", descriptions), index, format_args!("nodes[{node}]"))?;
         let item = Place::Item("lights", index);
         let Checked::Valid(kind) = description.type_ else {
-            return Err(document.fault(format!("lights[{index}]: its type is none that there is")));
+            return Err(document.fault(format!("lights[{index}]: its type is unknown")));
         };
         note_left_out(description, kind, item, warnings);
         directional += usize::from(kind == Type::Directional);
         if lights.len() == MAX_LIGHTS || kind == Type::Directional && directional > MAX_SOFT_LIGHTS {
-            warnings.left_out("lights beyond those that a scene may have", item);
+            warnings.left_out("lights over a scene's limit", item);
             continue;
         }
         let color = Vec3::from_array(description.color).as_dvec3();
         let strength = f64::from(description.intensity) / PI;
         if !(strength >= 0.0 && strength.is_finite() && color.is_finite() && color.min_element() >= 0.0) {
             let reason = format!(
-                "lights[{index}]: its light is {} times {color}; it must be finite and not negative",
+                "lights[{index}]: its intensity is {} times {color}; it must be finite and not negative",
                 description.intensity
             );
             return Err(document.fault(reason));
@@ -69,7 +69,7 @@ pub(super) fn read(
     let brightest = total.max_element();
     if brightest > 1.0 {
         warnings.warn_once(format!(
-            "its lights are {brightest:.4} times as bright as a white surface shows; they are scaled down to 1"
+            "its lights are {brightest:.4} times as bright as a white surface can show; they are scaled down to 1"
         ));
     }
     let with_light =
@@ -82,7 +82,7 @@ fn note_left_out(description: &Description, kind: Type, place: Place, warnings: 
         warnings.left_out("falloffs of lights", place);
     }
     if kind == Type::Spot {
-        warnings.left_out("cones of spot lights, which shine all around", place);
+        warnings.left_out("cones of spot lights, which shine in all directions", place);
     }
     if description.range.is_some() {
         warnings.left_out("ranges of lights", place);

@@ -120,7 +120,7 @@ impl<'a> Surfaces<'a> {
     pub(super) fn warn_of_ranges(&self, warnings: &Warnings) {
         if self.out_of_range > 0 {
             let materials = counted(self.out_of_range, "material", "materials");
-            warnings.warn_once(format!("values out of their ranges, which are brought into them, in {materials}"));
+            warnings.warn_once(format!("values out of range, which are clamped, in {materials}"));
         }
     }
 
@@ -198,7 +198,9 @@ impl<'a> Surfaces<'a> {
         let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         if !(strength >= 0.0 && strength.is_finite()) {
-            return Err(self.document.fault(format!("{name}: its emissiveStrength is {strength}")));
+            return Err(self
+                .document
+                .fault(format!("{name}: its emissiveStrength is {strength}; it must be finite and not negative")));
         }
         let Some(info) = description.emissive_texture.as_ref().filter(|_| description.emissive_factor.0 != [0.0; 3])
         else {
@@ -247,7 +249,7 @@ impl<'a> Surfaces<'a> {
                 let cutout = (first == 128 && has(0..128)).then(|| self.textures.id(picture));
                 Ok(Alpha { opacity, cutout })
             }
-            (Checked::Invalid, _) => Err(self.document.fault("a material's alphaMode is none that there is".into())),
+            (Checked::Invalid, _) => Err(self.document.fault("a material's alphaMode is unknown".into())),
         }
     }
 }

@@ -145,7 +145,7 @@ fn read(
             warnings.left_out("morph targets", place);
         }
         let Checked::Valid(mode) = primitive.mode else {
-            return Err(document.fault(format!("{name}: its mode is none that there is")));
+            return Err(document.fault(format!("{name}: its mode is unknown")));
         };
         if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
             warnings.left_out("points and lines", place);
@@ -165,8 +165,8 @@ fn read(
     fill(&mut mesh.colors, count, [Vec3::ONE; 3]);
     if clamped_colors > 0 {
         let vertices = counted(clamped_colors, "vertex", "vertices");
-        let text = format!("meshes[{index}]: colours beyond 0 to 1, which are brought into it, at {vertices}");
-        warnings.warn("meshes with colours beyond 0 to 1", None, text);
+        let text = format!("meshes[{index}]: colours outside 0 to 1, which are clamped, at {vertices}");
+        warnings.warn("meshes with colours outside 0 to 1", None, text);
     }
     Ok(mesh)
 }
@@ -199,10 +199,12 @@ fn add(
     let positions = document.floats::<3>(positions, &[Type::Vec3], 0.0, &by("POSITION"))?;
 
     // An attribute, if present, has one entry per vertex.
-    let fits = |what: &str, found: usize| match found == count {
-        true => Ok(()),
-        false => Err(document.fault(format!("{name}: {found} of {what} for {}", counted(count, "vertex", "vertices")))),
-    };
+    let fits =
+        |what: &str, found: usize| match found == count {
+            true => Ok(()),
+            false => Err(document
+                .fault(format!("{name}: {what} has length {found} for {}", counted(count, "vertex", "vertices")))),
+        };
     if let Some(normals) = attribute(Semantic::Normals) {
         let normals = document.floats::<3>(normals, &[Type::Vec3], 0.0, &by("NORMAL"))?;
         fits("NORMAL", normals.len())?;
@@ -220,8 +222,7 @@ fn add(
         let place = |corner: u32| surface.uv.place(Vec2::from_array(uv[corner as usize]));
         mesh.uv.extend(triangles.iter().map(|corners| corners.map(place)));
     } else if surface.is_textured {
-        warnings
-            .left_out("textures of primitives without texture coordinates for them, but for one corner", Place::File);
+        warnings.left_out("textures of primitives without texture coordinates, except for one corner", Place::File);
     }
     if let Some(colors) = attribute(Semantic::Colors(0)) {
         let colors = document.floats::<4>(colors, &[Type::Vec3, Type::Vec4], 1.0, &by("COLOR_0"))?;
@@ -258,10 +259,10 @@ fn corners(
     };
     if let Some(at) = indices.iter().position(|&corner| corner as usize >= vertices) {
         let are = counted(vertices, "vertex", "vertices");
-        return Err(document.fault(format!("{name}: index {at} is {}, of {are}", indices[at])));
+        return Err(document.fault(format!("{name}: index {at} is {}, out of range for {are}", indices[at])));
     }
     if mode == Mode::Triangles && indices.len() % 3 != 0 {
-        return Err(document.fault(format!("{name}: {} corners are no whole number of triangles", indices.len())));
+        return Err(document.fault(format!("{name}: {} corners are not a multiple of 3", indices.len())));
     }
     Ok(match mode {
         Mode::TriangleStrip => {

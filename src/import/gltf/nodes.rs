@@ -54,7 +54,7 @@ pub(super) fn walk(
         let by = || parent.map_or("the scene".into(), |parent| format!("nodes[{parent}]"));
         let node = document.item(("nodes", &root.nodes), index, by())?;
         if std::mem::replace(&mut visited[index], true) {
-            let reason = format!("{}: its child nodes[{index}] has another parent, or is above it", by());
+            let reason = format!("{}: its child nodes[{index}] has another parent, or is its ancestor", by());
             return Err(document.fault(reason));
         }
         let own = transform(node, &document.shifts[index])
@@ -90,7 +90,7 @@ fn transform(node: &Node, shifts: &Shifts) -> Result<DAffine3, String> {
             let UnitQuaternion(rotation) = node.rotation.unwrap_or_default();
             let rotation = DQuat::from_array(rotation.map(f64::from));
             if !(rotation.length() > 0.0 && rotation.length().is_finite()) {
-                return Err(format!("its rotation {rotation} is none"));
+                return Err(format!("its rotation {rotation} must be finite and not 0"));
             }
             let scale = node.scale.map_or(DVec3::ONE, |scale| DVec3::from_array(scale.map(f64::from)));
             let translation = shifts.translation.map_or(DVec3::ZERO, DVec3::from_array);

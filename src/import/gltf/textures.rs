@@ -187,9 +187,9 @@ impl<'a> Textures<'a> {
         let (count, left) = (pixels.len() as u64, &mut self.limits_left.texture_pixels);
         *left = left.checked_sub(count).ok_or_else(|| Error::TooLarge {
             path: self.document.path.into(),
-            size: format!("cut out by its alpha, its picture is another of {width}x{height} pixels, {count} in all"),
+            size: format!("the cut-out copy of its picture has another {width}x{height} pixels, {count} in all"),
             limit: *left,
-            remedy: format!("raise it by {}, if it is right", self.limits_left.texture_option_name),
+            remedy: format!("raise it with {} if the size is intended", self.limits_left.texture_option_name),
         })?;
         let cut = |&[r, g, b, alpha]: &[u8; 4]| [r, g, b, if alpha >= least { 255 } else { 0 }];
         Texture::image(*width, *height, pixels.iter().map(cut).collect())
@@ -225,10 +225,10 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> Result<Option<(usize, usize)>, Error> {
         let Some(image) = self.image(index, by)? else {
-            return self.lost(by, self.document.fault("it has no picture that is read".into()), warnings);
+            return self.lost(by, self.document.fault("it has no picture of a supported type".into()), warnings);
         };
         if cfg!(not(feature = "textures")) {
-            let text = format_args!("{by} is left out: stereotrace is built without its feature `textures`");
+            let text = format_args!("{by} is ignored: stereotrace is built without its feature `textures`");
             warnings.warn("textures", None, text);
             return Ok(None);
         }
@@ -307,18 +307,14 @@ impl<'a> Textures<'a> {
         let samplers = ("samplers", &*self.document.root.samplers);
         let sampler = self.document.item(samplers, sampler.value(), format_args!("textures[{index}]"))?;
         let [Checked::Valid(along_u), Checked::Valid(along_v)] = [sampler.wrap_s, sampler.wrap_t] else {
-            return Err(self
-                .document
-                .fault(format!("the sampler of textures[{index}]: its wrap is none that there is")));
+            return Err(self.document.fault(format!("the sampler of textures[{index}]: its wrap mode is unknown")));
         };
         if along_u != along_v {
-            warnings.left_out(
-                "textures whose wrapT is not their wrapS, which is taken for both",
-                Place::Item("textures", index),
-            );
+            warnings
+                .left_out("wrapT modes that differ from wrapS, which is used for both", Place::Item("textures", index));
         }
         if sampler.mag_filter == Some(Checked::Valid(MagFilter::Nearest)) {
-            warnings.left_out("filters that take the nearest pixel", Place::Item("textures", index));
+            warnings.left_out("nearest-pixel filters", Place::Item("textures", index));
         }
         Ok(match along_u {
             WrappingMode::ClampToEdge => Wrap::Clamp,
@@ -374,7 +370,11 @@ impl<'a> Textures<'a> {
 /// Logs an unreadable texture. The text is formatted only if printed, since thousands of materials may share a long
 /// reason.
 fn warn_of_lost(by: &str, reason: &str, warnings: &mut Warnings) {
-    warnings.warn("textures that can't be read", None, format_args!("{by}: {reason}; the material is without it"));
+    warnings.warn(
+        "textures that can't be read",
+        None,
+        format_args!("{by}: {reason}; the material is rendered without it"),
+    );
 }
 
 /// Returns an error's text without the path of the main file, since messages truncate long words.

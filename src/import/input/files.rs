@@ -198,7 +198,7 @@ impl SceneFolder {
         let found = places.into_iter().find(|path| path.is_file() && self.check(path).is_ok())?;
         if !self.is_warned.replace(true) {
             let text = format!(
-                "it names '{name}', a path of another machine; {} is read, and so for others like it",
+                "it names '{name}', a path of another machine; {} is read instead, and similar paths likewise",
                 found.display()
             );
             log::warn!("{}", located(&self.scene, None, &text));

@@ -84,8 +84,9 @@ fn check_numbers(what: &str, words: &str, largest: f32, origin: DVec3) -> Result
         values.push(word.parse::<f64>().map_err(|_| format!("{what}: '{word}' is not a number"))?);
     }
     let count = values.len();
-    let (coordinates, more) =
-        values.split_at_checked(3).ok_or_else(|| format!("{what}: {} of 3", counted(count, "number", "numbers")))?;
+    let (coordinates, more) = values
+        .split_at_checked(3)
+        .ok_or_else(|| format!("{what}: {} instead of 3", counted(count, "number", "numbers")))?;
     let scale = match *more {
         [] => 1.0,
         [r, g, b] => match [r, g, b].into_iter().find(|value| !value.is_finite()) {
@@ -119,5 +120,5 @@ fn check_texture(words: &str) -> Result<(), String> {
         }
         count += 1;
     }
-    if count > 0 { Ok(()) } else { Err(format!("{what}: 0 numbers of 2")) }
+    if count > 0 { Ok(()) } else { Err(format!("{what}: 0 numbers instead of 2")) }
 }

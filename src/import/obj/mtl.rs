@@ -109,7 +109,7 @@ impl Library {
         }
         if out_of_range > 0 {
             let materials = counted(out_of_range, "material", "materials");
-            warnings.warn_once(format!("values out of their ranges, which are brought into them, in {materials}"));
+            warnings.warn_once(format!("values out of range, which are clamped, in {materials}"));
         }
         Ok(())
     }

@@ -105,7 +105,7 @@ pub(super) struct Header {
 pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
     let mut rest = bytes;
     let first = next_line(&mut rest, false).filter(|line| line.trim_ascii() == b"ply");
-    first.ok_or_else(|| (Some(1), "it is no PLY file: its first line is not `ply`".into()))?;
+    first.ok_or_else(|| (Some(1), "it is not a PLY file: its first line is not `ply`".into()))?;
     // If a lone carriage return ends the first line, it ends all lines.
     let by_return = bytes.get(3) == Some(&b'\r') && bytes.get(4) != Some(&b'\n');
     let (mut encoding, mut elements, mut texture_file) = (None, Vec::new(), None);
@@ -124,7 +124,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
                 return Ok((Header { encoding, elements, lines: line, texture_file }, rest));
             }
             ["format", name, "1.0"] => encoding = Some(encoding_named(name).map_err(fault)?),
-            ["format", ..] => return Err(fault(format!("'{}' is no format; there is version 1.0 alone", text.trim()))),
+            ["format", ..] => {
+                return Err(fault(format!("'{}' is not supported; the format must have version 1.0", text.trim())));
+            }
             ["comment", "TextureFile", ..] => texture_file = texture_file.or(Some(line)),
             ["comment" | "obj_info", ..] | [] => {}
             ["element", name, count] => {
@@ -136,7 +138,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), Fault> {
                 let property = property(words, line, &element.name, &mut property_names);
                 element.properties.push(property.map_err(fault)?);
             }
-            _ => return Err(fault(format!("'{}' is no line of a header", text.trim()))),
+            _ => return Err(fault(format!("'{}' is not a header line", text.trim()))),
         }
     }
     unreachable!("lines end before their numbers do")
@@ -159,12 +161,12 @@ fn encoding_named(name: &str) -> Result<Encoding, String> {
         "ascii" => Ok(Encoding::Text),
         "binary_little_endian" => Ok(Encoding::Little),
         "binary_big_endian" => Ok(Encoding::Big),
-        _ => Err(format!("'{name}' is no format; there are ascii, binary_little_endian and binary_big_endian")),
+        _ => Err(format!("unknown format '{name}'; use ascii, binary_little_endian or binary_big_endian")),
     }
 }
 
 fn element(name: &str, count: &str, line: usize, names: &mut HashSet<String>) -> Result<Element, String> {
-    let count = count.parse().map_err(|_| format!("element {name}: '{count}' is no count"))?;
+    let count = count.parse().map_err(|_| format!("element {name}: '{count}' is not a count"))?;
     match names.insert(name.into()) {
         false => Err(format!("there are two elements {name}")),
         true => Ok(Element { name: name.into(), count, properties: Vec::new(), line }),
@@ -172,17 +174,17 @@ fn element(name: &str, count: &str, line: usize, names: &mut HashSet<String>) ->
 }
 
 fn property(words: &[&str], line: usize, element: &str, names: &mut HashSet<String>) -> Result<Property, String> {
-    let scalar = |name: &str| Scalar::named(name).ok_or_else(|| format!("'{name}' is no type of a property"));
+    let scalar = |name: &str| Scalar::named(name).ok_or_else(|| format!("'{name}' is not a property type"));
     let (kind, name) = match *words {
         ["list", count, item, name] => {
             let count = scalar(count)?;
             if count.is_float() {
-                return Err(format!("property {name}: a list's count is a whole number"));
+                return Err(format!("property {name}: a list's count must have an integer type"));
             }
             (Kind::List { count, item: scalar(item)? }, name)
         }
         [kind, name] => (Kind::Scalar(scalar(kind)?), name),
-        _ => return Err("a property has a type and a name, or `list` and two types before its name".into()),
+        _ => return Err("a property must have a type and a name, or `list`, two types and a name".into()),
     };
     match names.insert(name.into()) {
         false => Err(format!("element {element} has two properties {name}")),

@@ -17,7 +17,7 @@ pub(super) trait Values {
     /// Reads the length of a list.
     fn count(&mut self, scalar: Scalar) -> Result<usize, String> {
         let count = self.number(scalar)?;
-        if count < 0.0 { Err(format!("a list of {count} values")) } else { Ok(count as usize) }
+        if count < 0.0 { Err(format!("a list has a negative count, {count}")) } else { Ok(count as usize) }
     }
 }
 
@@ -98,7 +98,7 @@ impl<'a> Text<'a> {
         let (word, rest) = start.split_at(end);
         self.item = rest;
         match str::from_utf8(word) {
-            Ok("") => Err("the line ends before all its values".into()),
+            Ok("") => Err("the line has too few values".into()),
             Ok(word) => Ok(word),
             Err(_) => Err(format!("'{}' is not a number", String::from_utf8_lossy(word))),
         }

@@ -35,7 +35,9 @@ impl<R: std::io::Read> std::io::Read for HdrBytes<R> {
         self.marks = if matches!(bytes, [1, 1, 1, _]) { self.marks + 1 } else { 0 };
         match self.marks {
             0..=3 => Ok(()),
-            _ => Err(std::io::Error::other("a run of pixels has over three marks, which stand for 16 million pixels")),
+            _ => Err(std::io::Error::other(
+                "a run of pixels has over three length marks, which means over 16 million pixels",
+            )),
         }
     }
 }
@@ -57,10 +59,10 @@ pub(super) fn decode(
         Some(image::ImageFormat::OpenExr) => return open_exr::decode(path, reader.into_inner(), limits),
         #[cfg(not(feature = "exr"))]
         Some(image::ImageFormat::OpenExr) => {
-            let reason = "no picture of a sky: it is OpenEXR; stereotrace is built without its feature `exr`";
+            let reason = "can't read the sky: it is OpenEXR; stereotrace is built without its feature `exr`";
             return Err(Error::parse(path, None, reason));
         }
-        _ => return Err(Error::parse(path, None, "no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR")),
+        _ => return Err(Error::parse(path, None, "can't read the sky: it is not PNG, JPEG, HDR or OpenEXR")),
     }
     let mut format_limits = image::Limits::default();
     format_limits.max_alloc = Some(limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64));
@@ -72,7 +74,7 @@ pub(super) fn decode(
 fn check_size(path: &Path, [width, height]: [u32; 2], limits: &Limits) -> Result<u64, Error> {
     let count = u64::from(width) * u64::from(height);
     if !is_map(width, height) {
-        let reason = format!("no picture of a sky: {width}x{height} pixels make no map, which has an even width");
+        let reason = format!("can't read the sky: {width}x{height} pixels; a sky map must have an even width");
         return Err(Error::parse(path, None, reason));
     }
     if count > limits.largest_sky() {
@@ -80,7 +82,7 @@ fn check_size(path: &Path, [width, height]: [u32; 2], limits: &Limits) -> Result
             path: path.into(),
             size: format!("the picture has {width}x{height} pixels, {count} in all"),
             limit: limits.largest_sky(),
-            remedy: format!("raise it by {}, up to what the adapter holds", limits.option_names[1]),
+            remedy: format!("raise it with {}, up to the adapter's limit", limits.option_names[1]),
         });
     }
     Ok(count)
@@ -93,15 +95,15 @@ fn colors(
     decoder: image::ImageResult<impl image::ImageDecoder>,
     limits: &Limits,
 ) -> Result<(u32, u32, Vec<Vec3>), Error> {
-    let no_sky = |reason: String| Error::parse(path, None, format!("no picture of a sky: {reason}"));
-    let said = |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a sky: {error}"), error);
+    let no_sky = |reason: String| Error::parse(path, None, format!("can't read the sky: {reason}"));
+    let said = |error: image::ImageError| Error::parse_from(path, None, format!("can't read the sky: {error}"), error);
     let decoder = decoder.map_err(said)?;
     let (width, height) = decoder.dimensions();
     let count = check_size(path, [width, height], limits)?;
     let kind = decoder.color_type();
     let sample = usize::from(kind.bytes_per_pixel());
     if sample > size_of::<Vec3>() {
-        return Err(no_sky(format!("pixels of {}", counted(sample, "byte", "bytes"))));
+        return Err(no_sky(format!("pixels of {} are not supported", counted(sample, "byte", "bytes"))));
     }
     // Zeroed pages take memory only when written: for the samples first, for the rest after the decoder is freed.
     let mut pixels: Vec<Vec3> = bytemuck::zeroed_vec(count as usize);
@@ -130,7 +132,7 @@ fn linear_color(kind: image::ColorType, pixel: &[u8]) -> Result<Vec3, String> {
         ColorType::L16 | ColorType::La16 => Vec3::splat(word(0)),
         ColorType::Rgb16 | ColorType::Rgba16 => Vec3::new(word(0), word(1), word(2)),
         ColorType::Rgb32F => bytemuck::pod_read_unaligned(pixel),
-        other => return Err(format!("pixels of the kind {other:?}")),
+        other => return Err(format!("pixels of type {other:?} are not supported")),
     })
 }
 
@@ -162,8 +164,8 @@ mod tests {
         );
         // The image crate may support these formats for other parts of a program.
         let other = SkyMap::from_bytes("sky.gif", b"GIF89a", &Limits::default()).unwrap_err().to_string();
-        assert!(other.contains("sky.gif: no picture of a sky: it is not PNG, JPEG, HDR or OpenEXR"), "{other}");
-        assert!(odd.contains("3x2") && broken.contains("no picture of a sky"), "{odd} {broken}");
+        assert!(other.contains("sky.gif: can't read the sky: it is not PNG, JPEG, HDR or OpenEXR"), "{other}");
+        assert!(odd.contains("3x2") && broken.contains("can't read the sky"), "{odd} {broken}");
     }
 
     /// Tests runs: bytes (1, 1, 1, n) repeat the previous pixel n times, the next such mark 256 n times, and so on.
@@ -182,7 +184,7 @@ mod tests {
         assert!(sky.pixels().iter().all(|&color| color == Vec3::new(1.0, 0.5, 0.25)));
         for marks in [4, 9, 20] {
             let message = read(8, &vec![0; marks]).unwrap_err().to_string();
-            assert!(message.contains("runs.hdr: no picture of a sky: a run of pixels has over three"), "{message}");
+            assert!(message.contains("runs.hdr: can't read the sky: a run of pixels has over three"), "{message}");
         }
     }
 

@@ -43,9 +43,9 @@ pub(super) fn decode(
     limits: &Limits,
     counted: &mut u64,
 ) -> Result<([u32; 2], Vec<[u8; 4]>), Error> {
-    let no_texture = |reason: String| Error::parse(path, None, format!("no picture of a texture: {reason}"));
+    let no_texture = |reason: String| Error::parse(path, None, format!("can't read the texture: {reason}"));
     let said =
-        |error: image::ImageError| Error::parse_from(path, None, format!("no picture of a texture: {error}"), error);
+        |error: image::ImageError| Error::parse_from(path, None, format!("can't read the texture: {error}"), error);
     let mut reader = image::ImageReader::new(source).with_guessed_format().map_err(|error| Error::io(path, error))?;
     // A TGA file has no signature.
     let is_tga = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
@@ -68,7 +68,7 @@ pub(super) fn decode(
             path: path.into(),
             size: format!("the picture has {width}x{height} pixels, {count} in all"),
             limit: limits.texture_pixels,
-            remedy: format!("raise it by {}, if it is right", limits.texture_option_name),
+            remedy: format!("raise it with {} if the size is intended", limits.texture_option_name),
         });
     }
     *counted = count;
@@ -164,7 +164,7 @@ mod tests {
         assert!(said("text.png", b"no picture").contains("it is not PNG"));
         assert!(said("empty.png", b"").contains("it is not PNG"));
         let whole = std::fs::read(&path).unwrap();
-        assert!(said("cut.jpg", &whole[..40]).contains("no picture of a texture"));
+        assert!(said("cut.jpg", &whole[..40]).contains("can't read the texture"));
         assert!(Texture::open(folder.path()).unwrap_err().to_string().contains("it is a folder"));
     }
 
@@ -225,7 +225,7 @@ mod tests {
         let mut bytes = b"GIF89a\x01\0\x01\0\x80\0\0\0\0\0\xff\xff\xff".to_vec();
         bytes.extend(b"\x2c\0\0\0\0\0\x20\0\x20\0\x02\x02\x4c\x01\0\x3b");
         let message = Texture::from_bytes("a.gif", &bytes, &Limits::default()).unwrap_err().to_string();
-        assert!(message.contains("a.gif: no picture of a texture: ") && message.contains("limit"), "{message}");
+        assert!(message.contains("a.gif: can't read the texture: ") && message.contains("limit"), "{message}");
     }
 
     #[cfg(not(feature = "more-textures"))]
@@ -255,15 +255,18 @@ mod tests {
         // This is PNG's largest size; the decoder itself refuses it.
         let message =
             Texture::open(folder.write("huge.png", header(0x7fff_ffff, 0x7fff_ffff))).unwrap_err().to_string();
-        assert!(message.contains("huge.png: no picture of a texture"), "{message}");
+        assert!(message.contains("huge.png: can't read the texture"), "{message}");
         let path = folder.write("large.png", header(64, 32));
         let limits = Limits::default().texture_pixels(2047);
         let message = Texture::open_within(&path, &limits).unwrap_err().to_string();
-        assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it by Limits"), "{message}");
+        assert!(
+            message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it with Limits"),
+            "{message}"
+        );
         let named = limits.texture_option_name("--max-textures");
-        assert!(Texture::open_within(&path, &named).unwrap_err().to_string().contains("raise it by --max-textures"));
+        assert!(Texture::open_within(&path, &named).unwrap_err().to_string().contains("raise it with --max-textures"));
         // Within the limit, the error is about the missing pixels.
         let message = Texture::open_within(&path, &limits.texture_pixels(2048)).unwrap_err().to_string();
-        assert!(message.contains("large.png: no picture of a texture"), "{message}");
+        assert!(message.contains("large.png: can't read the texture"), "{message}");
     }
 }

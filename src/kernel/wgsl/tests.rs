@@ -16,8 +16,8 @@ fn uses(text: &'static str) -> Vec<&'static str> {
 #[test]
 fn definitions_are_found_by_name_and_line() {
     let text = "// fn none() {}\nstruct A { x: f32 }\n\nalias F = vec4<bool>;\nvar<storage, read> b: array<A>;\n\
-                const C: u32 = (1u + 2u); override D: bool = false;\n@compute @workgroup_size(8, 8)\nfn e(id: vec3u) -> u32 {\n    \
-                if true { return 1u; }\n}\nvar<private> g: F;";
+                const C: u32 = (1u + 2u); override D: bool = false;\n@compute @workgroup_size(8, 8)\n\
+                fn e(id: vec3u) -> u32 {\n    if true { return 1u; }\n}\nvar<private> g: F;";
     let found: Vec<_> = definitions(part(text)).into_iter().map(|found| (found.name, found.line)).collect();
     assert_eq!(found, [("A", 2), ("F", 4), ("b", 5), ("C", 6), ("D", 6), ("e", 7), ("g", 11)]);
 }
@@ -34,8 +34,9 @@ fn comments_members_numbers_and_a_definition_s_own_names_are_not_used() {
 
 #[test]
 fn sections_end_at_the_next_one_at_an_end_and_with_the_file() {
-    let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n//! end\nconst D = 1;\n\
-                //! if sky is map and lights is none\nconst E = 1;";
+    let text = "const A = 1;\n//! if sky is map\nconst B = 1;\n//! if sky is constant or gradient\nconst C = 1;\n\
+                //! end\n\
+                const D = 1;\n//! if sky is map and lights is none\nconst E = 1;";
     let found = definitions(part(text));
     let when = |name| found.iter().find(|found| found.name == name).unwrap().when.clone();
     let condition = |choice, values: &[&'static str]| Condition { choice, values: values.to_vec() };

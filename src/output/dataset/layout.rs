@@ -71,11 +71,11 @@ impl Layout {
     ) -> Result<(), Error> {
         let fault = |reason: String| Err(Error::Options { option: "layout", reason: format!("{self}: {reason}") });
         if pair.pose.convergence == Convergence::ToeIn {
-            return fault("its pairs are rectified, and the eyes of this one are toed in".into());
+            return fault("its pairs must be rectified, but the eyes of this pair are toed in".into());
         }
         if self.is_parallel() && pair.pose.screen_distance.is_finite() {
             return fault(format!(
-                "its cameras are parallel, and these look through a screen at {}; put it at infinity",
+                "its cameras must be parallel, but these have their screen at {}; put it at infinity",
                 pair.pose.screen_distance
             ));
         }
@@ -83,8 +83,8 @@ impl Layout {
             && let Some(place) = negative_disparity(truth)
         {
             return fault(format!(
-                "its loaders take the absolute value of a disparity, and {place}, behind the screen at {}; \
-                 put the screen at infinity, or behind all that is seen",
+                "its loaders take the absolute value of a disparity, but {place}, behind the screen at {}; put the \
+                 screen at infinity, or behind all visible surfaces",
                 pair.pose.screen_distance
             ));
         }

@@ -74,7 +74,7 @@ impl<'a> FreePoses<'a> {
     pub fn new(scene: &'a Scene, camera: StereoCamera, seed: u32) -> Result<Self, Error> {
         let pose = camera.pose()?;
         if scene.bounds().is_none() {
-            let reason = "it has nothing of a size, so there is no place to put cameras at".into();
+            let reason = "it is empty or has only infinite planes, so cameras can't be placed".into();
             return Err(Error::Scene { element: "the scene".into(), reason });
         }
         let (clearance, surfaces) = (2.0 * pose.interaxial, if is_inside(scene, pose.eye) { 0.5 } else { 0.1 });
@@ -130,8 +130,9 @@ impl<'a> FreePoses<'a> {
         }
         let Rejected { near, behind, blocked, disparity, empty } = rejected;
         let reason = format!(
-            "no free place for item {item} among {TRIES}: {near} too near a surface, {behind} inside of something, {blocked} with a surface \
-             between the eyes, {disparity} with too large disparities, {empty} that show too little"
+            "no free camera position for item {item} in {TRIES} tries: {near} too near a surface, {behind} inside an \
+             object, {blocked} with a surface between the eyes, {disparity} with too large disparities, {empty} that \
+             show too little"
         );
         Err(Error::Options { option: "poses", reason })
     }

@@ -1,4 +1,5 @@
-//! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of `shaders/reproject/reproject_scanline.wgsl`.
+//! Adelson & Hodges' sweep, sequentially: the method itself, and the twin of
+//! `shaders/reproject/reproject_scanline.wgsl`.
 
 use super::{
     Frame,

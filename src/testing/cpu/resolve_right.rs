@@ -1,5 +1,5 @@
-//! Twin of `shaders/resolve/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: decides which right pixels are
-//! reused.
+//! Twin of `shaders/resolve/resolve_right.wgsl` and of `are_bad` in `shared/verify.wgsl`: decides which right pixels
+//! are reused.
 
 use glam::Vec3;
 

@@ -37,7 +37,8 @@ pub struct DisparityError {
 /// ```
 /// use stereotrace::metrics::compare_disparity;
 ///
-/// let error = compare_disparity(&[10.0, 21.5, f32::INFINITY, 0.0], &[10.25, 20.0, 5.0, 5.0], &[true, true, true, false])?;
+/// let found = [10.0, 21.5, f32::INFINITY, 0.0];
+/// let error = compare_disparity(&found, &[10.25, 20.0, 5.0, 5.0], &[true, true, true, false])?;
 /// assert_eq!((error.pixels, error.bad_percent[1].round()), (3, 67.0));
 /// # Ok::<(), stereotrace::Error>(())
 /// ```
@@ -48,7 +49,7 @@ pub fn compare_disparity(found: &[f32], truth: &[f32], mask: &[bool]) -> Result<
     let fault = |sizes, reason| Err(Error::Sizes { sizes, reason });
     if found.len() != truth.len() || found.len() != mask.len() {
         let counts = [found.len(), truth.len(), mask.len()].map(|count| counted(count, "pixel", "pixels"));
-        return fault(counts.join(" beside "), "disparities, true ones and mask must be equally long");
+        return fault(counts.join(", "), "disparities, true disparities and mask must have the same length");
     }
     let known = found.iter().zip(truth).zip(mask).filter(|((_, truth), counts)| **counts && truth.is_finite());
     let (mut pixels, mut measured, mut outliers) = (0_usize, 0_usize, 0_usize);
@@ -66,7 +67,7 @@ pub fn compare_disparity(found: &[f32], truth: &[f32], mask: &[bool]) -> Result<
         }
     }
     if pixels == 0 {
-        return fault("0 pixels".into(), "no pixel of the mask has a true disparity that is known");
+        return fault("0 pixels".into(), "no pixel of the mask has a known true disparity");
     }
     let percent = |count: usize| 100.0 * count as f64 / pixels as f64;
     let of_measured = |sum: f64| sum / measured.max(1) as f64;
@@ -114,7 +115,7 @@ mod tests {
             (&[], &[], &[]),
         ] {
             let message = compare_disparity(found, truth, mask).unwrap_err().to_string();
-            assert!(message.starts_with("sizes that don't fit: "), "{message}");
+            assert!(message.starts_with("sizes do not match: "), "{message}");
         }
         // Disparities without any found are a valid, bad result.
         let none = compare_disparity(&[f32::INFINITY], &[1.0], &[true]).unwrap();

@@ -73,7 +73,8 @@ impl Comfort {
         let mut warnings = Vec::new();
         if !self.converges() {
             warnings.push(format!(
-                "the interaxial is {:.2}% of the width, over the {:.2}% at which eyes diverge on a display {:.2} m wide",
+                "the interaxial is {:.2}% of the width, over the {:.2}% at which eyes diverge on a display {:.2} m \
+                 wide",
                 100.0 * self.interaxial_ratio,
                 100.0 * self.interaxial_limit,
                 self.display_width
@@ -81,8 +82,8 @@ impl Comfort {
         }
         if self.parallel {
             warnings.push(format!(
-                "the screen is at infinity, so that all stands before the display, by up to {:.1} px: choose a distance, or show the \
-                 pictures shifted apart",
+                "the screen is at infinity, so everything appears in front of the display, by up to {:.1} px: choose a \
+                 distance, or shift the pictures apart",
                 -self.negative_parallax_px
             ));
         } else if !self.nothing_too_near() {
@@ -93,7 +94,7 @@ impl Comfort {
         }
         if self.vertical_parallax_px > MOST_VERTICAL_PX {
             warnings.push(format!(
-                "the eyes are toed in: points stand up to {:.1} px higher in one picture than in the other",
+                "the eyes are toed in: points are up to {:.1} px higher in one picture than in the other",
                 self.vertical_parallax_px
             ));
         }

@@ -17,7 +17,8 @@ use crate::Error;
 ///
 /// // Middlebury 2014, Motorcycle: world units are millimetres.
 /// let intrinsics = Intrinsics::new([3979.911; 2], [1244.772 + 0.5, 1019.507 + 0.5]).right_cx(1369.115 + 0.5);
-/// let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(2964, 1988).intrinsics(intrinsics).interaxial(193.001);
+/// let camera = StereoCamera::look_at(Vec3::ZERO, -Vec3::Z).size(2964, 1988);
+/// let camera = camera.intrinsics(intrinsics).interaxial(193.001);
 /// let pose = camera.pose()?;
 /// assert!((pose.disparity_px(3000.0) - (3979.911 * 193.001 / 3000.0 - 124.343)).abs() < 1e-4);
 /// # Ok::<(), stereotrace::Error>(())

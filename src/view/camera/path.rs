@@ -51,17 +51,17 @@ impl CameraPath {
             camera.pose()?;
             // f32 can't represent all whole numbers above this bound.
             if !(0.0..=16_777_216.0).contains(frame) || last.is_some_and(|(before, _)| *frame <= before) {
-                return fault(frame.to_string(), "frames of a path ascend from 0 on, to at most 2^24");
+                return fault(frame.to_string(), "frames of a path must ascend from 0 or more to at most 2^24");
             }
             if last.is_some_and(|(_, before)| !alike(before, camera)) {
-                let reason =
-                    "the cameras of a path must have one size and convergence, and give view and interaxial in one way";
+                let reason = "the cameras of a path must have the same size and convergence, and specify view and \
+                              interaxial in the same way";
                 return fault(frame.to_string(), reason);
             }
             last = Some((*frame, camera));
         }
         if last.is_none() {
-            return fault("none".into(), "a path has one camera at least");
+            return fault("none".into(), "a path must have at least one camera");
         }
         Ok(Self { keys })
     }
@@ -203,11 +203,11 @@ mod tests {
     #[test]
     fn paths_that_lead_nowhere_are_refused_by_name() {
         let refused = |keys: &[(f32, StereoCamera)]| CameraPath::new(keys.to_vec()).unwrap_err().to_string();
-        assert!(refused(&[]).contains("one camera at least"));
+        assert!(refused(&[]).contains("at least one camera"));
         assert!(refused(&[(-1.0, camera(0.0))]).contains("frame is -1"));
         assert!(refused(&[(f32::NAN, camera(0.0))]).contains("frame is NaN"));
         assert!(refused(&[(1.0, camera(0.0)), (1.0, camera(1.0))]).contains("ascend"));
-        assert!(refused(&[(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))]).contains("in one way"));
+        assert!(refused(&[(0.0, camera(0.0)), (1.0, camera(1.0).interaxial_pixels(3.0))]).contains("in the same way"));
         assert!(refused(&[(0.0, camera(0.0).up(glam::Vec3::ZERO))]).contains("up is"));
     }
 }

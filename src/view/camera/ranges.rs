@@ -90,14 +90,14 @@ pub(super) fn check_pixel_angles(camera: &StereoCamera, pose: &Pose) -> Result<(
                 ("intrinsics", format!("fx {fx}, fy {fy}, cx {cx}, cy {cy}"))
             }
         };
-        let reason = "pixels must span at least 3.8e-6 radians (2^-18) in the picture's corners: take fewer pixels, or \
-                      a field of view that is neither so narrow nor so wide, around a principal point that is not so far off";
+        let reason = "pixels must span at least 3.8e-6 radians (2^-18) in the picture's corners: use fewer pixels, a \
+                      less extreme field of view, or a principal point nearer to the picture";
         return fault(field, format!("{value}, and pixels of {w}x{h} span {angle:.1e} radians"), reason);
     }
     let angle = least_pixel_angle(pose, 0.5);
     if too_small(angle) {
-        let reason =
-            "so far apart the eyes see the screen too much aslant: pixels must span at least 3.8e-6 radians (2^-18)";
+        let reason = "the eyes are so far apart that they see the screen at too flat an angle: pixels must span at \
+                      least 3.8e-6 radians (2^-18)";
         let interaxial = camera.interaxial_text();
         return fault("interaxial", format!("{interaxial}, and pixels span {angle:.1e} radians"), reason);
     }
@@ -117,8 +117,8 @@ pub(super) fn check_eyes(camera: &StereoCamera, pose: &Pose) -> Result<(), Error
         return fault("interaxial", camera.interaxial_text(), reason);
     }
     if pose.baseline_rounding().length() > f64::from(MAX_EYE_SHIFT * pose.interaxial) {
-        let reason = "so far from the scene's origin f32 moves the eyes by more than a quarter of it: take more, or an \
-                      origin of the scene that is nearer to the camera";
+        let reason = "so far from the scene's origin, rounding to f32 moves the eyes by more than a quarter of it: \
+                      increase it, or set a scene origin nearer to the camera";
         return fault("interaxial", camera.interaxial_text(), reason);
     }
     Ok(())

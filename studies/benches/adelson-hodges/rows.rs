@@ -74,8 +74,10 @@ impl Values {
 /// In Markdown. What the paper says stands in the first row of each claim.
 pub(crate) fn table(rows: &[Row], side: u32, provenance: &Provenance) -> String {
     let mut text = format!(
-        "{provenance}\n{side}x{side} pixels; of several scenes or rounds the mean, in brackets the least, the largest and \
-         how many\n\n| in the paper | figure | its own | scene | e px | lights | samples | method | ours |\n|---|---|---|---|---|---|---|---|---|\n",
+        "{provenance}\n{side}x{side} pixels; of several scenes or rounds the mean, in brackets the least, the largest \
+        and \
+         how many\n\n| in the paper | figure | its own | scene | e px | lights | samples | method | ours \
+             |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut last = None;
     for Row { claim, setting, values } in rows {

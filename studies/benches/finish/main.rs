@@ -4,8 +4,8 @@
 //! Naive, ideal (whose time is the first eye's) and bracket take turns in one run; times are the passes', medians of
 //! the rounds. Counts and colours are of one frame each. Prints a table and writes `finish.csv`, `finish.json` and
 //! `finish.svg`, whole or not at all: the chart of accuracy against cost with a second axis, the first eye's cost.
-//! `cargo bench -p stereotrace-studies --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ files, or paths of .obj,
-//! .gltf, .glb or .ply files.
+//! `cargo bench -p stereotrace-studies --bench finish -- NAME…` takes other scenes: built-in ones, folders of OBJ
+//! files, or paths of .obj, .gltf, .glb or .ply files.
 
 mod chart;
 #[path = "../../../benches/common/mod.rs"]
@@ -60,7 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{provenance}\n");
     println!("{side}x{side}, {rounds} rounds\n");
     println!(
-        "| scene | picture | first eye ms | of it without lights | naive pair ms | bracket pair ms | ratio | second eye by time | by counters | \
+        "| scene | picture | first eye ms | of it without lights | naive pair ms | bracket pair ms | ratio | second \
+        eye by time | by counters | \
          pixels that differ % | mean distance in RGB |\n|---|---|---|---|---|---|---|---|---|---|---|"
     );
     let mut renderer = Renderer::new(gpu);
@@ -140,8 +141,8 @@ fn row(figures: &Figures) -> String {
     let Figures { scene, finish, first_ms, first, naive_ms, pair_ms, second, second_counters, differing, distance } =
         figures;
     format!(
-        "| {} | {finish} | {first_ms:.1} | {:.1} | {naive_ms:.1} | {pair_ms:.1} | {:.2} | {:.2} | {second_counters:.3} | \
-         {differing:.3} | {distance:.4} |",
+        "| {} | {finish} | {first_ms:.1} | {:.1} | {naive_ms:.1} | {pair_ms:.1} | {:.2} | {:.2} | {second_counters:.3} \
+         | {differing:.3} | {distance:.4} |",
         scenes::title(scene),
         first.median,
         naive_ms / pair_ms,

@@ -79,7 +79,8 @@ pub(crate) fn measure(renderer: &mut Renderer, plan: &Plan, report: &mut Report)
 /// A row a stack: each way's cost and its gain.
 fn table(stacks: &[Stack], ways: &[Way], side: u32, by: By) -> String {
     let mut text = format!(
-        "## Figures 13 to 16, by {}\n\n{side}x{side} pixels, one lamp. {}; in brackets the gain over the classical ray tracer.\n\n| objects |",
+        "## Figures 13 to 16, by {}\n\n{side}x{side} pixels, one lamp. {}; in brackets the gain over the classical ray \
+        tracer.\n\n| objects |",
         by.name(),
         match by {
             By::Time => "Milliseconds of a frame by the host's clock, medians",
@@ -159,7 +160,9 @@ fn growth(stacks: &[Stack], plan: &Plan, by: By) -> String {
 
 /// What the gains are bought with: cells of one size for objects that grow smaller.
 fn wrong_shadows(stacks: &[Stack]) -> String {
-    let mut text = "## Wrong shadows in figures 13 to 16\n\nPixels whose colour is not that of traced shadows, percent.\n\n| objects |".to_owned();
+    let mut text = "## Wrong shadows in figures 13 to 16\n\nPixels whose colour is not that of traced shadows, \
+        percent.\n\n| objects |"
+        .to_owned();
     let ways = stacks.first().map_or(&[][..], |stack| &stack.wrong);
     ways.iter().for_each(|(way, _)| {
         let _ = write!(text, " {way} |");
@@ -179,7 +182,9 @@ fn wrong_shadows(stacks: &[Stack]) -> String {
 
 /// What the paper could not show: which of the other ways is the cheaper one beside a tree.
 fn against_bvh(stacks: &[Stack], ways: &[Way]) -> String {
-    let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way, by time and by boxes and primitive tests: above 1 the way wins.\n\n| objects |".to_owned();
+    let mut text = "## The same beside a tree\n\nCost of rays through a tree over that of each way, by time and by \
+        boxes and primitive tests: above 1 the way wins.\n\n| objects |"
+        .to_owned();
     let others: Vec<Way> = ways.iter().copied().filter(|&way| way != Way::BVH).collect();
     others.iter().for_each(|way| {
         let _ = write!(text, " {way}: by time, counters |");

@@ -4,8 +4,8 @@
 //! Its stacks of objects by the classical ray tracer, by the T-buffer with and without a shadow-buffer, and by what the
 //! paper could not show, rays through a tree; its three spheres; and its shadow-buffers by resolution. One eye sees
 //! them all, as in the paper. Prints tables in Markdown and writes them with CSV, JSON, charts and pictures, whole or
-//! not at all. studies/REALITY.md says what comes of it. `cargo bench -p stereotrace-studies --bench reality -- --help` lists the options;
-//! `cargo test --benches` runs it as `--smoke`.
+//! not at all. studies/REALITY.md says what comes of it. `cargo bench -p stereotrace-studies --bench reality -- --help`
+//! lists the options; `cargo test --benches` runs it as `--smoke`.
 
 mod charts;
 #[path = "../../../benches/common/mod.rs"]

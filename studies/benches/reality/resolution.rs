@@ -52,7 +52,8 @@ fn points(all: &[Measured], plan: &Plan, by: By) -> Vec<Point> {
 fn table(all: &[Measured], plan: &Plan) -> String {
     let (objects, side) = (plan.fixed_objects, plan.side);
     let mut text = format!("## Figure 17\n\n{objects} objects, {side}x{side} pixels.\n\n");
-    text += "| way | milliseconds, median (least to most) | millions of tests | millions of texels filled |\n|---|---|---|---|\n";
+    text += "| way | milliseconds, median (least to most) | millions of tests | millions of texels filled \
+        |\n|---|---|---|---|\n";
     for one in all {
         let ms = one.ms.map_or("not measured yet".into(), |ms| {
             format!("{} ({} to {})", number(Some(ms.median)), number(Some(ms.min)), number(Some(ms.max)))

@@ -1,5 +1,5 @@
-//! Shadow-buffers against shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables, and writes them as shadows.csv with
-//! a chart, shadows.svg, to target/bench.
+//! Shadow-buffers against shadow rays: `cargo bench -p stereotrace-studies --bench shadows` prints tables, and writes
+//! them as shadows.csv with a chart, shadows.svg, to target/bench.
 //!
 //! Of each scene, method, rule and number of rows: how many pixels of both views are not those of the same method by
 //! shadow rays, and how many of its shadow rays are saved over a pair, over a rig of 16 views, and over 16 pairs of a
@@ -108,7 +108,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let mut csv = String::from(
-        "scene,method,rule,rows,wrong_percent,pair_saved,rig_saved,film_saved,pair_rays,filled,fill_projections,fill_tests,bytes,ms,ms_rays,fill_ms\n",
+        "scene,method,rule,rows,wrong_percent,pair_saved,rig_saved,film_saved,pair_rays,filled,fill_projections,\
+         fill_tests,bytes,ms,ms_rays,fill_ms\n",
     );
     for figures in &all {
         let Figures { scene, method, rule, rows, wrong, saved: [pair, rig, film], rays, filled, bytes, .. } = figures;
@@ -116,7 +117,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [ms, by_rays, fill] = figures.ms;
         writeln!(
             csv,
-            "{scene},{method},{},{rows},{wrong:.5},{pair:.2},{rig:.2},{film:.2},{rays},{filled},{projections},{tests},{bytes},{ms:.1},{by_rays:.1},{fill:.1}",
+            "{scene},{method},{},{rows},{wrong:.5},{pair:.2},{rig:.2},{film:.2},{rays},{filled},{projections},{tests},\
+             {bytes},{ms:.1},{by_rays:.1},{fill:.1}",
             name_of(*rule),
         )?;
     }
@@ -176,7 +178,8 @@ fn measure(
     let BenchScene { name, scene, camera } = bench;
     println!("{}, {} lights, {}x{}\n", scenes::title(name), scene.lights.len(), asked.size[0], asked.size[1]);
     println!(
-        "| method | rule | rows | wrong % | saved by a pair % | a rig of {VIEWS} % | {VIEWS} pairs % | shadow rays of a pair | passes ms | of rays' | filled | projections and tests, millions | fill ms | MiB |"
+        "| method | rule | rows | wrong % | saved by a pair % | a rig of {VIEWS} % | {VIEWS} pairs % | shadow rays of \
+        a pair | passes ms | of rays' | filled | projections and tests, millions | fill ms | MiB |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for &method in &asked.methods {
@@ -220,7 +223,8 @@ fn measure(
                 ms: [case.median(), ms_by_rays, fill_ms],
             };
             println!(
-                "| `{method}` | {} | {rows} | {:.4} | {:.1} | {:.1} | {:.1} | {} | {:.0} | {:.2} | {} | {:.2} | {fill_ms:.0} | {:.1} |",
+                "| `{method}` | {} | {rows} | {:.4} | {:.1} | {:.1} | {:.1} | {} | {:.0} | {:.2} | {} | {:.2} | \
+                {fill_ms:.0} | {:.1} |",
                 name_of(rule),
                 figures.wrong,
                 figures.saved[0],

@@ -1,4 +1,5 @@
-//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench -p stereotrace-studies --bench thesis`.
+//! The thesis's benchmarks (Al-Hagri 2012, chapter 5) in one program, and their report: `cargo bench -p
+//! stereotrace-studies --bench thesis`.
 //!
 //! Dimensions, interaxial distance and lights, with accuracy in each. The quick profile takes some minutes on two
 //! cores, `--full` all of the thesis's steps. Results are kept after every configuration, and an interrupted run goes

@@ -31,61 +31,67 @@ fn says(expected: &str, change: impl FnOnce(&mut Value)) {
 #[test]
 fn indices_and_lengths_out_of_range_are_named_with_what_names_them() {
     // Accessors: 0 texture coordinates, 1 positions, 2 indices.
-    says("scene: there is no scenes[3], of 1", |json| json["scene"] = json!(3));
-    says("the scene: there is no nodes[9], of 1", |json| json["scenes"][0]["nodes"] = json!([9]));
-    says("nodes[0]: there is no nodes[7], of 1", |json| json["nodes"][0]["children"] = json!([7]));
-    says("nodes[0]: there is no meshes[1], of 1", |json| json["nodes"][0]["mesh"] = json!(1));
-    says("nodes[0]: there is no cameras[0], of 0", |json| json["nodes"][0]["camera"] = json!(0));
-    says("meshes[0].primitives[0]: there is no materials[4], of 1", |json| {
+    says("scene: there is no scenes[3]; the list has length 1", |json| json["scene"] = json!(3));
+    says("the scene: there is no nodes[9]; the list has length 1", |json| json["scenes"][0]["nodes"] = json!([9]));
+    says("nodes[0]: there is no nodes[7]; the list has length 1", |json| json["nodes"][0]["children"] = json!([7]));
+    says("nodes[0]: there is no meshes[1]; the list has length 1", |json| json["nodes"][0]["mesh"] = json!(1));
+    says("nodes[0]: there is no cameras[0]; the list has length 0", |json| json["nodes"][0]["camera"] = json!(0));
+    says("meshes[0].primitives[0]: there is no materials[4]; the list has length 1", |json| {
         json["meshes"][0]["primitives"][0]["material"] = json!(4);
     });
-    says("meshes[0].primitives[0], POSITION: there is no accessors[8], of 3", |json| {
+    says("meshes[0].primitives[0], POSITION: there is no accessors[8]; the list has length 3", |json| {
         json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(8);
     });
-    says("meshes[0].primitives[0], indices: there is no accessors[8], of 3", |json| {
+    says("meshes[0].primitives[0], indices: there is no accessors[8]; the list has length 3", |json| {
         json["meshes"][0]["primitives"][0]["indices"] = json!(8);
     });
-    says("accessors[1]: there is no bufferViews[5], of 3", |json| json["accessors"][1]["bufferView"] = json!(5));
+    says("accessors[1]: there is no bufferViews[5]; the list has length 3", |json| {
+        json["accessors"][1]["bufferView"] = json!(5)
+    });
     says("accessors[1]: it has no bufferView", |json| {
         drop(json["accessors"][1].as_object_mut().unwrap().remove("bufferView"))
     });
-    says("accessors[1]: it is Scalar, where meshes[0].primitives[0], POSITION takes [Vec3]", |json| {
+    says("accessors[1]: it is Scalar, but meshes[0].primitives[0], POSITION needs [Vec3]", |json| {
         json["accessors"][1]["type"] = json!("SCALAR");
     });
-    says("accessors[1]: its type or componentType is none", |json| json["accessors"][1]["componentType"] = json!(5124));
-    says("accessors[1]: 4 elements of 12 bytes from byte 0 on, in bufferViews[1] of 36", |json| {
+    says("accessors[1]: its type or componentType is unknown", |json| {
+        json["accessors"][1]["componentType"] = json!(5124)
+    });
+    says("accessors[1]: bufferViews[1] of 36 bytes is too small for 4 elements of 12 bytes from byte 0 on", |json| {
         json["accessors"][1]["count"] = json!(4);
     });
-    says("accessors[1]: 3 elements of 12 bytes from byte 18446744073709551615 on", |json| {
+    says("is too small for 3 elements of 12 bytes from byte 18446744073709551615 on", |json| {
         json["accessors"][1]["byteOffset"] = json!(u64::MAX);
     });
-    says("accessors[1]: a byteStride of 4 for elements of 12 bytes", |json| {
+    says("accessors[1]: a byteStride of 4 is too small for elements of 12 bytes", |json| {
         json["bufferViews"][1]["byteStride"] = json!(4)
     });
-    says("accessors[1]: 3 elements of 12 bytes from byte 0 on, in bufferViews[1] of 36", |json| {
+    says("accessors[1]: bufferViews[1] of 36 bytes is too small for 3 elements of 12 bytes from byte 0 on", |json| {
         json["bufferViews"][1]["byteStride"] = json!(u64::MAX);
     });
-    says("bufferViews[1]: 18446744073709551615 bytes from byte 24 on, in a buffer of 72 bytes", |json| {
+    says("bufferViews[1]: 18446744073709551615 bytes from byte 24 on exceed its buffer of 72 bytes", |json| {
         json["bufferViews"][1]["byteLength"] = json!(u64::MAX);
     });
-    says("bufferViews[1]: there is no buffers[2], of 1", |json| json["bufferViews"][1]["buffer"] = json!(2));
-    says("meshes[0].primitives[0]: 2 of TEXCOORD for 3 vertices", |json| json["accessors"][0]["count"] = json!(2));
-    says("meshes[0].primitives[0]: index 2 is 2, of 2 vertices", |json| {
+    says("bufferViews[1]: there is no buffers[2]; the list has length 1", |json| {
+        json["bufferViews"][1]["buffer"] = json!(2)
+    });
+    says("meshes[0].primitives[0]: TEXCOORD has length 2 for 3 vertices", |json| {
+        json["accessors"][0]["count"] = json!(2)
+    });
+    says("meshes[0].primitives[0]: index 2 is 2, out of range for 2 vertices", |json| {
         json["accessors"][1]["count"] = json!(2);
         json["accessors"][0]["count"] = json!(2);
     });
-    says("meshes[0].primitives[0]: 2 corners are no whole number of triangles", |json| {
-        json["accessors"][2]["count"] = json!(2)
-    });
-    says("accessors[2]: indices of type F32; they have no sign", |json| {
+    says("meshes[0].primitives[0]: 2 corners are not a multiple of 3", |json| json["accessors"][2]["count"] = json!(2));
+    says("accessors[2]: indices of type F32; they must be unsigned integers", |json| {
         json["accessors"][2]["componentType"] = json!(5126)
     });
-    says("meshes[0].primitives[0]: its mode is none that there is", |json| {
-        json["meshes"][0]["primitives"][0]["mode"] = json!(7)
+    says("meshes[0].primitives[0]: its mode is unknown", |json| json["meshes"][0]["primitives"][0]["mode"] = json!(7));
+    says("accessors[1]: there is no bufferViews[9]; the list has length 3", |json| {
+        json["accessors"][1]["bufferView"] = json!(9)
     });
-    says("accessors[1]: there is no bufferViews[9], of 3", |json| json["accessors"][1]["bufferView"] = json!(9));
     // Of which the second byte of 1 and what follows are the numbers 0, 0, 0, 2.
-    says("accessors[1], sparse.indices: 33554432, of 3 elements", |json| {
+    says("accessors[1], sparse.indices: 33554432 is out of range for 3 elements", |json| {
         json["accessors"][1]["sparse"] = json!({ "count": 1, "values": { "bufferView": 1 },
             "indices": { "bufferView": 2, "byteOffset": 5, "componentType": 5125 } });
     });
@@ -93,13 +99,13 @@ fn indices_and_lengths_out_of_range_are_named_with_what_names_them() {
 
 #[test]
 fn nodes_in_circles_or_with_two_parents_are_refused() {
-    says("nodes[0]: its child nodes[0] has another parent, or is above it", |json| {
+    says("nodes[0]: its child nodes[0] has another parent, or is its ancestor", |json| {
         json["nodes"][0]["children"] = json!([0])
     });
-    says("nodes[1]: its child nodes[0] has another parent, or is above it", |json| {
+    says("nodes[1]: its child nodes[0] has another parent, or is its ancestor", |json| {
         json["nodes"] = json!([{ "children": [1] }, { "children": [0] }]);
     });
-    says("nodes[2]: its child nodes[3] has another parent, or is above it", |json| {
+    says("nodes[2]: its child nodes[3] has another parent, or is its ancestor", |json| {
         json["nodes"] = json!([{ "children": [1, 2] }, { "children": [3] }, { "children": [3] }, { "mesh": 0 }]);
     });
     says("the scene: its child nodes[0] has another parent", |json| json["scenes"][0]["nodes"] = json!([0, 0]));
@@ -115,7 +121,9 @@ fn nodes_in_circles_or_with_two_parents_are_refused() {
 
 #[test]
 fn numbers_that_are_none_are_named() {
-    says("nodes[0]: its rotation [0, 0, 0, 0] is none", |json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]));
+    says("nodes[0]: its rotation [0, 0, 0, 0] must be finite and not 0", |json| {
+        json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])
+    });
     says("nodes[0]: the last row of its matrix is [0, 0, 0, 2]; it must be 0, 0, 0, 1", |json| {
         json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2]);
     });
@@ -123,7 +131,7 @@ fn numbers_that_are_none_are_named() {
     says("origin: it is [0, 1000000000000000, 0]; its coordinates must be numbers within ±1e13", |json| {
         json["nodes"][0]["translation"] = json!([0, 1e15, 0]);
     });
-    says("no JSON of glTF: ", |json| json["nodes"][0]["translation"] = json!([0, null, 0]));
+    says("invalid glTF JSON: ", |json| json["nodes"][0]["translation"] = json!([0, null, 0]));
     let mut builder = Builder::triangle(json!({}));
     let nan = builder.floats(&[[0.0f32; 3], [0.0, f32::NAN, 0.0], [1.0; 3]]);
     for name in ["POSITION", "NORMAL"] {
@@ -152,20 +160,21 @@ fn numbers_that_are_none_are_named() {
         }
     };
     says(
-        "lights[0]: its light is -1 times [1, 1, 1]; it must be finite and not negative",
+        "lights[0]: its intensity is -1 times [1, 1, 1]; it must be finite and not negative",
         lamp(json!({ "type": "point", "intensity": -1 })),
     );
-    says("lights[0]: its type is none that there is", lamp(json!({ "type": "area" })));
-    says("nodes[0]: there is no lights[0], of 0", |json| {
+    says("lights[0]: its type is unknown", lamp(json!({ "type": "area" })));
+    says("nodes[0]: there is no lights[0]; the list has length 0", |json| {
         json["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 } });
     });
 }
 
 #[test]
 fn versions_and_extensions_that_are_not_known_are_refused_by_name() {
-    says("it is glTF 1.0; version 2 is read", |json| json["asset"]["version"] = json!("1.0"));
+    says("it is glTF 1.0; only version 2 is supported", |json| json["asset"]["version"] = json!("1.0"));
     says(
-        "it requires KHR_draco_mesh_compression, KHR_texture_basisu; what is known is KHR_lights_punctual, ",
+        "it requires KHR_draco_mesh_compression, KHR_texture_basisu; the supported extensions are KHR_lights_punctual, \
+         ",
         |json| {
             json["extensionsRequired"] =
                 json!(["KHR_draco_mesh_compression", "KHR_materials_unlit", "KHR_texture_basisu"]);
@@ -188,11 +197,14 @@ fn buffers_are_what_they_say_or_named() {
     let uri = data_uri(&bytes);
     for (buffer, expected) in [
         (json!({ "byteLength": 60 }), "buffers[0]: it has no URI and no binary chunk"),
-        (json!({ "byteLength": 61, "uri": uri }), "buffers[0]: its byteLength is 61, and it has 60 bytes"),
+        (json!({ "byteLength": 61, "uri": uri }), "buffers[0]: its byteLength is 61, but it has 60 bytes"),
         (json!({ "byteLength": 60, "uri": uri.replace(";base64", "") }), "buffers[0]: its data URI is not base64"),
-        (json!({ "byteLength": 60, "uri": uri.replace("AAAA", "A*AA") }), "buffers[0]: its data URI is no base64: "),
-        (json!({ "byteLength": 60, "uri": "http://localhost/a.bin" }), "buffers[0]: URIs of 'http:' are not read"),
-        (json!({ "byteLength": 60, "uri": "file:///etc/passwd" }), "buffers[0]: URIs of 'file:' are not read"),
+        (
+            json!({ "byteLength": 60, "uri": uri.replace("AAAA", "A*AA") }),
+            "buffers[0]: its data URI is not valid base64: ",
+        ),
+        (json!({ "byteLength": 60, "uri": "http://localhost/a.bin" }), "buffers[0]: 'http:' URIs are not supported"),
+        (json!({ "byteLength": 60, "uri": "file:///etc/passwd" }), "buffers[0]: 'file:' URIs are not supported"),
     ] {
         let reason = error(with(buffer));
         assert!(reason.contains(expected), "{expected}: {reason}");
@@ -211,7 +223,7 @@ fn buffers_are_what_they_say_or_named() {
     let limits = Limits::default().file_bytes(5000).option_names("--max-file", "");
     let message = said(&beside, &plain.limits(limits));
     assert!(
-        message.contains("a.bin: the file has 10060 bytes, over the limit of 5000; raise it by --max-file"),
+        message.contains("a.bin: the file has 10060 bytes, over the limit of 5000; raise it with --max-file"),
         "{message}"
     );
     // All buffers have one limit.
@@ -243,14 +255,14 @@ fn binary_files_that_are_cut_or_lie_are_refused() {
         bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
         error(bytes)
     };
-    assert!(with(4, 1).contains("it is binary glTF 1; version 2 is read"));
-    assert!(with(8, u32::MAX).contains("of the 4294967295 that its header says"));
+    assert!(with(4, 1).contains("it is binary glTF 1; only version 2 is supported"));
+    assert!(with(8, u32::MAX).contains("bytes, but its header states 4294967295"));
     assert!(with(8, 12).contains("the chunk at byte 12 has "));
-    assert!(with(12, u32::MAX).contains("the chunk at byte 12 has 4294967295 bytes, beyond the file's end"));
+    assert!(with(12, u32::MAX).contains("the chunk at byte 12 has 4294967295 bytes and exceeds the file"));
     assert!(with(16, 7).contains("it has no JSON chunk"));
-    assert!(error(binary(b"[1, 2".to_vec(), &[])).contains("no JSON of glTF: "));
+    assert!(error(binary(b"[1, 2".to_vec(), &[])).contains("invalid glTF JSON: "));
     let deep = format!("{{\"extras\":{}", "[".repeat(100_000));
-    assert!(error(deep).contains("no JSON of glTF: "));
+    assert!(error(deep).contains("invalid glTF JSON: "));
 }
 
 #[test]
@@ -279,7 +291,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
     }
     let message = said(&instances, Limits::default().triangles(999_999));
     assert!(
-        message.contains("its scene has 1000000 triangles, over the limit of 999999; raise it by --max-triangles"),
+        message.contains("its scene has 1000000 triangles, over the limit of 999999; raise it with --max-triangles"),
         "{message}"
     );
     // A mesh of a thousand primitives of the same numbers, of which each shows one triangle.
@@ -308,9 +320,8 @@ fn bombs_are_refused_with_what_raises_their_limit() {
     sparse.json["accessors"][position]["count"] = json!(2000);
     let message = said(&sparse, Limits::default());
     let bytes = sparse.binary().len();
-    let expected = format!(
-        "accessors[1]: 2000 elements without a bufferView; there can be as many as the files have bytes, {bytes}"
-    );
+    let expected =
+        format!("accessors[1]: 2000 elements without a bufferView; the maximum is the files' size in bytes, {bytes}");
     assert!(message.contains(&expected), "{message}");
     // Objects of less bytes than the limit, which become more.
     let objects = format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{}{{}}]}}"#, "{},".repeat(998));
@@ -319,7 +330,8 @@ fn bombs_are_refused_with_what_raises_their_limit() {
         open_with(&objects, &SceneOptions::default().limits(limits)).unwrap_err().to_string()
     };
     let message = said_of(32_031);
-    let expected = "its JSON has 1001 objects, which count as 32 bytes each, 32032 in all, over the limit of 32031; raise it by --max-file";
+    let expected = "its JSON has 1001 objects, which count as 32 bytes each, 32032 in all, over the limit of 32031; \
+                    raise it with --max-file";
     assert!(message.contains(expected), "{message}");
     assert!(said_of(32_032).contains("no triangles in its scene"), "{}", said_of(32_032));
     // Braces that become nodes of hundreds of bytes each.
@@ -328,7 +340,7 @@ fn bombs_are_refused_with_what_raises_their_limit() {
     let message = open_with(&braces, &SceneOptions::default().limits(limits)).unwrap_err().to_string();
     assert!(
         message.contains("its JSON has 30")
-            && message.contains("beside its strings, over the limit of 20000; raise it by --max-file"),
+            && message.contains("outside strings, over the limit of 20000; raise it with --max-file"),
         "{message}"
     );
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
@@ -356,10 +368,10 @@ fn what_pictures_do_not_show_is_named_once() {
     builder.node(json!({ "camera": camera }));
     Scene::from_gltf(folder.write("scene.gltf", builder.text())).unwrap();
     let expected = [
-        "scene.gltf: extensions that are left out: EXT_mesh_gpu_instancing, KHR_materials_clearcoat",
-        "scene.gltf: left out: animations; morph targets in meshes[0]; normal textures in materials[0]; occlusion textures in \
-         materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives without positions in meshes[2]; \
-         scenes beside the first or the default one; skins",
+        "scene.gltf: ignored extensions: EXT_mesh_gpu_instancing, KHR_materials_clearcoat",
+        "scene.gltf: ignored: animations; morph targets in meshes[0]; normal textures in materials[0]; occlusion \
+         textures in materials[0]; orthographic cameras in cameras[0]; points and lines in meshes[1]; primitives \
+         without positions in meshes[2]; scenes other than the default or the first one; skins",
     ];
     assert_eq!(warnings::of(&folder), expected);
 }

@@ -10,7 +10,8 @@ fn read(description: Value) -> Material {
 }
 
 fn metallic(color: [f32; 4], metal: f32, roughness: f32) -> Value {
-    json!({ "name": "one", "pbrMetallicRoughness": { "baseColorFactor": color, "metallicFactor": metal, "roughnessFactor": roughness } })
+    let shine = json!({ "baseColorFactor": color, "metallicFactor": metal, "roughnessFactor": roughness });
+    json!({ "name": "one", "pbrMetallicRoughness": shine })
 }
 
 #[test]

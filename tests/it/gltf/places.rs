@@ -109,10 +109,12 @@ fn cameras_see_points_where_the_specifications_matrix_does() {
         let [x, y, z] = [(); 3].map(|()| random.between(-3.0, 3.0));
         let rotation = DQuat::from_euler(EulerRot::YXZ, x.into(), y.into(), z.into()).as_quat();
         let mut builder = Builder::triangle(json!({}));
-        let camera = json!({ "type": "perspective", "perspective": { "yfov": yfov, "aspectRatio": aspect, "znear": 0.1, "zfar": 50 } });
+        let perspective = json!({ "yfov": yfov, "aspectRatio": aspect, "znear": 0.1, "zfar": 50 });
+        let camera = json!({ "type": "perspective", "perspective": perspective });
         let camera = builder.push("cameras", camera);
         // A scale does nothing to a camera.
-        builder.node(json!({ "camera": camera, "name": format!("view {index}"), "translation": [x, y, z], "rotation": rotation.to_array(), "scale": [2, 2, 2] }));
+        builder.node(json!({ "camera": camera, "name": format!("view \
+            {index}"), "translation": [x, y, z], "rotation": rotation.to_array(), "scale": [2, 2, 2] }));
         let file = open(builder.text());
         let (name, camera) = &file.cameras[0];
         assert_eq!((file.cameras.len(), &**name), (1, &*format!("view {index}")));
@@ -202,8 +204,8 @@ fn lights_are_scaled_down_together_and_what_they_can_not_is_named_once() {
     let warnings = warnings::of(&folder);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("sun.gltf: its lights are 127323.9"), "{warnings:?}");
-    let left_out = "sun.gltf: left out: cones of spot lights, which shine all around in lights[2]; falloffs of lights in lights[2]; ranges of \
-                    lights in lights[2]";
+    let left_out = "sun.gltf: ignored: cones of spot lights, which shine in all directions in lights[2]; falloffs of \
+                    lights in lights[2]; ranges of lights in lights[2]";
     assert_eq!(warnings[1], left_out);
 }
 

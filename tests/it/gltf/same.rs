@@ -31,7 +31,8 @@ fn obj_ply_and_gltf_of_one_mesh_are_one_picture() {
     }
     folder.write("scene.mtl", "newmtl red\nKd 0.8 0.2 0.1\nillum 1\n");
     let header = format!(
-        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty \
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty \
+        float nx\nproperty \
          float ny\nproperty float nz\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
         mesh.positions.len(),
         mesh.triangles.len()
@@ -45,7 +46,8 @@ fn obj_ply_and_gltf_of_one_mesh_are_one_picture() {
         binary.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
     }
     let mut builder = Builder::new();
-    let red = json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.8, 0.2, 0.1, 1], "metallicFactor": 0, "roughnessFactor": 1 } });
+    let red = json!({ "baseColorFactor": [0.8, 0.2, 0.1, 1], "metallicFactor": 0, "roughnessFactor": 1 });
+    let red = json!({ "pbrMetallicRoughness": red });
     let red = builder.push("materials", red);
     let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|position| position.to_array()).collect();
     let accessor = builder.floats(&normals.iter().map(|normal| normal.to_array()).collect::<Vec<_>>());

@@ -111,8 +111,8 @@ fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
     let mut builder = textured(&[[9; 4]], json!({}));
     for (image, expected) in [
         (json!({ "uri": "none.png" }), "materials[0], baseColorTexture: "),
-        (json!({ "uri": "scene.gltf" }), "baseColorTexture: no picture of a texture: it is not PNG"),
-        (json!({ "bufferView": 0 }), "baseColorTexture: no picture of a texture: it is not PNG"),
+        (json!({ "uri": "scene.gltf" }), "baseColorTexture: can't read the texture: it is not PNG"),
+        (json!({ "bufferView": 0 }), "baseColorTexture: can't read the texture: it is not PNG"),
         (json!({}), "images[0] has no URI and no bufferView"),
     ] {
         builder.json["images"] = json!([image]);
@@ -122,16 +122,16 @@ fn pictures_that_can_not_be_read_are_an_error_or_a_warning() {
         let warn = SceneOptions::default().missing_textures(MissingTextures::Warn);
         let scene = Scene::from_gltf_with(&path, &warn).unwrap();
         assert_eq!(material(&scene).texture, None);
-        assert!(warnings::of(&folder).last().unwrap().contains("the material is without it"));
+        assert!(warnings::of(&folder).last().unwrap().contains("the material is rendered without it"));
     }
     builder.json["textures"] = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
     let message = Scene::from_gltf(folder.write("scene.gltf", builder.text())).unwrap_err().to_string();
-    assert!(message.contains("baseColorTexture: it has no picture that is read"), "{message}");
+    assert!(message.contains("baseColorTexture: it has no picture of a supported type"), "{message}");
     let folder = Folder::new("gltf_pixels");
     let path = folder.write("scene.gltf", textured(&[[9; 4]; 10], json!({})).text());
     let limits = Limits::default().texture_pixels(9).texture_option_name("--max-textures");
     let message = Scene::from_gltf_with(path, &SceneOptions::default().limits(limits)).unwrap_err().to_string();
-    assert!(message.contains("10x1 pixels, 10 in all, over the limit of 9; raise it by --max-textures"), "{message}");
+    assert!(message.contains("10x1 pixels, 10 in all, over the limit of 9; raise it with --max-textures"), "{message}");
 }
 
 /// A texture with a PNG and, by the extension, a WebP picture.
@@ -166,9 +166,9 @@ fn webp_pictures_of_the_extension_are_read_with_the_feature() {
         assert_eq!(first(read(&builder).unwrap()), [9, 8, 7, 255]);
         builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(-1);
         let message = read(&builder).unwrap_err().to_string();
-        assert!(message.contains("scene.gltf: textures of EXT_texture_webp are wrong: "), "{message}");
+        assert!(message.contains("scene.gltf: invalid EXT_texture_webp textures: "), "{message}");
         builder.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(7);
-        assert!(read(&builder).unwrap_err().to_string().contains("there is no images[7], of 2"));
+        assert!(read(&builder).unwrap_err().to_string().contains("there is no images[7]; the list has length 2"));
     }
 }
 
@@ -252,7 +252,10 @@ fn metal_roughness_and_emission_are_the_means_of_their_pictures() {
 /// A factor is linear and a picture sRGB: of 188, it is the factor 0.5029.
 #[test]
 fn a_pixel_of_188_shows_what_a_factor_of_its_light_shows() {
-    let dielectric = |factor: f32| json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorFactor": [factor, factor, factor, 1] } });
+    let dielectric = |factor: f32| {
+        let color = json!([factor, factor, factor, 1]);
+        json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorFactor": color } })
+    };
     let mut shown = Vec::new();
     for builder in [textured(&[[188, 188, 188, 255]], dielectric(1.0)), Builder::triangle(dielectric(0.502_886))] {
         let scene = scene(builder.text());
@@ -343,11 +346,11 @@ fn pictures_of_which_only_means_are_kept_have_a_limit_together() {
     // Those that are broken count too, once each.
     let (_, warnings) = read(&[0, 1, 2, 3, 4], 20);
     assert!(
-        warnings[3].contains("no picture of a texture") && warnings[4].contains("over the limit of 0"),
+        warnings[3].contains("can't read the texture") && warnings[4].contains("over the limit of 0"),
         "{warnings:?}"
     );
     let (_, warnings) = read(&[0, 0, 0, 0, 0], 20);
-    assert!(warnings[4].contains("materials[4]") && warnings[4].contains("no picture of a texture"), "{warnings:?}");
+    assert!(warnings[4].contains("materials[4]") && warnings[4].contains("can't read the texture"), "{warnings:?}");
 }
 
 #[test]
@@ -374,7 +377,7 @@ fn masks_of_one_picture_are_as_many_as_its_alphas_part_and_have_a_limit_with_it(
     let expected = [[0, 255, 255, 255], [0, 0, 255, 255], [0, 0, 255, 255], [0, 60, 100, 255], [0, 60, 100, 255]];
     assert_eq!(alphas, expected.map(Vec::from));
     let message = read(&cutoffs, 11).unwrap_err().to_string();
-    let expected = "alphaCutoff: cut out by its alpha, its picture is another of 4x1 pixels, 4 in all, over the limit of 3; \
-                    raise it by --max-textures";
+    let expected = "alphaCutoff: the cut-out copy of its picture has another 4x1 pixels, 4 in all, over the limit of \
+                    3; raise it with --max-textures";
     assert!(message.contains("materials[60], ") && message.contains(expected), "{message}");
 }

@@ -28,7 +28,8 @@ fn texture_coordinates_stay_with_their_corners_however_faces_are_split() {
     let folder = Folder::new("uv");
     let uv = uv_lines();
     let scene = folder.scene(format!(
-        "{ARC}{uv}vn 0 0 1\nf 1/1 2/2 3/3 4/4\no b\nf 6/6/1 5/-2/1 4/4/1\nusemtl m\nf 2/2 3/3 4/4 5/5 6/6\ng c\nf 1/1/ 2/2/ 3/3/\n"
+        "{ARC}{uv}vn 0 0 1\nf 1/1 2/2 3/3 4/4\no b\nf 6/6/1 5/-2/1 4/4/1\nusemtl m\nf 2/2 3/3 4/4 5/5 6/6\ng c\nf 1/1/ \
+        2/2/ 3/3/\n"
     ));
     assert_eq!(scene.primitive_count(), 7);
     assert_uv_follow_corners(&scene);
@@ -71,7 +72,7 @@ fn colours_of_vertices_are_srgb_and_clamped_with_one_warning() {
     assert!(folder.warnings().is_empty(), "{:?}", folder.warnings());
     let scene = folder.scene("v 1 0 0 255 0 0\nv 2 0 0 0 -1 0\nv 3 1 0 0 0 1\nf 1 2 3\n");
     assert_eq!(scene.colors(), [[Vec3::X, Vec3::ZERO, Vec3::Z]]);
-    assert_eq!(folder.warnings(), ["scene.obj: colours beyond 0 to 1, which are brought into it, at 2 vertices"]);
+    assert_eq!(folder.warnings(), ["scene.obj: colours outside 0 to 1, which are clamped, at 2 vertices"]);
     assert!(folder.scene(format!("{SIX}f 1 2 3\n")).colors().is_empty());
 }
 
@@ -93,7 +94,7 @@ fn vertices_without_a_colour_beside_others_are_white() {
             }
             let warned = folder.warnings().last().cloned().unwrap_or_default();
             let count = format!(
-                "scene.obj: {} without a colour, of 4; they are white",
+                "scene.obj: {} of 4 without a colour, drawn white",
                 ["", "1 vertex", "2 vertices", "3 vertices"][(4 - colored) % 4]
             );
             assert!(matches!(colored, 0 | 4) || warned == count, "{warned} {count}");

@@ -11,9 +11,9 @@ fn numbers_that_are_none_are_errors_on_their_line() {
     let folder = Folder::new("numbers");
     let cases = [
         ("v 1 x 0", "vertex: 'x' is not a number"),
-        ("v 1 2", "vertex: 2 numbers of 3"),
-        ("v 1", "vertex: 1 number of 3"),
-        ("v", "vertex: 0 numbers of 3"),
+        ("v 1 2", "vertex: 2 numbers instead of 3"),
+        ("v 1", "vertex: 1 number instead of 3"),
+        ("v", "vertex: 0 numbers instead of 3"),
         ("v 1 nan 0", "vertex: NaN is not a finite number"),
         ("v 0 0 1.#INF", "vertex: '1.#INF' is not a number"),
         ("v -1.#IND 0 0", "vertex: '-1.#IND' is not a number"),
@@ -25,11 +25,11 @@ fn numbers_that_are_none_are_errors_on_their_line() {
         ("v 1 2 3 4 5", "vertex: 5 numbers"),
         ("v 1 2 3 4 5 6 7", "vertex: 7 numbers"),
         ("v 1 2 3 nan 5 6", "vertex: colour NaN is not a finite number"),
-        ("vt", "texture coordinates: 0 numbers of 2"),
+        ("vt", "texture coordinates: 0 numbers instead of 2"),
         ("vt 0 up", "texture coordinates: 'up' is not a number"),
         ("vt nan 0", "texture coordinates: NaN is not a finite number"),
         ("vt 0 -inf 7", "texture coordinates: -inf is not a finite number"),
-        ("vn 0 0", "normal: 2 numbers of 3"),
+        ("vn 0 0", "normal: 2 numbers instead of 3"),
         ("vn 0 up 0", "normal: 'up' is not a number"),
         ("vn 0 nan 0", "normal: NaN is not a finite number"),
         ("vn 0 inf 0 x", "normal: inf is not a finite number"),
@@ -92,7 +92,7 @@ fn lines_are_counted_whatever_they_end_in() {
     let folder = Folder::new("line_ends");
     for end in ["\n", "\r\n", "\r"] {
         let text = format!("{SIX}\nv 1 2\n# more\nf 1 2 3\n").replace('\n', end);
-        folder.fails_on_line(8, "vertex: 2 numbers of 3", text);
+        folder.fails_on_line(8, "vertex: 2 numbers instead of 3", text);
     }
 }
 
@@ -108,9 +108,9 @@ fn utf_16_is_named_and_so_is_the_remedy() {
             text.encode_utf16().flat_map(bytes_of).collect()
         };
         let name = if mark {
-            "it is UTF-16 text, by its byte order mark; save it as UTF-8"
+            "it is UTF-16 text, judging by its byte order mark; save it as UTF-8"
         } else {
-            "it is UTF-16 text or none at all, by a byte of 0 at its beginning; save it as UTF-8"
+            "it is UTF-16 text or binary data, judging by a zero byte at its start; save it as UTF-8"
         };
         assert_eq!(folder.error(encode(&obj)), (None, name.into()));
         folder.write("m.mtl", encode(&mtl));
@@ -129,7 +129,7 @@ fn colours_of_vertices_that_are_none_are_errors() {
     folder.fails_on_line(2, "'red' is not a number", format!("v 1 0 0 1 1 1\nv 2 1 0 1 red 1\nv 3 0 1 1 1 1\n{faces}"));
     folder.fails_on_line(2, "vertex: 5 numbers; give", format!("v 1 0 0 1 1 1\nv 2 1 0 1 1\nv 3 0 1\n{faces}"));
     for obj in ["v 1 0 0 2\nv 2 1 0 1 1 1\nv 3 0 1\n", "v 1 0 0 2\nv 2 1 0\nv 3 0 1 1 1 1\n"] {
-        folder.fails_on_line(1, "this vertex has a weight w, and others have colours", format!("{obj}{faces}"));
+        folder.fails_on_line(1, "this vertex has a weight w, but others have colours", format!("{obj}{faces}"));
     }
 }
 
@@ -160,7 +160,8 @@ fn no_damaged_file_panics() {
     let folder = Folder::new("damaged");
     let mtl = "newmtl red\nKd 0.5 0.25 1\nKa 1 1 1\nNs 3\nmap_Kd a.png\nnewmtl green\nKd 0 1 0\n";
     let obj = format!(
-        "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nf 1/1 2/1 3/1\nl 1 2 3\ng b\n\
+        "mtllib m.mtl\no a\n{SIX}vt 0 1\nvn 0 0 1\nvn 0 1 0\nusemtl red\nf 1/1/1 2//2 -1/-1/-1 4\nf 1/1 2/1 3/1\nl 1 2 \
+        3\ng b\n\
          usemtl green\nf 4 5 6 1\n"
     );
     #[cfg(feature = "textures")]
@@ -202,7 +203,7 @@ fn more_triangles_than_the_limit_are_refused() {
     assert_eq!(read(3).unwrap().triangles().len(), 3);
     let message = read(2).unwrap_err().to_string();
     assert!(
-        message.contains("scene.obj: it has 3 triangles, over the limit of 2; raise it by --max-triangles"),
+        message.contains("scene.obj: it has 3 triangles, over the limit of 2; raise it with --max-triangles"),
         "{message}"
     );
 }

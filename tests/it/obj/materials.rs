@@ -50,7 +50,7 @@ fn a_missing_mtl_is_grey_with_a_warning() {
     folder.scene(format!("# spaces\nmtllib no such.mtl\nmtllib\n{SIX}f 1 2 3\n"));
     let mut warnings = folder.warnings().split_off(before);
     warnings.sort();
-    assert_eq!(warnings[1], "scene.obj:3: mtllib names no file; it is left out");
+    assert_eq!(warnings[1], "scene.obj:3: mtllib names no file; it is ignored");
     assert!(
         warnings[0].starts_with("no such.mtl: ")
             && warnings[0].ends_with("; its materials are grey (line 2 of scene.obj)"),
@@ -108,7 +108,7 @@ fn mirrors_and_glass_without_a_colour_are_black_but_for_what_they_send_on() {
     let scene = folder.scene(format!("mtllib m.mtl\n{SIX}f 1 2 3\n"));
     let albedos: Vec<Vec3> = scene.materials()[1..].iter().map(|material| material.albedo).collect();
     assert_eq!(albedos, [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::new(0.2, 0.0, 0.0), Vec3::ZERO]);
-    let expected = "m.mtl: values out of their ranges, which are brought into them, in 1 material"; // chrome
+    let expected = "m.mtl: values out of range, which are clamped, in 1 material"; // chrome
     assert_eq!(folder.warnings(), [expected]);
 }
 

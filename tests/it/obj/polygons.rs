@@ -151,7 +151,7 @@ fn concave_faces_cover_their_inside_once_from_whatever_corner_they_begin() {
             assert_eq!(wrong, 0, "{name} from {first}: {wrong} of 500 points are covered wrongly");
         }
     }
-    let fanned = folder.warnings().into_iter().find(|warning| warning.contains("fanned"));
+    let fanned = folder.warnings().into_iter().find(|warning| warning.contains("as fans"));
     assert_eq!(fanned, None);
 }
 
@@ -184,15 +184,15 @@ fn faces_that_their_first_corner_sees_whole_are_fanned_as_ever() {
             }
         }
     }
-    let fanned = folder.warnings().into_iter().find(|warning| warning.contains("fanned"));
+    let fanned = folder.warnings().into_iter().find(|warning| warning.contains("as fans"));
     assert_eq!(fanned, None);
 }
 
 #[test]
 fn faces_that_cross_themselves_or_are_not_flat_are_fanned_and_counted_once_with_a_line() {
     let folder = Folder::new("crossing");
-    let text = "scene.obj: faces that cross themselves, are far from flat or too intricate, which are fanned from their \
-                first corner";
+    let text = "scene.obj: faces that intersect themselves, are far from flat or too complex, triangulated as fans \
+                from their first corner";
     let bow = vec![[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]];
     let lopsided = vec![[0.0, 0.0], [3.0, 3.0], [3.0, 0.0], [0.0, 2.0]];
     let pentagram = (0..5).map(|index| around(5, |_| 1.0)[2 * index % 5]).collect();
@@ -237,6 +237,6 @@ fn faces_of_100_000_corners_take_no_square_of_time() {
         }
     }
     assert!(red.is_empty(), "{red:?}");
-    let fanned: Vec<_> = folder.warnings().into_iter().filter(|warning| warning.contains("fanned")).collect();
+    let fanned: Vec<_> = folder.warnings().into_iter().filter(|warning| warning.contains("as fans")).collect();
     assert_eq!(fanned.len(), 3, "{fanned:?}");
 }

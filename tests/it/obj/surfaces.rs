@@ -82,9 +82,9 @@ fn of_d_and_tr_the_first_holds_wherever_it_stands() {
     let opacities = ["tr", "both", "other", "halo", "unseen", "d"].map(|name| material(&scene, name).opacity);
     assert_eq!(opacities, [0.25, 1.0, 0.5, 0.125, 0.0, 0.0]);
     let expected =
-        "m.mtl:11: material 'unseen' is not seen at all, by its Tr of 1; where it is opaque, give it a d of 1";
+        "m.mtl:11: material 'unseen' is invisible, because its Tr is 1; if it should be opaque, give it a d of 1";
     let warnings = folder.warnings();
-    assert_eq!(warnings.iter().filter(|text| text.contains("not seen")).collect::<Vec<_>>(), [expected]);
+    assert_eq!(warnings.iter().filter(|text| text.contains("invisible")).collect::<Vec<_>>(), [expected]);
 }
 
 #[test]
@@ -107,22 +107,24 @@ fn values_that_are_none_are_left_out_with_their_line() {
         assert_eq!(*material(&scene, "odd"), Material::new(Vec3::splat(0.5)).name("odd"), "{line}");
         let keyword = line.split(' ').next().unwrap();
         let rest = line[keyword.len()..].trim();
-        let expected = format!("m.mtl:3: {keyword} '{rest}' of material 'odd' is no ");
+        let expected = format!("m.mtl:3: {keyword} '{rest}' of material 'odd' is not a");
         let warnings = folder.warnings();
         assert!(
-            warnings.iter().any(|text| text.starts_with(&expected) && text.ends_with("it is left out")),
+            warnings.iter().any(|text| text.starts_with(&expected) && text.ends_with("it is ignored")),
             "{warnings:?}"
         );
     }
     read(&folder, "Ns 3\nnewmtl a\n");
-    assert!(folder.warnings().contains(&"m.mtl:1: Ns before the first newmtl; it is left out".into()));
+    assert!(folder.warnings().contains(&"m.mtl:1: Ns before the first newmtl; it is ignored".into()));
 }
 
 #[test]
 fn values_out_of_range_are_brought_into_it_with_one_warning_a_file() {
     let folder = Folder::new("ranges");
-    let mtl = "newmtl bright\nKd 2 0 0\nKs 0 -1 3\nKe -1 2 0\nNs 1e9\nd 1.5\nnewmtl glass\nKd 0 0 0\nNi 0\nTf 2 1 0\nillum 7\n\
-               newmtl mirror\nKd 0.5 0.25 0\nKs 1.5 0.75 0\nillum 3\nnewmtl phong\nKd 0.9 0.9 0.9\nKs 0.9 0.9 0.9\nillum 2\n";
+    let mtl = "newmtl bright\nKd 2 0 0\nKs 0 -1 3\nKe -1 2 0\nNs 1e9\nd 1.5\nnewmtl glass\nKd 0 0 0\nNi 0\nTf 2 1 \
+        0\nillum 7\n\
+               newmtl mirror\nKd 0.5 0.25 0\nKs 1.5 0.75 0\nillum 3\nnewmtl phong\nKd 0.9 0.9 0.9\nKs 0.9 0.9 \
+                   0.9\nillum 2\n";
     let scene = read(&folder, mtl);
     let bright = material(&scene, "bright");
     assert_eq!((bright.albedo, bright.specular, bright.emission), (Vec3::X, Vec3::Z, Vec3::Y * 2.0));
@@ -135,7 +137,7 @@ fn values_out_of_range_are_brought_into_it_with_one_warning_a_file() {
     assert_eq!(mirror.specular, Vec3::new(1.0, 0.75, 0.0) / 1.5);
     assert_eq!(material(&scene, "phong").specular, Vec3::splat(0.9));
     let warnings = folder.warnings();
-    let ranges: Vec<_> = warnings.iter().filter(|text| text.contains("out of their ranges")).collect();
-    assert_eq!(ranges, ["m.mtl: values out of their ranges, which are brought into them, in 3 materials"]);
+    let ranges: Vec<_> = warnings.iter().filter(|text| text.contains("out of range")).collect();
+    assert_eq!(ranges, ["m.mtl: values out of range, which are clamped, in 3 materials"]);
     common::renderer().upload(&scene).unwrap();
 }

@@ -39,7 +39,8 @@ fn a_file_of_several_materials_and_spellings_is_one_texture() {
     red(&folder, "sub/deep/with space.png");
     folder.write(
         "sub/m.mtl",
-        "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd a.png\nnewmtl b\nmap_Kd   ./a.png  \nnewmtl c\nmap_Kd deep/../a.png\nnewmtl d\n\
+        "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd a.png\nnewmtl b\nmap_Kd   ./a.png  \nnewmtl c\nmap_Kd deep/../a.png\nnewmtl \
+        d\n\
          map_Kd deep\\with space.png\nnewmtl e\nKd 0 0 0\nmap_Kd a.png\n",
     );
     let scene = folder.scene(obj(&["a", "b", "c", "d", "e"]));
@@ -50,7 +51,7 @@ fn a_file_of_several_materials_and_spellings_is_one_texture() {
     // Multiplied by what is given, by white where nothing is, and by white where it could not be seen.
     let albedos = ["a", "b", "e"].map(|name| material(&scene, name).albedo);
     assert_eq!(albedos, [Vec3::splat(0.5), Vec3::ONE, Vec3::ONE]);
-    let black = "sub/m.mtl:10: material 'e' has a texture and a black Kd; white takes its place";
+    let black = "sub/m.mtl:10: material 'e' has a texture and a black Kd; white is used instead";
     assert!(folder.warnings().iter().any(|text| text == black), "{:?}", folder.warnings());
 }
 
@@ -86,7 +87,7 @@ fn options_before_the_name_are_taken_or_skipped() {
     assert_eq!(folder.scene(obj(&["a"])).textures().len(), 0);
     let warnings = folder.warnings();
     assert!(
-        warnings.iter().any(|text| text.starts_with("sub/m.mtl:3: map_d '' of material 'a' is no file")),
+        warnings.iter().any(|text| text.starts_with("sub/m.mtl:3: map_d '' of material 'a' is not a file")),
         "{warnings:?}"
     );
 }
@@ -109,7 +110,7 @@ fn textures_that_can_not_be_read_are_errors_with_line_and_name_or_warnings() {
         ("no such name.png", ""),
         ("huge.png", "100000x100000 pixels; each side can have 1 to 8192"),
         ("text.png", "it is not PNG"),
-        ("cut.png", "no picture of a texture"),
+        ("cut.png", "can't read the texture"),
         ("folder", "it is a folder; only regular files are read"),
         ("m.mtl", "it is the MTL file itself"),
         ("../sub/m.mtl", "it is the MTL file itself"),
@@ -129,7 +130,8 @@ fn textures_that_can_not_be_read_are_errors_with_line_and_name_or_warnings() {
             let found = material(&scene, "a");
             assert_eq!((found.texture, found.cutout, found.albedo), (None, None, Vec3::splat(0.5)));
             let warnings = folder.warnings();
-            let said = |text: &String| text.contains(&expected) && text.ends_with("; the material is without it");
+            let said =
+                |text: &String| text.contains(&expected) && text.ends_with("; the material is rendered without it");
             assert!(warnings.iter().any(said), "{expected}: {warnings:?}");
         }
     }
@@ -162,7 +164,8 @@ fn cutouts_are_alpha_and_brightness_where_there_is_none() {
     mask.save(folder.file("sub/mask.png")).unwrap();
     folder.write(
         "sub/m.mtl",
-        "newmtl a\nmap_Kd leaf.png\nmap_d leaf.png\nnewmtl b\nmap_Kd mask.png\nmap_d mask.png\nnewmtl c\nmap_d -s 2 mask.png\n\
+        "newmtl a\nmap_Kd leaf.png\nmap_d leaf.png\nnewmtl b\nmap_Kd mask.png\nmap_d mask.png\nnewmtl c\nmap_d -s 2 \
+        mask.png\n\
          newmtl d\nmap_Kd leaf.png\nmap_d -s 3 mask.png\n",
     );
     let scene = folder.scene(obj(&["a", "b", "c", "d"]));
@@ -173,7 +176,7 @@ fn cutouts_are_alpha_and_brightness_where_there_is_none() {
     assert_eq!(pixels(&scene.textures()[1]), [[255; 4], [0, 100, 0, 255]]);
     assert_eq!(pixels(&scene.textures()[2]), [[255; 4], [0, 100, 0, 72]]);
     assert_eq!(scene.uv()[2..], [[Vec2::new(2.0, 2.0); 3], [Vec2::new(1.0, 2.0); 3]]);
-    let other = "sub/m.mtl:11: material 'd' has other -s or -o for map_d than for map_Kd, whose are taken";
+    let other = "sub/m.mtl:11: material 'd' has different -s or -o for map_d and map_Kd; those of map_Kd are used";
     assert!(folder.warnings().iter().any(|text| text.starts_with(other)), "{:?}", folder.warnings());
 }
 
@@ -196,8 +199,8 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     let read = |pixels| folder.read_with(&content, &ObjOptions::default().limits(limits(pixels)));
     assert_eq!(read(4).unwrap().textures().len(), 1);
     let message = read(3).unwrap_err().to_string();
-    let expected = "m.mtl:2: map_d 'a.png' of material 'a1': with its brightness as alpha it is another picture of 2x1 pixels, 2 in \
-                    all, over the limit of 1; raise it by --max-textures";
+    let expected = "m.mtl:2: map_d 'a.png' of material 'a1': its copy with brightness as alpha has another 2x1 pixels, \
+                    2 in all, over the limit of 1; raise it with --max-textures";
     assert!(message.contains(expected), "{message}");
     // Each broken one is decoded once, whatever names it, and four times the limit in all.
     let broken = std::fs::read(folder.file("sub/a.png")).unwrap();
@@ -210,7 +213,7 @@ fn masks_of_brightness_and_broken_pictures_have_a_limit_with_the_others() {
     let warnings = folder.warnings();
     let said = |text: &str| warnings.iter().filter(|warning| warning.contains(text)).count();
     // The first five of ten are logged: of the first two pictures and a half.
-    assert_eq!((said("no picture of a texture"), said("textures that can't be read: 5 more")), (5, 1), "{warnings:?}");
+    assert_eq!((said("can't read the texture"), said("textures that can't be read: 5 more")), (5, 1), "{warnings:?}");
 }
 
 /// A scene of `STEREOTRACE_SCENES`, or of target/scenes.

@@ -17,8 +17,8 @@ fn of_like_warnings_five_are_printed_and_the_rest_counted() {
     assert_eq!(counts, [6, 7, 5], "{warnings:?}");
     for counted in [
         "scene.obj: MTL files that can't be read: 3 more",
-        "m.mtl: diffuse colours (Kd) that are none: 4 more",
-        "scene.obj: materials that are in no MTL file: 7 more",
+        "m.mtl: invalid diffuse colours (Kd): 4 more",
+        "scene.obj: materials missing from the MTL files: 7 more",
     ] {
         assert_eq!(starting(counted), 1, "{counted}: {warnings:?}");
     }
@@ -46,12 +46,12 @@ fn what_is_left_out_is_said_once_a_file() {
     let mut warnings = folder.warnings();
     warnings.sort();
     let expected = [
-        "m.mtl: left out: 2 ambient colours of their own (Ka) from line 3 on; \
-         2 textures of other kinds than map_Kd and map_d from line 9 on; 2 unknown statements from line 12 on",
-        "scene.obj: left out: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; \
-         points (p) on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; \
-         unknown statements on line 17",
-        "scene.obj: triangles without area, which are dropped: 1 of 2",
+        "m.mtl: ignored: 2 ambient colours (Ka) from line 3 on; 2 textures other than map_Kd and map_d from line 9 on; \
+         2 unknown statements from line 12 on",
+        "scene.obj: dropped triangles without area: 1 of 2",
+        "scene.obj: ignored: faces of fewer than three corners (f) on line 13; 2 lines (l) from line 10 on; points (p) \
+         on line 12; smoothing groups (s) on line 9; statements of curves and surfaces on line 16; unknown statements \
+         on line 17",
     ];
     assert_eq!(warnings, expected);
 }
@@ -79,8 +79,8 @@ fn meshes_of_ones_own_are_warned_of_too_and_at_most_six_times() {
     let all = common::warnings::WARNINGS.lock().unwrap().clone();
     let own: Vec<_> = all.iter().filter(|text| text.starts_with(start) && text.contains("own_meshes")).collect();
     assert_eq!(own.len(), 6, "{all:?}");
-    assert!(own[0].ends_with("triangles without area, which are dropped: 1 of 1"), "{}", own[0]);
-    assert!(own[5].ends_with("more meshes with triangles without area follow; they are counted"), "{}", own[5]);
+    assert!(own[0].ends_with("dropped triangles without area: 1 of 1"), "{}", own[0]);
+    assert!(own[5].ends_with("more meshes have triangles without area; they are counted but not listed"), "{}", own[5]);
 }
 
 /// A grid of 40,000 quads, each a hundredth wide, far from the origin.
@@ -100,8 +100,8 @@ fn triangles_lost_to_rounding_are_told_and_counted() {
     let dropped = scene.degenerate_count();
     assert!(dropped > 79_900, "{dropped}");
     let expected = format!(
-        "scene.obj: triangles without area, which are dropped: {dropped} of 80000; coordinates near 1.0000002e7 are rounded \
-         to steps of 1: move it nearer to the origin"
+        "scene.obj: dropped triangles without area: {dropped} of 80000; coordinates near 1.0000002e7 are rounded to \
+         steps of 1: move it nearer to the origin"
     );
     assert_eq!(folder.warnings(), [expected]);
 }

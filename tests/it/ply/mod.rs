@@ -12,8 +12,10 @@ fn square(properties: &str, values: [&str; 4], face: &str) -> String {
     let corners = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
     let vertices: String = corners.iter().zip(values).map(|(corner, more)| format!("{corner} {more}\n")).collect();
     format!(
-        "ply\nformat ascii 1.0\ncomment made by hand\nobj_info none\nelement vertex 4\nproperty float x\nproperty float \
-         y\nproperty float z\n{properties}element face 1\nproperty list uchar int vertex_indices\nend_header\n{vertices}{face}\n"
+        "ply\nformat ascii 1.0\ncomment made by hand\nobj_info none\nelement vertex 4\nproperty float x\nproperty \
+        float \
+         y\nproperty float z\n{properties}element face 1\nproperty list uchar int \
+             vertex_indices\nend_header\n{vertices}{face}\n"
     )
 }
 
@@ -54,7 +56,8 @@ fn a_square_is_read_whatever_ends_its_lines() {
 
 #[test]
 fn normals_colours_and_texture_coordinates_reach_their_corners() {
-    let properties = "property float nx\nproperty double ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty \
+    let properties = "property float nx\nproperty double ny\nproperty float nz\nproperty uchar red\nproperty uchar \
+        green\nproperty \
                       uchar blue\nproperty uchar alpha\nproperty float s\nproperty float t\n";
     let values = ["0 0 2 255 0 0 9 0 0", "0 3 4 0 188 0 9 1 0", "0 0 1 0 0 255 9 1 1", "0 0 1 255 255 255 9 0 1"];
     let scene = scene(square(properties, values, "4 0 1 2 3"));
@@ -102,9 +105,12 @@ fn binary_numbers_of_all_types_and_orders_are_read() {
     for (index, (name, put)) in types.into_iter().enumerate() {
         for (order, is_big) in [("big", true), ("little", false)] {
             let mut bytes = format!(
-                "ply\nformat binary_{order}_endian 1.0\nelement noise 2\nproperty {name} skipped\nproperty list {name} double \
-                 also\nelement vertex 4\nproperty {name} x\nproperty list uchar {name} between\nproperty {name} y\nproperty \
-                 {name} z\nelement face 1\nproperty {name} before\nproperty list {name} {name} vertex_index\nend_header\n"
+                "ply\nformat binary_{order}_endian 1.0\nelement noise 2\nproperty {name} skipped\nproperty list {name} \
+                double \
+                 also\nelement vertex 4\nproperty {name} x\nproperty list uchar {name} between\nproperty {name} \
+                     y\nproperty \
+                 {name} z\nelement face 1\nproperty {name} before\nproperty list {name} {name} \
+                     vertex_index\nend_header\n"
             );
             if index > 5 {
                 // Lists count in whole numbers.
@@ -141,17 +147,20 @@ fn binary_numbers_of_all_types_and_orders_are_read() {
             assert!(reason.contains("face 0: the file ends before it"), "{reason}");
         }
     }
-    let negative = "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement \
+    let negative = "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float \
+        y\nproperty float z\nelement \
                     face 1\nproperty list char int vertex_index\nend_header\n\u{0}";
     let negative = [&negative.as_bytes()[..negative.len() - 1], &[0xff]].concat();
-    assert!(error(negative).1.contains("face 0: a list of -1 values"));
+    assert!(error(negative).1.contains("face 0: a list has a negative count, -1"));
 }
 
 #[test]
 fn polygons_are_split_by_ears_and_what_has_no_area_is_dropped() {
     // An arrowhead whose first corner sees nothing of the far wing.
-    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face \
-                2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n4 0 1 2 3\n3 0 0 1\n";
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement \
+        face \
+                2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n4 0 1 2 3\n3 0 0 \
+                    1\n";
     let scene = scene(text);
     let area = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(c - a).z;
     let areas: Vec<f32> = corners(&scene).into_iter().map(area).collect();
@@ -168,27 +177,27 @@ fn faults_are_named_with_their_line_or_element() {
         ("solid ply\n".into(), Some(1), "its first line is not `ply`"),
         ("ply\n".into(), Some(2), "the header has no end_header"),
         ("ply\nend_header\n".into(), Some(2), "the header has no format"),
-        (good.replace("1.0", "2.0"), Some(2), "'format ascii 2.0' is no format; there is version 1.0 alone"),
-        (good.replace("ascii", "binary"), Some(2), "'binary' is no format; there are ascii, binary_little_endian"),
-        (good.replace("comment", "coment"), Some(3), "'coment made by hand' is no line of a header"),
-        (good.replace("vertex 4", "vertex many"), Some(5), "element vertex: 'many' is no count"),
-        (good.replace("vertex 4", "vertex -4"), Some(5), "element vertex: '-4' is no count"),
-        (good.replace("float y", "real y"), Some(7), "'real' is no type of a property"),
+        (good.replace("1.0", "2.0"), Some(2), "'format ascii 2.0' is not supported; the format must have version 1.0"),
+        (good.replace("ascii", "binary"), Some(2), "unknown format 'binary'; use ascii, binary_little_endian"),
+        (good.replace("comment", "coment"), Some(3), "'coment made by hand' is not a header line"),
+        (good.replace("vertex 4", "vertex many"), Some(5), "element vertex: 'many' is not a count"),
+        (good.replace("vertex 4", "vertex -4"), Some(5), "element vertex: '-4' is not a count"),
+        (good.replace("float y", "real y"), Some(7), "'real' is not a property type"),
         (good.replace("float y", "float x"), Some(7), "element vertex has two properties x"),
         (good.replace("face 1", "vertex 1"), Some(9), "there are two elements vertex"),
-        (good.replace("float y", "float"), Some(7), "a property has a type and a name"),
+        (good.replace("float y", "float"), Some(7), "a property must have a type and a name"),
         (
             good.replace("list uchar", "list float"),
             Some(10),
-            "property vertex_indices: a list's count is a whole number",
+            "property vertex_indices: a list's count must have an integer type",
         ),
         (good.replace("element vertex 4\n", ""), Some(5), "a property before the first element"),
         (good.replace("float z", "float w"), None, "vertex 0: there is no property z"),
-        (square("4 0 1 2 4"), Some(16), "face 0: corner 4 of 4 vertices, which are numbered from 0 on"),
-        (square("4 0 1 2 -1"), Some(16), "face 0: corner -1 of 4 vertices"),
-        (square("4 0 1 2"), Some(16), "face 0: the line ends before all its values"),
-        (square("4000000000 0 1 2"), Some(16), "face 0: the line ends before all its values"),
-        (square("-3 0 1 2"), Some(16), "face 0: a list of -3 values"),
+        (square("4 0 1 2 4"), Some(16), "face 0: corner 4 is out of range for 4 vertices, numbered from 0"),
+        (square("4 0 1 2 -1"), Some(16), "face 0: corner -1 is out of range for 4 vertices"),
+        (square("4 0 1 2"), Some(16), "face 0: the line has too few values"),
+        (square("4000000000 0 1 2"), Some(16), "face 0: the line has too few values"),
+        (square("-3 0 1 2"), Some(16), "face 0: a list has a negative count, -3"),
         (square("3 0 1 2 3"), Some(16), "face 0: '3' follows its last value"),
         (square("3 0 1 2.5"), Some(16), "face 0: '2.5' is not a whole number"),
         (square("3 0 1 2,"), Some(16), "face 0: '2,' is not a number"),
@@ -222,9 +231,9 @@ fn what_pictures_do_not_show_is_named_once() {
         );
     warnings::collect();
     Scene::from_ply(folder.write("scene.ply", text)).unwrap();
-    let expected = "scene.ply: left out: edges on line 15; 2 faces of fewer than three corners from line 23 on; files of textures \
-                    (comment TextureFile) on line 3; opacities of vertices (alpha) on line 9; strips of triangles (tristrips) \
-                    on line 13; unknown properties of vertices on line 10";
+    let expected = "scene.ply: ignored: edges on line 15; 2 faces of fewer than three corners from line 23 on; \
+                    opacities of vertices (alpha) on line 9; strips of triangles (tristrips) on line 13; texture files \
+                    (comment TextureFile) on line 3; unknown properties of vertices on line 10";
     assert_eq!(warnings::of(&folder), [expected]);
 }
 
@@ -266,7 +275,7 @@ fn a_header_that_promises_billions_is_answered_at_once() {
         let list =
             [list.as_bytes(), if format == "ascii" { b"4000000000 0" } else { &[255, 255, 255, 255, 0, 0, 0, 0] }]
                 .concat();
-        assert!(read(list).unwrap_err().to_string().contains("face 0: corner 0 of 0 vertices"));
+        assert!(read(list).unwrap_err().to_string().contains("face 0: corner 0 is out of range for 0 vertices"));
     }
     assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
 }
@@ -277,7 +286,7 @@ fn files_over_the_limit_are_not_read() {
     let path = folder.write("scene.ply", square("", [""; 4], "4 0 1 2 3"));
     let options = SceneOptions::default().limits(Limits::default().file_bytes(100).option_names("--max-file", ""));
     let message = Scene::from_ply_with(path, &options).unwrap_err().to_string();
-    assert!(message.contains("over the limit of 100; raise it by --max-file"), "{message}");
+    assert!(message.contains("over the limit of 100; raise it with --max-file"), "{message}");
 }
 
 /// Doubles in UTM coordinates, as scanners write them, which f32 rounds to half a unit.
@@ -285,7 +294,8 @@ fn files_over_the_limit_are_not_read() {
 fn doubles_far_from_the_origin_keep_what_they_say() {
     let corners =
         [[500_000.125, 12.5, 5_400_000.062_5], [500_001.125, 12.5, 5_400_000.0], [500_000.5, 13.25, 5_400_000.0]];
-    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty \
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double \
+        y\nproperty \
                   double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
     let mut bytes = header.as_bytes().to_vec();
     corners.iter().flatten().for_each(|value: &f64| bytes.extend(value.to_le_bytes()));
@@ -307,7 +317,7 @@ fn more_triangles_than_the_limit_are_refused() {
     assert_eq!(read(2).unwrap().triangles().len(), 2);
     let message = read(1).unwrap_err().to_string();
     assert!(
-        message.contains("scene.ply: it has 2 triangles, over the limit of 1; raise it by --max-triangles"),
+        message.contains("scene.ply: it has 2 triangles, over the limit of 1; raise it with --max-triangles"),
         "{message}"
     );
 }

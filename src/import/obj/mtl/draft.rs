@@ -76,10 +76,10 @@ impl Draft {
         };
         if material.opacity == 0.0 && self.dissolve.is_none() {
             warnings.warn(
-                "materials that are not seen at all",
+                "invisible materials",
                 self.line,
                 format_args!(
-                    "material '{}' is not seen at all, by its Tr of 1; where it is opaque, give it a d of 1",
+                    "material '{}' is invisible, because its Tr is 1; if it should be opaque, give it a d of 1",
                     self.name
                 ),
             );
@@ -94,9 +94,11 @@ impl Draft {
         if let [Some(texture), Some(cutout)] = [&self.texture, &self.cutout]
             && texture.placement != cutout.placement
         {
-            let text =
-                format!("material '{}' has other -s or -o for map_d than for map_Kd, whose are taken", self.name);
-            warnings.warn("textures of other scales or offsets", cutout.line, text);
+            let text = format!(
+                "material '{}' has different -s or -o for map_d and map_Kd; those of map_Kd are used",
+                self.name
+            );
+            warnings.warn("textures with different scales or offsets", cutout.line, text);
         }
         [&self.texture, &self.cutout].into_iter().flatten().next().map(|map| map.placement).unwrap_or_default()
     }
@@ -105,7 +107,7 @@ impl Draft {
     fn albedo(&self, finish: Finish, texture: Option<TextureId>, warnings: &mut Warnings) -> Vec3 {
         match (self.diffuse, texture, finish) {
             (Some(diffuse), Some(_), Finish::Matte) if diffuse.max_element() <= 0.0 => {
-                let text = format!("material '{}' has a texture and a black Kd; white takes its place", self.name);
+                let text = format!("material '{}' has a texture and a black Kd; white is used instead", self.name);
                 warnings.warn("textures on black (map_Kd with a Kd of 0)", self.line, text);
                 Vec3::ONE
             }
@@ -183,7 +185,7 @@ pub(super) fn read_statement(
         None => warnings.warn(
             "statements before the first newmtl",
             line,
-            format!("{keyword} before the first newmtl; it is left out"),
+            format!("{keyword} before the first newmtl; it is ignored"),
         ),
     }
 }
@@ -193,12 +195,12 @@ impl Draft {
         let color = |place: &mut Option<Vec3>| {
             let color = parse_color(numbers);
             *place = color.or(*place);
-            color.map(drop).ok_or("no colour, which takes three finite numbers")
+            color.map(drop).ok_or("not a colour of three finite numbers")
         };
         let number = |place: &mut Option<f32>, words: &str| {
             let number = words.parse().ok().filter(|value: &f32| value.is_finite());
             *place = number.or(*place);
-            number.map(drop).ok_or("no finite number")
+            number.map(drop).ok_or("not a finite number")
         };
         let taken = match keyword {
             "Kd" => color(&mut self.diffuse),
@@ -212,18 +214,18 @@ impl Draft {
             "Tr" => number(&mut self.transparency, numbers),
             "illum" => {
                 self.illumination = numbers.parse().ok().filter(|model| *model <= 10);
-                self.illumination.map(drop).ok_or("no illumination model, which are 0 to 10")
+                self.illumination.map(drop).ok_or("not an illumination model from 0 to 10")
             }
             _ => {
                 let place = if keyword == "map_Kd" { &mut self.texture } else { &mut self.cutout };
                 *place = parse_map(keyword, rest, line, warnings);
-                place.as_ref().map(drop).ok_or("no file name")
+                place.as_ref().map(drop).ok_or("not a file name")
             }
         };
         if let Err(fault) = taken {
             let (kind, consequence) = match keyword {
-                "Kd" => ("diffuse colours (Kd) that are none", "it is grey"),
-                _ => ("values that are none", "it is left out"),
+                "Kd" => ("invalid diffuse colours (Kd)", "the material is grey"),
+                _ => ("invalid values", "it is ignored"),
             };
             // The text is formatted only if printed, since a long name may have thousands of errors.
             let name = &self.name;
@@ -236,11 +238,9 @@ impl Draft {
 /// Counts an unsupported statement.
 fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warnings) {
     match keyword {
-        "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => {
-            warnings.left_out("ambient colours of their own (Ka)", line)
-        }
+        "Ka" if parse_color(numbers) != Some(Vec3::ZERO) => warnings.left_out("ambient colours (Ka)", line),
         "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" | "aniso" | "anisor" => {
-            warnings.left_out("physically based parameters (Pr, Pm and their like)", line);
+            warnings.left_out("physically based parameters (Pr, Pm and similar)", line);
         }
         "bump" | "disp" | "decal" | "refl" | "norm" => warnings.left_out(OTHER_MAPS, line),
         _ if keyword.starts_with("map_") => warnings.left_out(OTHER_MAPS, line),
@@ -251,7 +251,7 @@ fn note_left_out(keyword: &str, numbers: &str, line: usize, warnings: &mut Warni
     }
 }
 
-const OTHER_MAPS: &str = "textures of other kinds than map_Kd and map_d";
+const OTHER_MAPS: &str = "textures other than map_Kd and map_d";
 
 /// Parses three numbers, or one for all three (MTL's rule).
 pub(super) fn parse_color(words: &str) -> Option<Vec3> {

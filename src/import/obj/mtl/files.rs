@@ -61,8 +61,9 @@ impl<'a> Textures<'a> {
                 Err(Error::parse_from(mtl, Some(map.line), text, error))
             }
             MissingTextures::Warn => {
-                let text =
-                    format_args!("{keyword} '{name}' of material '{material}': {reason}; the material is without it");
+                let text = format_args!(
+                    "{keyword} '{name}' of material '{material}': {reason}; the material is rendered without it"
+                );
                 warnings.warn("textures that can't be read", map.line, text);
                 Ok(None)
             }
@@ -129,11 +130,9 @@ impl<'a> Textures<'a> {
         let (count, left) = (pixels.len() as u64, &mut self.limits_left.texture_pixels);
         *left = left.checked_sub(count).ok_or_else(|| Error::TooLarge {
             path: file.into(),
-            size: format!(
-                "with its brightness as alpha it is another picture of {width}x{height} pixels, {count} in all"
-            ),
+            size: format!("its copy with brightness as alpha has another {width}x{height} pixels, {count} in all"),
             limit: *left,
-            remedy: format!("raise it by {}, if it is right", self.limits_left.texture_option_name),
+            remedy: format!("raise it with {} if the size is intended", self.limits_left.texture_option_name),
         })?;
         // Luma of Rec. 709.
         let luma = |[r, g, b]: [u8; 3]| 0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b);

@@ -27,7 +27,7 @@ impl Textures {
         warnings: &mut Warnings,
     ) -> Result<Option<TextureId>, Error> {
         let text = format!(
-            "{} '{}' of material '{material}' is left out: stereotrace is built without its feature `textures`",
+            "{} '{}' of material '{material}' is ignored: stereotrace is built without its feature `textures`",
             map.keyword, map.name
         );
         warnings.warn("textures", map.line, text);

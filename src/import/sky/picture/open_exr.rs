@@ -28,18 +28,21 @@ pub(super) fn decode(
     mut source: impl BufRead + Seek,
     limits: &Limits,
 ) -> Result<(u32, u32, Vec<Vec3>), Error> {
-    let no_sky = |reason: String| Error::parse(path, None, format!("no picture of a sky: {reason}"));
-    let said = |error: exr::error::Error| Error::parse_from(path, None, format!("no picture of a sky: {error}"), error);
+    let no_sky = |reason: String| Error::parse(path, None, format!("can't read the sky: {reason}"));
+    let said = |error: exr::error::Error| Error::parse_from(path, None, format!("can't read the sky: {error}"), error);
     let reader = exr::block::read(&mut source, false).map_err(said)?;
     // With several parts, each block states its part.
     let [header] = reader.headers() else {
-        return Err(no_sky(format!("it has {}; a sky has one", counted(reader.headers().len(), "part", "parts"))));
+        return Err(no_sky(format!(
+            "it has {}; a sky must have one",
+            counted(reader.headers().len(), "part", "parts")
+        )));
     };
     if header.deep || !has_colors(header) {
-        return Err(no_sky("it has no channels R, G and B of flat pixels".into()));
+        return Err(no_sky("it must have channels R, G and B and no deep data".into()));
     }
     if header.channels.list.len() > MOST_CHANNELS {
-        return Err(no_sky(format!("{} channels; there can be {MOST_CHANNELS}", header.channels.list.len())));
+        return Err(no_sky(format!("{} channels; the maximum is {MOST_CHANNELS}", header.channels.list.len())));
     }
     let window = header.shared_attributes.display_window;
     let [width, height] = sides(window.size);
@@ -54,7 +57,7 @@ pub(super) fn decode(
     let pixels = (columns as u64).saturating_mul(rows as u64);
     let most = limits.largest_sky().saturating_mul(size_of::<Vec3>() as u64).max(LEAST_BLOCK_BYTES);
     if pixels.saturating_mul(header.channels.bytes_per_pixel as u64) > most {
-        return Err(no_sky(format!("blocks of {columns}x{rows} pixels; one can have {most} bytes")));
+        return Err(no_sky(format!("blocks of {columns}x{rows} pixels; a block can have at most {most} bytes")));
     }
     let Vec2(left, top) = header.own_attributes.layer_position - window.position;
     drop(reader);
@@ -168,16 +171,19 @@ mod tests {
         // Without pixels, the error is about the limit.
         let start = &whole[..whole.len() - 8];
         let message = said(start, &usual.sky_pixels(2047));
-        assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it by"), "{message}");
-        assert!(said(start, &usual).contains("a.exr: no picture of a sky"));
-        assert!(said(&file(&["R", "G", "B"], [0, 0], [3, 2], [3, 2], zero), &usual).contains("3x2 pixels make no map"));
-        assert!(said(&file(&["Y"], [0, 0], [4, 2], [4, 2], zero), &usual).contains("no channels R, G and B"));
+        assert!(message.contains("64x32 pixels, 2048 in all, over the limit of 2047; raise it with"), "{message}");
+        assert!(said(start, &usual).contains("a.exr: can't read the sky"));
+        assert!(
+            said(&file(&["R", "G", "B"], [0, 0], [3, 2], [3, 2], zero), &usual)
+                .contains("3x2 pixels; a sky map must have an even width")
+        );
+        assert!(said(&file(&["Y"], [0, 0], [4, 2], [4, 2], zero), &usual).contains("it must have channels R, G and B"));
         let message = said(&file(&["R", "G", "B"], [0, 0], [64, 32], [4, 2], zero), &usual.sky_pixels(8));
         assert!(message.contains("its data window has 64x32 pixels"), "{message}");
         let names: Vec<String> = (0..126).map(|index| format!("c{index}")).collect();
         let names: Vec<&str> = names.iter().map(|name| &**name).chain(["R", "G", "B"]).collect();
         let message = said(&file(&names, [0, 0], [4, 2], [4, 2], zero), &usual);
-        assert!(message.contains("129 channels; there can be 128"), "{message}");
+        assert!(message.contains("129 channels; the maximum is 128"), "{message}");
     }
 
     /// Tests windows with sides of up to 2^31 in a changed header.
@@ -210,7 +216,7 @@ mod tests {
             changed[at..][..8].copy_from_slice(bytemuck::cast_slice(&sides.map(i32::to_le)));
             let message = read(&changed).unwrap_err().to_string();
             assert!(
-                message.contains(&format!("blocks of {}x{} pixels; one can have", sides[0], sides[1])),
+                message.contains(&format!("blocks of {}x{} pixels; a block can have at most", sides[0], sides[1])),
                 "{message}"
             );
         }

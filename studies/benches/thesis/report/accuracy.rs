@@ -94,7 +94,8 @@ pub(super) fn accuracy_group(
         "Across: what the second eye costs by {}, where the first costs 1; a method that goes beyond the axis has a \
          column at its end, and its costs in the legend. Up, from top to bottom: pixels of the right view that differ \
          from naive's, pixels that show another surface, and MSE, a row a decade with zero in a row of its own. A \
-         marker is a method's, the number in it its scene, and a bar the pair's least and most over the rounds; hollow markers are means over the scenes of those methods \
+         marker is a method's, the number in it its scene, and a bar the pair's least and most over the rounds; hollow \
+             markers are means over the scenes of those methods \
          that no other beats in cost and accuracy, among the methods that were measured on every scene.",
         cost.by
     );

@@ -43,11 +43,11 @@ pub(super) fn html(sources: &[Sources], records: &[Record], names: &Names) -> St
     } else {
         let _ = writeln!(
             html,
-            "<p>One render by <code>{METHOD}</code>, which is not of the thesis. It copies no colour: the left samples that \
-             land in a tile of right pixels say how deep the tile has to be searched, one query of the BVH lists what may be \
-             seen there, and each right pixel's own ray is met with that list. A hit no deeper than was searched is the \
-             nearest one; what is left is traced. What is taken over from the left view are shadow bits: which lights the \
-             point sees.</p>"
+            "<p>One render by <code>{METHOD}</code>, which is not of the thesis. It copies no colour: the left samples \
+             that land in a tile of right pixels say how deep the tile has to be searched, one query of the BVH lists \
+             what may be seen there, and each right pixel's own ray is met with that list. A hit no deeper than was \
+             searched is the nearest one; what is left is traced. Shadow bits are reused from the left view: which \
+             lights the point sees.</p>"
         );
     }
     sources.iter().for_each(|one| html += &of_scene(one));
@@ -57,7 +57,8 @@ pub(super) fn html(sources: &[Sources], records: &[Record], names: &Names) -> St
 fn of_scene(sources: &Sources) -> String {
     let Sources { width, height, e_px, .. } = sources;
     let mut html = format!(
-        "<h3 id=\"{SLUG}-{}\">Built-in scene {}: {width}x{height}, e = {e_px} px, {}</h3>\n<div class=\"pictures sources\">\n",
+        "<h3 id=\"{SLUG}-{}\">Built-in scene {}: {width}x{height}, e = {e_px} px, {}</h3>\n\
+         <div class=\"pictures sources\">\n",
         escape(&sources.scene),
         escape(&sources.scene),
         count(sources.lights, "light"),
@@ -79,7 +80,7 @@ fn of_scene(sources: &Sources) -> String {
         sources.unbound,
         "no bound, as no left sample landed or more may be seen than its list holds; traced",
     );
-    let taken = "shadow bits taken over from the left view, or no light is in front of the surface, or it is sky";
+    let taken = "shadow bits reused from the left view, or no light is in front of the surface, or it is sky";
     entry("green", "shadow map", sources.shadows_taken, taken);
     entry("red", "shadow map", 100.0 - sources.shadows_taken, "shadow rays, at least one");
     entry("black", "difference", 100.0 - sources.differing, "the same as naive's in 8-bit colour");
@@ -109,8 +110,10 @@ fn table(records: &[&Record], names: &Names) -> String {
     let heads: String = heads.iter().map(|head| format!("<th scope=\"col\" class=\"n\">{head}</th>")).collect();
     format!(
         "<p>It and its kin as measured, by the records: the first eye costs 1, and the right view is set against \
-         naive's, by all pixels and by those in which either view shows a surface.</p>\n<div class=\"table plain\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">method</th><th \
-         scope=\"col\">scene</th><th scope=\"col\" class=\"n\">size</th>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+         naive's, by all pixels and by those in which either view shows a surface.</p>\n\
+         <div class=\"table plain\" tabindex=\"0\"><table>\n<thead><tr>\
+         <th scope=\"col\">method</th><th scope=\"col\">scene</th><th scope=\"col\" class=\"n\">size</th>\
+         {heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
          </table></div>\n"
     )
 }

@@ -69,8 +69,8 @@ pub(super) fn html(stability: Option<&Stability>) -> String {
     let trials: Vec<&str> = distinct(rows.iter().map(|row| row.trial.as_str()));
     let _ = writeln!(
         html,
-        "<p>{} made to be hard, by <code>{COMMAND}</code>: {}; adapter: {}; commit: {}; {}. Cost is the second eye's by \
-         counters, the first eye's being 1; the rest sets the right view against naive's, in percent of its pixels \
+        "<p>{} made to be hard, by <code>{COMMAND}</code>: {}; adapter: {}; commit: {}; {}. Cost is the second eye's \
+         by counters, the first eye's being 1; the rest sets the right view against naive's, in percent of its pixels \
          and of those in which either view shows a surface.</p>",
         count(trials.len(), "scene"),
         list(&|row| format!("{}x{}", row.width, row.height)),
@@ -88,7 +88,8 @@ pub(super) fn html(stability: Option<&Stability>) -> String {
 /// A row a trial, [`COLUMNS`] a method.
 fn table(rows: &[Row], trials: &[&str]) -> String {
     let methods: Vec<&str> = distinct(rows.iter().map(|row| row.method.as_str()));
-    let mut html = "<div class=\"table suite\" tabindex=\"0\"><table>\n<thead>\n<tr><th scope=\"col\" rowspan=\"2\">trial, and why \
+    let mut html = "<div class=\"table suite\" tabindex=\"0\"><table>\n<thead>\n<tr><th scope=\"col\" \
+        rowspan=\"2\">trial, and why \
                     it is hard</th>"
         .to_owned();
     for method in &methods {
